@@ -22,7 +22,7 @@ fn judges_itself_under(program: &str, frames: usize, rigs: &[&str]) {
 
 macro_rules! behaviour {
     ($($name:ident: $frames:literal),* $(,)?) => {
-        tests![$($name),*, a_first_read_of_depth];
+        tests![$($name),*, a_first_read_of_depth, a_read_of_one_pixel_is_cheap];
 
         $(fn $name() {
             judges_itself(stringify!($name), $frames);
@@ -42,9 +42,29 @@ behaviour! {
     counting: 4,
     picking: 3,
     state: 4,
+    flat_modes: 3,
+    list_begin: 3,
+    program_life: 5,
+    own_choice: 3,
+    flat_feedback: 3,
+    window_errors: 3,
 }
 
 /// Not under a rig of projectors: they show less than the program sees, and no view has the depth of what none shows.
 fn a_first_read_of_depth() {
     judges_itself_under("first_depth", 4, &["identity", "identity-captured", "fisheye"]);
+}
+
+/// In a large window, where all of it would be a thousand times as much.
+fn a_read_of_one_pixel_is_cheap() {
+    for samples in ["0", "4"] {
+        let extra = ["--samples", samples];
+        let run = Run { size: (1000, 1000), extra: &extra, ..Run::new("small_reads") };
+        let Some(plain) = run.plain() else { return };
+        plain.expect_success();
+        for rig in ["identity-captured", "fisheye"] {
+            let Some(finished) = Run { cupola_frames: 4, ..run.clone() }.under(rig) else { return };
+            finished.expect_success();
+        }
+    }
 }

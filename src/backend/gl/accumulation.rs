@@ -4,6 +4,7 @@
 
 use super::api::Gl;
 use super::known_state::KnownState;
+use super::own_names;
 use super::program::{ATLAS_UNIT, link};
 use super::state::Capabilities;
 use crate::backend::gl::api;
@@ -65,12 +66,12 @@ impl Accumulation {
     /// [`ErrorKind::Graphics`] where the driver refuses the shader (OpenGL before 3.0) or the framebuffer.
     pub fn new(gl: &Gl, size: (i32, i32)) -> Result<Self> {
         let caps = Capabilities::of(gl, false);
-        let (mut framebuffer, mut vertex_array, mut sampler) = (0, 0, 0);
+        let (framebuffer, mut vertex_array, mut sampler) = (own_names::framebuffer(gl), 0, 0);
         let saved = state::save_and_set(gl, &caps, state::UNITS, &KnownState::default());
         let program = link(gl, VERTEX, FRAGMENT);
         // SAFETY: makes objects of ours on the current context; `saved` holds what is touched.
         let (texture, status) = unsafe {
-            let texture = super::surface::new_texture(gl);
+            let texture = own_names::texture(gl);
             gl.active_texture(api::GL_TEXTURE0);
             gl.bind_texture(api::GL_TEXTURE_2D, texture);
             gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA32F, size.0, size.1);
@@ -81,7 +82,6 @@ impl Accumulation {
             if caps.srgb_decode {
                 gl.sampler_parameteri(sampler, api::GL_TEXTURE_SRGB_DECODE_EXT, api::GL_SKIP_DECODE_EXT as i32);
             }
-            gl.gen_framebuffers(1, &mut framebuffer);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
             let (target, point) = (api::GL_DRAW_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0);
             gl.framebuffer_texture2_d(target, point, api::GL_TEXTURE_2D, texture, 0);

@@ -6,6 +6,7 @@ use super::cleared_views::{ClearedViews, Draw, Shows};
 use super::errors::{MOST_ERRORS, drain};
 use super::full_clear::FullClear;
 use super::known_state::KnownState;
+use super::own_names;
 use super::program::{ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::Capabilities;
 use super::target::Target;
@@ -226,7 +227,7 @@ impl GlBackend {
         }
         // SAFETY: a context is current; one name is written to each place.
         unsafe {
-            gl.gen_buffers(2, self.names.buffers.as_mut_ptr());
+            self.names.buffers = [own_names::buffer(gl), own_names::buffer(gl)];
             self.make_vertex_array(gl);
             gl.gen_samplers(2, self.names.samplers.as_mut_ptr());
             for (sampler, filter) in self.names.samplers.into_iter().zip([GL_LINEAR, GL_NEAREST]) {

@@ -1,9 +1,10 @@
 //! The state of the program's context that correcting touches: read, set, put back.
 //!
-//! Nothing here allocates. What is not in [`Saved`] is not touched. Two things of OpenGL cannot be
+//! Nothing here allocates, but for programs with subroutines. What is not in [`Saved`] is not touched. Two things of OpenGL cannot be
 //! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
 
 use super::api::*;
+use super::current_program::CurrentProgram;
 use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
 use super::values::{boolean, integer};
 use crate::backend::gl::known_state;
@@ -28,6 +29,8 @@ pub(super) struct Capabilities {
     clip_distances: bool,
     indexed_blend: bool,
     viewport_array: bool,
+    /// Transform feedback can be paused.
+    feedback_pauses: bool,
     /// Linked programs can be had from the driver and given back.
     pub program_binaries: bool,
     draw_buffers: u32,
@@ -53,6 +56,7 @@ impl Capabilities {
             clip_distances: !gles,
             indexed_blend: if gles { version >= 32 } else { version >= 30 },
             viewport_array: !gles && version >= 41,
+            feedback_pauses: gles || version >= 40,
             program_binaries: version >= if gles { 30 } else { 41 },
             draw_buffers: integer(gl, GL_MAX_DRAW_BUFFERS).clamp(1, MOST_DRAW_BUFFERS as i32) as u32,
         };
@@ -68,6 +72,7 @@ impl Capabilities {
                 b"GL_EXT_sRGB_write_control" => found.framebuffer_srgb = true,
                 b"GL_EXT_texture_sRGB_decode" => found.srgb_decode = true,
                 b"GL_EXT_texture_norm16" => found.norm16 = true,
+                b"GL_ARB_transform_feedback2" => found.feedback_pauses = true,
                 b"GL_ARB_get_program_binary" => found.program_binaries = true,
                 b"GL_EXT_depth_bounds_test" => found.depth_bounds = true,
                 b"GL_EXT_clip_cull_distance" | b"GL_APPLE_clip_distance" => found.clip_distances = true,
@@ -75,6 +80,11 @@ impl Capabilities {
             }
         }
         found
+    }
+
+    /// The version for [`CurrentProgram::save`].
+    fn subroutines(&self) -> i32 {
+        if self.gles { 0 } else { self.version }
     }
 
     /// Whether the context knows the switch.
@@ -107,7 +117,7 @@ pub(super) struct Saved {
     /// Bit i: `SWITCHES[i]` was on.
     switches: u32,
     scissor: bool,
-    program: u32,
+    program: CurrentProgram,
     vertex_array: u32,
     draw_framebuffer: u32,
     active_texture: u32,
@@ -135,7 +145,7 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &K
     let mut saved = Saved {
         switches: 0,
         scissor: false,
-        program: integer(gl, GL_CURRENT_PROGRAM) as u32,
+        program: CurrentProgram::save(gl, caps.subroutines()),
         vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
         draw_framebuffer: integer(gl, GL_DRAW_FRAMEBUFFER_BINDING) as u32,
         active_texture: integer(gl, GL_ACTIVE_TEXTURE) as u32,
@@ -185,14 +195,20 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &K
                 gl.clip_control(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
             }
         }
-        if caps.gles || caps.version >= 40 {
-            saved.feedback = boolean(gl, GL_TRANSFORM_FEEDBACK_ACTIVE) && !boolean(gl, GL_TRANSFORM_FEEDBACK_PAUSED);
-            if saved.feedback {
-                gl.pause_transform_feedback();
-            }
-        }
+        saved.feedback = pause_feedback(gl, caps);
     }
     saved
+}
+
+/// Pauses transform feedback, while which no other program can be put in use. Whether it is to be resumed.
+fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
+    let runs =
+        caps.feedback_pauses && boolean(gl, GL_TRANSFORM_FEEDBACK_ACTIVE) && !boolean(gl, GL_TRANSFORM_FEEDBACK_PAUSED);
+    if runs {
+        // SAFETY: a context is current; transform feedback is active and not paused.
+        unsafe { gl.pause_transform_feedback() };
+    }
+    runs
 }
 
 impl Saved {
@@ -229,7 +245,7 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
         if saved.units > 0 {
             gl.active_texture(saved.active_texture);
         }
-        gl.use_program(saved.program);
+        saved.program.restore(gl);
         gl.bind_vertex_array(saved.vertex_array);
         gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, saved.draw_framebuffer);
         let [front, back] = saved.polygon_mode;
@@ -363,13 +379,14 @@ unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &Masks) {
 
 /// What uploading textures and vertices touches.
 struct SavedUpload {
-    program: u32,
+    program: CurrentProgram,
     vertex_array: u32,
     array_buffer: u32,
     unpack_buffer: u32,
     texture: u32,
     /// Values of `UNPACK`.
     unpack: [i32; 6],
+    feedback: bool,
 }
 
 const UNPACK: [u32; 6] = [
@@ -396,12 +413,13 @@ pub(super) fn while_uploading<R>(gl: &Gl, caps: &Capabilities, work: impl FnOnce
 
 fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
     let mut saved = SavedUpload {
-        program: integer(gl, GL_CURRENT_PROGRAM) as u32,
+        program: CurrentProgram::save(gl, caps.subroutines()),
         vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
         array_buffer: integer(gl, GL_ARRAY_BUFFER_BINDING) as u32,
         unpack_buffer: integer(gl, GL_PIXEL_UNPACK_BUFFER_BINDING) as u32,
         texture: integer(gl, GL_TEXTURE_BINDING_2D) as u32,
         unpack: [0; 6],
+        feedback: pause_feedback(gl, caps),
     };
     // SAFETY: a context is current and knows the names.
     unsafe {
@@ -424,6 +442,9 @@ fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
         gl.bind_texture(GL_TEXTURE_2D, saved.texture);
         gl.bind_vertex_array(saved.vertex_array);
         gl.bind_buffer(GL_ARRAY_BUFFER, saved.array_buffer);
-        gl.use_program(saved.program);
+        saved.program.restore(gl);
+        if saved.feedback {
+            gl.resume_transform_feedback();
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! An atlas to draw views into: a framebuffer with colour, depth and stencil.
 
 use super::api::Gl;
-use crate::backend::gl::api;
 use crate::backend::gl::errors::drain;
+use crate::backend::gl::{api, own_names};
 use crate::error::{Error, ErrorKind, Result};
 
 /// A framebuffer of ours. The methods take the context that it was made on as current.
@@ -45,15 +45,15 @@ impl Surface {
         unsafe {
             let bindings = Bindings::save(gl);
             if samples > 0 {
-                gl.gen_renderbuffers(1, &mut surface.color);
+                surface.color = own_names::renderbuffer(gl);
                 gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.color);
                 gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, color_format, width, height);
             } else {
-                surface.color = new_texture(gl);
+                surface.color = own_names::texture(gl);
                 gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
                 if srgb && views_textures(gl) {
                     gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA8, width, height);
-                    surface.as_srgb = new_texture(gl);
+                    surface.as_srgb = own_names::texture(gl);
                     gl.texture_view(surface.as_srgb, api::GL_TEXTURE_2D, surface.color, color_format, 0, 1, 0, 1);
                 } else {
                     gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
@@ -63,7 +63,7 @@ impl Surface {
                     gl.tex_parameteri(api::GL_TEXTURE_2D, api::GL_TEXTURE_SRGB_DECODE_EXT, skip);
                 }
             }
-            gl.gen_renderbuffers(1, &mut surface.depth);
+            surface.depth = own_names::renderbuffer(gl);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.depth);
             let depth_format = api::GL_DEPTH24_STENCIL8;
             gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, depth_format, width, height);
@@ -87,7 +87,7 @@ impl Surface {
         // SAFETY: makes an object of ours on the current context; bindings are put back.
         let (status, error) = unsafe {
             let bindings = Bindings::save(gl);
-            gl.gen_framebuffers(1, &mut self.framebuffer);
+            self.framebuffer = own_names::framebuffer(gl);
             gl.bind_framebuffer(api::GL_FRAMEBUFFER, self.framebuffer);
             let (target, point) = (api::GL_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0);
             if self.samples > 0 {
@@ -183,29 +183,6 @@ impl Surface {
             }
         }
     }
-}
-
-/// So many names of textures are left to programs that use some without having asked for them.
-const PROGRAM_NAMES: usize = 4096;
-
-/// A name for a texture of our own. Programs of the old profile may use names that they never asked
-/// for, mostly from 1 on; ours is far from those there. The caller deletes it.
-pub fn new_texture(gl: &Gl) -> u32 {
-    let mut names = [0; PROGRAM_NAMES];
-    // SAFETY: writes as many names as there is room for, and gives back all but the last.
-    unsafe {
-        let mut profile = 0;
-        if !gl.is_es() {
-            gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut profile);
-        }
-        if profile as u32 & api::GL_CONTEXT_COMPATIBILITY_PROFILE_BIT == 0 {
-            gl.gen_textures(1, names.as_mut_ptr());
-            return names[0];
-        }
-        gl.gen_textures(PROGRAM_NAMES as i32, names.as_mut_ptr());
-        gl.delete_textures(PROGRAM_NAMES as i32 - 1, names.as_ptr());
-    }
-    names[PROGRAM_NAMES - 1]
 }
 
 /// Whether a texture's storage can be seen in another format.

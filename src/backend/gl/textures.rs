@@ -1,6 +1,7 @@
 //! Masks, tables and pictures of black as textures.
 
 use super::api::*;
+use super::own_names;
 use super::state::Capabilities;
 use crate::correct::BlackPicture;
 use crate::correct::Mask;
@@ -15,7 +16,7 @@ pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
     }
     // SAFETY: a context is current, rows are tightly packed, and the array holds width · height values.
     unsafe {
-        texture = super::surface::new_texture(gl);
+        texture = own_names::texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);
         gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
         if caps.norm16 {
@@ -39,7 +40,7 @@ pub(super) fn upload_black(gl: &Gl, caps: &Capabilities, black: &BlackPicture) -
     }
     // SAFETY: a context is current, rows are tightly packed, and the array holds width · height pixels of four values.
     unsafe {
-        let texture = super::surface::new_texture(gl);
+        let texture = own_names::texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);
         gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
         if caps.norm16 {
@@ -61,7 +62,7 @@ pub(super) fn upload_table(gl: &Gl, table: &Table) -> u32 {
     let texels = table.texels().as_flattened().as_ptr().cast();
     // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four floats as entries.
     unsafe {
-        let texture = super::surface::new_texture(gl);
+        let texture = own_names::texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);
         gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
         gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA32F as i32, width, height, 0, GL_RGBA, GL_FLOAT, texels);

@@ -6,6 +6,7 @@
 use super::api::*;
 use super::binaries::Binaries;
 use super::known_state::KnownState;
+use super::own_names;
 use super::program;
 use super::state::Capabilities;
 use super::values;
@@ -72,7 +73,7 @@ impl UnsampledAreas {
         unsafe {
             unsampled.frame = gl.get_uniform_location(program, c"frame".as_ptr());
             gl.gen_vertex_arrays(1, &mut unsampled.vertex_array);
-            gl.gen_buffers(1, &mut unsampled.buffer);
+            unsampled.buffer = own_names::buffer(gl);
             gl.bind_vertex_array(unsampled.vertex_array);
             gl.bind_buffer(GL_ARRAY_BUFFER, unsampled.buffer);
             let size = std::mem::size_of_val(corners.as_slice()) as isize;

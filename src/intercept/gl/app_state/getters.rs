@@ -18,6 +18,8 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
         api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.app.draw_buffer.into()),
         api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer.into()),
         api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
+        // As many as that.
+        api::GL_PROGRAM_BINARY_FORMATS => Some(([0.0; 4], 0)),
         _ if ctx.app.draw_framebuffer == 0 => {
             let config = ctx.drawable.target.as_ref()?.config();
             match name {

@@ -8,6 +8,23 @@ use crate::intercept::gl::app_state::window_state::{set_program_scissor, set_pro
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 
+/// Whether `count` rectangles have sizes that OpenGL takes; else the program gets its error, and nothing is set.
+///
+/// # Safety
+/// `v` must be null or point at so many rectangles.
+unsafe fn takes<T: Copy + PartialOrd + Default>(ctx: &mut Context, count: i32, v: *const T) -> bool {
+    let rectangles = usize::try_from(count).unwrap_or(0);
+    let size = |i: usize| {
+        // SAFETY: as promised.
+        unsafe { [*v.add(4 * i + 2), *v.add(4 * i + 3)] }
+    };
+    let takes = v.is_null() || (0..rectangles).all(|i| size(i).into_iter().all(|side| side >= T::default()));
+    if !takes {
+        ctx.driver.note_error(api::GL_INVALID_VALUE);
+    }
+    takes
+}
+
 /// The first viewport from its four numbers, rounded like a driver does that has no fractions.
 fn first_viewport(ctx: &mut Context, [x, y, width, height]: [f32; 4]) {
     set_program_viewport(ctx, [x, y, width, height].map(|v| v.round() as i32));
@@ -15,7 +32,10 @@ fn first_viewport(ctx: &mut Context, [x, y, width, height]: [f32; 4]) {
 
 hooks! {
     "glViewportIndexedf" viewport_indexedf(index: u32, x: f32, y: f32, width: f32, height: f32) = |ctx, gl| {
-        if index == 0 && width >= 0.0 && height >= 0.0 {
+        if index == 0 {
+            if !takes(ctx, 1, [x, y, width, height].as_ptr()) {
+                return;
+            }
             first_viewport(ctx, [x, y, width, height]);
         }
         if index != 0 || !ctx.redirected() {
@@ -24,6 +44,9 @@ hooks! {
     };
     "glViewportIndexedfv" viewport_indexedfv(index: u32, v: *const f32) = |ctx, gl| {
         if index == 0 && !v.is_null() {
+            if !takes(ctx, 1, v) {
+                return;
+            }
             first_viewport(ctx, *v.cast::<[f32; 4]>());
         }
         if index != 0 || !ctx.redirected() {
@@ -32,6 +55,9 @@ hooks! {
     };
     "glViewportArrayv" viewport_arrayv(first: u32, count: i32, v: *const f32) = |ctx, gl| {
         if first == 0 && count > 0 && !v.is_null() {
+            if !takes(ctx, count, v) {
+                return;
+            }
             first_viewport(ctx, *v.cast::<[f32; 4]>());
         }
         if first != 0 || !ctx.redirected() {
@@ -49,6 +75,9 @@ hooks! {
     };
     "glScissorIndexedv" scissor_indexedv(index: u32, v: *const i32) = |ctx, gl| {
         if index == 0 && !v.is_null() {
+            if !takes(ctx, 1, v) {
+                return;
+            }
             set_program_scissor(ctx, *v.cast::<[i32; 4]>());
         } else {
             gl.scissor_indexedv(index, v);
@@ -57,7 +86,7 @@ hooks! {
     "glScissorArrayv" scissor_arrayv(first: u32, count: i32, v: *const i32) = |ctx, gl| {
         if first != 0 || count < 1 || v.is_null() {
             gl.scissor_arrayv(first, count, v);
-        } else {
+        } else if takes(ctx, count, v) {
             set_program_scissor(ctx, *v.cast::<[i32; 4]>());
             if count > 1 {
                 gl.scissor_arrayv(1, count - 1, v.add(4));

@@ -5,10 +5,9 @@
 //! in between) is compiled into a list of the driver's instead.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::context::list_recording::ListState;
+use crate::intercept::gl::context::list_recording::{ListState, Primitive};
 use crate::intercept::gl::context::{list_recording, methods};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
@@ -20,7 +19,6 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
-use std::ffi::c_void;
 
 /// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
 pub fn into_list(ctx: &mut Context) {
@@ -28,21 +26,18 @@ pub fn into_list(ctx: &mut Context) {
         give_to_list(ctx);
     }
     if ctx.compat.immediate.phase == Phase::Recording {
+        let gl = ctx.driver.gl;
         // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
-        unsafe { ctx.driver.gl.end() };
-        if ctx.compat.immediate.list == 0 {
-            ctx.compat.immediate.list = list_recording::own_name(ctx);
-        }
-        let (gl, immediate) = (ctx.driver.gl, &mut ctx.compat.immediate);
-        // SAFETY: the list is ours, and ends with the program's End.
+        unsafe { gl.end() };
+        let current = Current::get(gl, [true; 3]);
+        begin_list(ctx);
+        let immediate = &ctx.compat.immediate;
+        // SAFETY: the program's own commands, into the list that is compiled.
         unsafe {
-            let current = Current::get(gl, [true; 3]);
-            gl.new_list(immediate.list, api::GL_COMPILE);
             current.set(gl);
             gl.begin(immediate.mode);
             immediate.recorder.play(gl);
         }
-        immediate.phase = Phase::IntoList;
     }
     if ctx.compat.immediate.under_way() {
         ctx.compat.immediate.bounds.add_unknown();
@@ -83,6 +78,18 @@ impl Current {
                 gl.tex_coord4fv(texture.as_ptr());
             }
         }
+    }
+}
+
+/// The mode of separate primitives that has the same errors as `mode`. The driver is between Begin and End in it, without
+/// vertices: of strips, fans and polygons Mesa drops what follows an empty one of the same mode.
+fn list_of(mode: u32) -> u32 {
+    match mode {
+        api::GL_LINE_LOOP | api::GL_LINE_STRIP => api::GL_LINES,
+        api::GL_TRIANGLE_STRIP | api::GL_TRIANGLE_FAN | api::GL_QUAD_STRIP | api::GL_POLYGON => api::GL_TRIANGLES,
+        api::GL_LINE_STRIP_ADJACENCY => api::GL_LINES_ADJACENCY,
+        api::GL_TRIANGLE_STRIP_ADJACENCY => api::GL_TRIANGLES_ADJACENCY,
+        _ => mode,
     }
 }
 
@@ -142,6 +149,7 @@ fn give_to_list(ctx: &mut Context) {
     list_recording::will_draw(ctx, false);
     let Some(recording) = &mut ctx.lists.recording else { return };
     recording.bounds.add_unknown();
+    recording.primitive.begin(ctx.compat.immediate.mode);
     ctx.compat.immediate.phase = Phase::Outside;
     // SAFETY: the program's own commands, into the list that the driver compiles.
     unsafe {
@@ -150,13 +158,50 @@ fn give_to_list(ctx: &mut Context) {
     }
 }
 
+/// Runs a part of a list of the program that begins or ends a primitive, or lies inside of one.
+pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
+    let gl = ctx.driver.gl;
+    if let (false, Some(mode)) = (ctx.compat.immediate.under_way(), primitive.within) {
+        if ctx.session().is_none() || ctx.app.picking {
+            plain_program(ctx);
+            // SAFETY: the program's own call.
+            unsafe { gl.call_list(list) };
+            return;
+        }
+        // What comes until the End is one draw, with this list.
+        ctx.compat.immediate.begin(mode);
+        ctx.compat.immediate.bounds.add_unknown();
+        begin_list(ctx);
+    }
+    // SAFETY: the program's own call, into the list that is compiled.
+    unsafe { gl.call_list(list) };
+    ctx.compat.immediate.bounds.add_unknown();
+    ctx.compat.immediate.trailing = ctx.compat.immediate.recorder.place();
+    if let (true, None) = (primitive.ends, primitive.within) {
+        ctx.compat.immediate.phase = Phase::Outside;
+        issue_list(ctx);
+    }
+}
+
+/// Begins the list of ours that stands for a Begin/End.
+fn begin_list(ctx: &mut Context) {
+    if ctx.compat.immediate.list == 0 {
+        ctx.compat.immediate.list = list_recording::own_name(ctx);
+    }
+    // SAFETY: the list is ours, and ends with the program's End; the driver is outside of Begin and End.
+    unsafe { ctx.driver.gl.new_list(ctx.compat.immediate.list, api::GL_COMPILE) };
+    ctx.compat.immediate.phase = Phase::IntoList;
+}
+
 /// Issues the list that stands for a Begin/End. What is current afterwards is what the program set last, but a
 /// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
 fn issue_list(ctx: &mut Context) {
     let (list, bounds, trailing) =
         (ctx.compat.immediate.list, ctx.compat.immediate.bounds, ctx.compat.immediate.trailing);
     ctx.draw.wide_primitives.shape = Shape::of_mode(ctx.compat.immediate.mode);
-    // SAFETY: a list of ours.
+    // SAFETY: the list of ours that is being compiled.
+    unsafe { ctx.driver.gl.end_list() };
+    // SAFETY: as above.
     draw(ctx, Changes::Attributes, |_| bounds, |_, gl| unsafe { gl.call_list(list) });
     // SAFETY: attributes of the program's.
     unsafe { ctx.compat.immediate.recorder.play_attributes(ctx.driver.gl, trailing) };
@@ -170,10 +215,15 @@ hooks! {
             return;
         } else if ctx.lists.recording.is_some() {
             list_recording::will_draw(ctx, false);
+            if let Some(recording) = &mut ctx.lists.recording {
+                recording.primitive.begin(mode);
+            }
         } else if ctx.session().is_none() || ctx.app.picking {
             plain_program(ctx);
         } else if !ctx.compat.immediate.under_way() && mode <= api::GL_PATCHES {
             ctx.compat.immediate.begin(mode);
+            gl.begin(list_of(mode));
+            return;
         }
         gl.begin(mode);
     };
@@ -184,36 +234,13 @@ hooks! {
             return;
         }
         gl.end();
+        if let Some(recording) = &mut ctx.lists.recording {
+            recording.primitive.end();
+        }
         match std::mem::take(&mut ctx.compat.immediate.phase) {
             Phase::Outside => {}
             Phase::Recording => issue_recorded(ctx),
-            Phase::IntoList => {
-                gl.end_list();
-                issue_list(ctx);
-            }
-        }
-    };
-    "glEndList" end_list() = |ctx, gl| {
-        if ctx.lists.recording.is_some() {
-            // A primitive whose end is in another list.
-            into_list(ctx);
-        }
-        if ctx.compat.immediate.under_way() { gl.end_list() } else { display_lists::finish_recording(ctx) }
-    };
-    "glCallList" call_list(list: u32) = |ctx, gl| {
-        if ctx.compat.immediate.under_way() {
-            into_list(ctx);
-            gl.call_list(list);
-        } else {
-            display_lists::call_list(ctx, list);
-        }
-    };
-    "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
-        if ctx.compat.immediate.under_way() {
-            into_list(ctx);
-            gl.call_lists(count, kind, names);
-        } else {
-            display_lists::call_lists(ctx, count, kind, names);
+            Phase::IntoList => issue_list(ctx),
         }
     };
 }

@@ -6,14 +6,13 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::app_state::window_state;
-use crate::intercept::gl::compat::raster_position;
+use crate::intercept::gl::compat::{begin_end, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::context::list_recording::ListState;
-use crate::intercept::gl::context::list_recording::{Command, Item, Recording, record};
+use crate::intercept::gl::context::list_recording::{Command, Item, ListState, Primitive, Recording, record};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::framebuffer::bindings;
-use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::shader::program_use;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::driver::Driver;
@@ -24,8 +23,8 @@ use std::sync::Arc;
 /// Lists may call lists this deep, as OpenGL says at least.
 const DEEPEST: u32 = 64;
 
-/// Runs a list of the program.
-fn call(ctx: &mut Context, list: u32, depth: u32) {
+/// Runs a list of the program, also between Begin and End, where all that it draws goes into the list that is compiled there.
+pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
     if depth > DEEPEST {
         return;
     }
@@ -34,6 +33,10 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
         lists.items.get(&list).cloned()
     };
     match items {
+        None if ctx.compat.immediate.under_way() => {
+            // SAFETY: the program's own call.
+            unsafe { ctx.driver.gl.call_list(list) };
+        }
         // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
         None => {
             run_real(ctx, list, true, true, &Bounds::UNKNOWN);
@@ -45,17 +48,29 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
         Some(items) => {
             for item in items.iter() {
                 match item {
-                    Item::Real { list, draws, raster, sets_state, bounds } => {
-                        run_real(ctx, *list, *draws, *raster, bounds);
+                    Item::Real { list, draws, raster, sets_state, bounds, primitive } => {
+                        if ctx.compat.immediate.under_way() || primitive.within.is_some() {
+                            begin_end::run_part(ctx, *list, *primitive);
+                        } else {
+                            run_real(ctx, *list, *draws, *raster, bounds);
+                        }
                         if *sets_state {
                             ctx.driver.known_state.forget();
                         }
+                    }
+                    Item::Command(command) if ctx.compat.immediate.under_way() && !calls(command) => {
+                        ctx.driver.note_error(api::GL_INVALID_OPERATION);
                     }
                     Item::Command(command) => run(ctx, command, depth),
                 }
             }
         }
     }
+}
+
+/// Whether a command runs other lists, which is allowed between Begin and End.
+fn calls(command: &Command) -> bool {
+    matches!(command, Command::CallList(_) | Command::CallLists(_))
 }
 
 fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bounds) {
@@ -106,7 +121,7 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         }
         Command::PushAttributes(mask) => window_state::push_attributes(ctx, *mask),
         Command::PopAttributes => window_state::pop_attributes(ctx),
-        Command::UseProgram(program) => programs::select(ctx, *program),
+        Command::UseProgram(program) => program_use::select(ctx, *program),
         Command::Clear(mask) => bindings::clear_window(ctx, *mask),
         Command::DrawBuffer(buffer) => bindings::select_draw_buffer(ctx, *buffer),
         Command::ReadBuffer(buffer) => bindings::select_read_buffer(ctx, *buffer),
@@ -186,8 +201,9 @@ fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     if list != 0 && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) && !ctx.compiling() {
         let execute = mode == api::GL_COMPILE_AND_EXECUTE;
         let (items, bounds) = (Vec::new(), Bounds::EMPTY);
-        let (draws, raster, sets_state) = (false, false, false);
-        ctx.lists.recording = Some(Recording { list, execute, items, real: list, draws, raster, sets_state, bounds });
+        let (draws, raster, sets_state, primitive) = (false, false, false, Primitive::default());
+        ctx.lists.recording =
+            Some(Recording { list, execute, items, real: list, draws, raster, sets_state, bounds, primitive });
     }
 }
 

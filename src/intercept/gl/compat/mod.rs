@@ -8,6 +8,7 @@
 
 pub mod begin_end;
 pub mod display_lists;
+pub mod list_calls;
 pub mod matrices;
 pub mod raster_position;
 pub mod scene_position;

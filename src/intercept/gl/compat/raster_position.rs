@@ -129,7 +129,7 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
         return true;
     }
     ctx.frame.counts.draws_seen += 1;
-    ctx.frame.begun = true;
+    ctx.note_drawn();
     match ctx.compat.raster.scene.take() {
         Some(position) => draw_in_scene(ctx, position, changes, &issue),
         None => draw_flat(ctx, changes, &issue),
@@ -283,7 +283,7 @@ macro_rules! raster_hooks {
                 raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
             "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl|
                 list_recording::now_or_later(ctx, move |ctx| {
-                    let origin = if ctx.reads_redirected() { read_back::prepare(ctx) } else { [0, 0] };
+                    let origin = if ctx.reads_redirected() { read_back::prepare(ctx, [x, y, w, h], kind == api::GL_COLOR) } else { [0, 0] };
                     let (x, y) = (x + origin[0], y + origin[1]);
                     // SAFETY: the program's own call, moved to where its picture is.
                     raster_command(ctx, |gl| unsafe { gl.copy_pixels(x, y, w, h, kind) });

@@ -104,6 +104,10 @@ macro_rules! attribute_commands {
                 elsewhere(ctx);
                 gl.array_element(i);
             };
+            "glPrimitiveRestartNV" primitive_restart_nv() = |ctx, gl| {
+                elsewhere(ctx);
+                gl.primitive_restart_nv();
+            };
             "glEvalPoint1" eval_point1(i: i32) = |ctx, gl| {
                 elsewhere(ctx);
                 gl.eval_point1(i);

@@ -109,6 +109,14 @@ impl Context {
         self.drawable.target.is_some() && self.app.read_framebuffer == 0 && !self.drawable.reads_elsewhere
     }
 
+    /// Something is drawn to the window.
+    pub fn note_drawn(&mut self) {
+        self.frame.begun = true;
+        if let Some(target) = &self.drawable.target {
+            target.ready.set(None);
+        }
+    }
+
     /// Whether OpenGL does what a call of the program says if its arguments are right: not where it may be between Begin and
     /// End.
     pub fn takes_calls(&self) -> bool {

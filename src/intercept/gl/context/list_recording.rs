@@ -61,11 +61,44 @@ pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync 
     if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
 }
 
+/// Where a part of a list begins and ends, seen from `glBegin` and `glEnd`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::intercept::gl) struct Primitive {
+    /// It ends a primitive that began before it.
+    pub(in crate::intercept::gl) ends: bool,
+    /// The mode of a primitive that goes on after it.
+    pub(in crate::intercept::gl) within: Option<u32>,
+    /// That primitive began in this part.
+    began: bool,
+}
+
+impl Primitive {
+    /// `glBegin`; inside another one it is an error.
+    pub(in crate::intercept::gl) fn begin(&mut self, mode: u32) {
+        if self.within.is_none() {
+            self.within = Some(mode);
+            self.began = true;
+        }
+    }
+
+    /// `glEnd`.
+    pub(in crate::intercept::gl) fn end(&mut self) {
+        self.ends |= !self.began;
+        self.within = None;
+        self.began = false;
+    }
+
+    /// What the next part begins with.
+    fn next(self) -> Self {
+        Self { ends: false, began: false, ..self }
+    }
+}
+
 /// A part of a list.
 #[derive(Clone, Debug)]
 pub(in crate::intercept::gl) enum Item {
     /// A real list of the driver.
-    Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds },
+    Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds, primitive: Primitive },
     /// A command of ours.
     Command(Command),
 }
@@ -123,6 +156,8 @@ pub struct Recording {
     pub sets_state: bool,
     /// Around the vertices of the present real list.
     pub bounds: Bounds,
+    /// Begins and ends in it.
+    pub(in crate::intercept::gl) primitive: Primitive,
 }
 
 /// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets a real list without the
@@ -159,8 +194,9 @@ impl Recording {
     pub(in crate::intercept::gl) fn end_part(&mut self, gl: &Gl) {
         // SAFETY: ends the list that we, or the program, began.
         unsafe { gl.end_list() };
-        let Self { real: list, draws, raster, sets_state, bounds, .. } = *self;
-        self.items.push(Item::Real { list, draws, raster, sets_state, bounds });
+        let Self { real: list, draws, raster, sets_state, bounds, primitive, .. } = *self;
+        self.items.push(Item::Real { list, draws, raster, sets_state, bounds, primitive });
+        self.primitive = primitive.next();
         self.draws = false;
         self.sets_state = false;
         self.raster = false;
@@ -186,5 +222,29 @@ impl Lists {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Primitive;
+
+    #[test]
+    fn parts_of_lists_know_what_goes_on_in_others() {
+        let mut part = Primitive::default();
+        part.begin(5);
+        part.end();
+        assert_eq!((part.ends, part.within), (false, None));
+        part.begin(6);
+        assert_eq!((part.ends, part.within), (false, Some(6)));
+        let mut next = part.next();
+        assert_eq!((next.ends, next.within), (false, Some(6)), "vertices only");
+        next.end();
+        assert_eq!((next.ends, next.within), (true, None));
+        next.begin(7);
+        assert_eq!((next.ends, next.within), (true, Some(7)));
+        let mut alone = Primitive::default();
+        alone.end();
+        assert_eq!((alone.ends, alone.within), (true, None));
     }
 }

@@ -74,7 +74,7 @@ fn draw_to_window(
         once(ctx, issue);
         return;
     }
-    ctx.frame.begun = true;
+    ctx.note_drawn();
     let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
     let shown = match ctx.queries.primitives() {
         true => Views::ALL,

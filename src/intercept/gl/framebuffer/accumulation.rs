@@ -77,7 +77,7 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
     if ctx.app.picking || ctx.app.discard {
         return;
     }
-    ctx.frame.begun = true;
+    ctx.note_drawn();
     let parts = parts(ctx);
     with(ctx, |ctx, buffer| {
         if let Some(target) = ctx.drawable.target.as_mut().filter(|_| operation == Operation::Return) {

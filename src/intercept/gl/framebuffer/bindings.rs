@@ -61,7 +61,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         }
         return false;
     }
-    ctx.frame.begun = true;
+    ctx.note_drawn();
     displayed::window_changed(&mut ctx.view_copies);
     let Some(target) = &ctx.drawable.target else { return false };
     let (width, height) = target.size();
@@ -206,6 +206,22 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     }
 }
 
+/// The error of `glDrawBuffers` with these names for a window with a left image only.
+fn error_of(es: bool, names: &[u32]) -> u32 {
+    let error = |(place, name): (usize, &u32)| match *name {
+        _ if es && names.len() != 1 => api::GL_INVALID_OPERATION,
+        api::GL_NONE => api::GL_NO_ERROR,
+        api::GL_BACK if names.len() == 1 => api::GL_NO_ERROR,
+        api::GL_FRONT_LEFT | api::GL_BACK_LEFT if !es && !names[..place].contains(name) => api::GL_NO_ERROR,
+        api::GL_FRONT | api::GL_LEFT | api::GL_RIGHT | api::GL_FRONT_AND_BACK if !es => api::GL_INVALID_ENUM,
+        api::GL_BACK
+        | api::GL_FRONT_LEFT..=api::GL_BACK_RIGHT
+        | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_INVALID_OPERATION,
+        _ => api::GL_INVALID_ENUM,
+    };
+    names.iter().enumerate().map(error).find(|error| *error != api::GL_NO_ERROR).unwrap_or(api::GL_NO_ERROR)
+}
+
 /// `glDrawBuffers`.
 ///
 /// # Safety
@@ -220,9 +236,15 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
     }
     // SAFETY: the program passes `count` names.
     let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
+    let error = error_of(ctx.driver.profile.es, names);
+    if error != api::GL_NO_ERROR {
+        ctx.driver.note_error(error);
+        return;
+    }
     let mut translated = [api::GL_NONE; 16];
-    for (real, name) in translated.iter_mut().zip(names) {
-        *real = attachment(*name);
+    // Front and back are one image here.
+    if let Some(place) = names.iter().position(|name| *name != api::GL_NONE) {
+        translated[place] = api::GL_COLOR_ATTACHMENT0;
     }
     if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
         ctx.app.draw_buffer = names[0];
@@ -237,7 +259,7 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
     let gl = ctx.driver.gl;
     if blits::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
-            ctx.frame.begun = true;
+            ctx.note_drawn();
             ctx.frame.background.note_scene();
             if let Some(target) = &mut ctx.drawable.target {
                 target.content.forget();
@@ -247,7 +269,9 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         return;
     }
     if ctx.reads_redirected() {
-        let origin = read_back::prepare(ctx);
+        let [x0, y0, x1, y1] = source;
+        let part = [x0.min(x1), y0.min(y1), (x0 - x1).abs(), (y0 - y1).abs()];
+        let origin = read_back::prepare(ctx, part, mask & api::GL_COLOR_BUFFER_BIT != 0);
         source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
     }
     let issue = |d: [i32; 4]| {
@@ -262,7 +286,7 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         read_back::finish(ctx);
         return;
     }
-    ctx.frame.begun = true;
+    ctx.note_drawn();
     default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.drawable.target else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
@@ -274,8 +298,6 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
 }
 
 hooks! {
-    "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, _gl|
-        attachment_parameter(ctx, target, attachment, name, values);
     "glBindFramebuffer" bind_framebuffer(target: u32, name: u32) = |ctx, _gl| bind(ctx, target, name);
     // A window's buffers cannot be replaced; without us the driver would say so.
     "glFramebufferTexture" framebuffer_texture(target: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
@@ -342,37 +364,27 @@ hooks! {
     };
     "glBlitFramebuffer" blit_framebuffer(x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) =
         |ctx, _gl| list_recording::now_or_later(ctx, move |ctx| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
-    "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
-        // A hint; for the window it would have to be translated for nothing.
-        if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }
-    };
-    "glDiscardFramebufferEXT" discard_framebuffer_ext(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
-        if !ctx.redirected() { gl.discard_framebuffer_ext(target, count, attachments) }
-    };
-    "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
-        if !ctx.redirected() { gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h) }
-    };
 }
 
-/// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
-///
-/// # Safety
-/// `values` must be null or a place for one number, as the program promises OpenGL.
-pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
-    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
-    // SAFETY: the program's own call, with a place for one number.
-    unsafe {
-        if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
-            *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
-        } else {
-            let attachment = match attachment {
-                _ if !window => attachment,
-                api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
-                api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
-                _ => api::GL_COLOR_ATTACHMENT0,
-            };
-            view_copies::leave(ctx);
-            ctx.driver.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+#[cfg(test)]
+mod tests {
+    use super::{api, error_of};
+
+    #[test]
+    fn wrong_names_of_buffers_are_errors_as_without_us() {
+        for (es, names, error) in [
+            (false, &[api::GL_BACK][..], api::GL_NO_ERROR),
+            (false, &[api::GL_NONE, api::GL_BACK_LEFT], api::GL_NO_ERROR),
+            (false, &[api::GL_BACK_LEFT, api::GL_BACK_LEFT], api::GL_INVALID_OPERATION),
+            (false, &[api::GL_BACK_RIGHT], api::GL_INVALID_OPERATION),
+            (false, &[api::GL_COLOR_ATTACHMENT0], api::GL_INVALID_OPERATION),
+            (false, &[api::GL_FRONT_AND_BACK], api::GL_INVALID_ENUM),
+            (false, &[7], api::GL_INVALID_ENUM),
+            (true, &[api::GL_BACK], api::GL_NO_ERROR),
+            (true, &[api::GL_BACK, api::GL_NONE], api::GL_INVALID_OPERATION),
+            (true, &[api::GL_COLOR_ATTACHMENT0], api::GL_INVALID_OPERATION),
+        ] {
+            assert_eq!(error_of(es, names), error, "{names:x?}");
         }
     }
 }

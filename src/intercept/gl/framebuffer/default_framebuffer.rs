@@ -11,8 +11,9 @@ use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::{default_framebuffer, first_read, unsampled_areas};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_transparent;
+use crate::intercept::gl::per_view::window_space::intersect;
 use crate::intercept::gl::state::drawable::cleared_views::Content;
-use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, Ready};
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::gl::state::driver::Driver;
@@ -20,6 +21,7 @@ use crate::intercept::gl::state::driver::window_space::DriverState;
 use crate::intercept::{live, log, settings};
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
@@ -206,7 +208,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
 /// # Safety
 /// Both framebuffers must live; the caller puts the bindings back.
 unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer) {
-    if old.surface.samples() > 0 {
+    if old.surface.samples() > 0 && gl.is_es() {
         // Multisampled pictures cannot be copied to another place; the next frame draws them.
         return;
     }
@@ -237,8 +239,9 @@ unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer
     }
 }
 
-/// Binds what the program's reads of its window come from; the origin of its picture there.
-pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
+/// Binds what the program's reads of `part` (x, y, width, height) of its window come from; the origin of its picture there.
+/// `alpha`: the read takes alpha, too.
+pub fn bind_for_reading(ctx: &mut Context, part: [i32; 4], alpha: bool) -> [i32; 2] {
     let own_picture = |t: &DefaultFramebuffer| {
         t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
     };
@@ -247,26 +250,43 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
         first_read::fill_primary(&mut OwnCalls::begin(ctx));
     }
     let Some(tile) = ctx.drawable.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
-    {
-        let ctx: &mut Context = &mut OwnCalls::begin(ctx);
-        if let Some(target) = &ctx.drawable.target {
-            target.resolve(ctx, Some(tile));
-        }
-        make_opaque(ctx, tile);
-    }
-    let Some(target) = &ctx.drawable.target else { return [0, 0] };
+    make_ready(ctx, intersect(part, tile), alpha);
+    let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some()) else {
+        return [tile[0], tile[1]];
+    };
     // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
     [tile[0], tile[1]]
 }
 
+/// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is needed and not done.
+fn make_ready(ctx: &mut Context, part: [i32; 4], alpha: bool) {
+    let Some(target) = &ctx.drawable.target else { return };
+    let opaque = alpha && target.config.alpha_bits == 0;
+    let needed = opaque || target.resolved.is_some();
+    let holds = |ready: Ready| ready.contains(part) && (ready.opaque || !opaque);
+    if !needed || part[2] == 0 || part[3] == 0 || target.ready.get().is_some_and(holds) {
+        return;
+    }
+    let ctx: &mut Context = &mut OwnCalls::begin(ctx);
+    if let Some(target) = &ctx.drawable.target {
+        target.resolve(ctx, Some(part));
+    }
+    if opaque {
+        make_opaque(ctx, part);
+    }
+    if let Some(target) = &ctx.drawable.target {
+        target.ready.set(Some(Ready { part, opaque }));
+    }
+}
+
 /// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
 /// the correction takes the colours only.
-fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
+fn make_opaque(ctx: &mut Context, part: [i32; 4]) {
     let gl = ctx.driver.gl;
-    let Some(target) = ctx.drawable.target.as_ref().filter(|t| t.config.alpha_bits == 0) else { return };
+    let Some(target) = ctx.drawable.target.as_ref() else { return };
     let framebuffer = target.readable().framebuffer();
-    ctx.set_scissor(Some(tile));
+    ctx.set_scissor(Some(part));
     let mut bound = 0;
     let mut mask = [0u8; 4];
     // SAFETY: clears a part of a framebuffer of ours; binding and mask are put back.
@@ -287,7 +307,7 @@ fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
 /// The pair of [`bind_for_reading`].
 pub fn end_reading(ctx: &mut Context) {
     if ctx.reads_redirected()
-        && let Some(target) = &ctx.drawable.target
+        && let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some())
     {
         // SAFETY: what the program's window stands for.
         unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
@@ -374,6 +394,7 @@ impl DefaultFramebuffer {
             resolved,
             backend,
             content: Content::default(),
+            ready: Cell::new(None),
             issued,
             culled,
             closed,
@@ -392,6 +413,7 @@ impl DefaultFramebuffer {
     /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
     pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
         let Some(resolved) = &self.resolved else { return };
+        self.ready.set(None);
         let gl = ctx.driver.gl;
         let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };

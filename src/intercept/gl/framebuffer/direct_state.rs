@@ -7,13 +7,18 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+use crate::intercept::gl::framebuffer::{bindings, window_answers};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::Drawable;
 
 /// Runs `run` with the program's framebuffers bound for drawing and reading; `None` = as it is.
-fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl FnOnce(&mut Context) -> R) -> R {
+pub(super) fn bound<R>(
+    ctx: &mut Context,
+    draw: Option<u32>,
+    read: Option<u32>,
+    run: impl FnOnce(&mut Context) -> R,
+) -> R {
     let before = [ctx.app.draw_framebuffer, ctx.app.read_framebuffer];
     let change = |ctx: &mut Context, target: u32, from: u32, to: u32| {
         if from != to {
@@ -30,7 +35,7 @@ fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl F
 }
 
 /// Whether `name` is the window, and the window is ours.
-fn is_window(drawable: &Drawable, name: u32) -> bool {
+pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
     name == 0 && drawable.target.is_some()
 }
 
@@ -94,16 +99,10 @@ macro_rules! clears {
             };
             "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
                 if is_window(&ctx.drawable, framebuffer) {
-                    bound(ctx, Some(0), None, |ctx| bindings::attachment_parameter(ctx, api::GL_DRAW_FRAMEBUFFER, attachment, name, values));
+                    bound(ctx, Some(0), None, |ctx| window_answers::attachment_parameter(ctx, api::GL_DRAW_FRAMEBUFFER, attachment, name, values));
                 } else {
                     gl.get_named_framebuffer_attachment_parameteriv(framebuffer, attachment, name, values);
                 }
-            };
-            "glInvalidateNamedFramebufferData" invalidate_named_framebuffer_data(framebuffer: u32, count: i32, attachments: *const u32) = |ctx, gl| {
-                if !is_window(&ctx.drawable, framebuffer) { gl.invalidate_named_framebuffer_data(framebuffer, count, attachments) }
-            };
-            "glInvalidateNamedFramebufferSubData" invalidate_named_framebuffer_sub_data(framebuffer: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
-                if !is_window(&ctx.drawable, framebuffer) { gl.invalidate_named_framebuffer_sub_data(framebuffer, count, attachments, x, y, w, h) }
             };
         }
     };

@@ -20,6 +20,9 @@ pub fn fill_primary(ctx: &mut Context) {
     take_error(&mut ctx.driver);
     let camera = &target.session.rig().camera;
     let directions = own_directions(&ctx.frame, camera);
+    if directions.is_none() {
+        first_read_color::fill_flat(ctx, &target);
+    }
     if let (Some(tile), Some(directions)) = (target.primary(), directions) {
         let plan = own_picture(&ctx.frame, &target.session, directions);
         let (width, height) = plan.views.atlas;

@@ -28,7 +28,7 @@ pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directi
     let gl = driver.gl;
     let plan = target.session.plan();
     let Some(depths) = Depths::of(gl) else { return };
-    let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas, Content::DepthStencil);
+    let mut atlas = read(gl, target.readable_framebuffer(), all_of(plan.views.atlas), Content::DepthStencil);
     if !target.closed().is_empty() {
         let row = plan.views.atlas.0 as usize;
         for tile in correct::cached_unsampled_areas(plan, cache::of_process()).concat() {
@@ -142,20 +142,25 @@ impl Depths {
     }
 }
 
-/// What a framebuffer of ours holds. Bindings and pixel storage are put back.
-pub fn read(gl: &Gl, framebuffer: u32, size: (u32, u32), content: Content) -> Vec<u32> {
-    let mut texels = vec![EMPTY; size.0 as usize * size.1 as usize];
+/// The rectangle of all that has this size.
+pub fn all_of((width, height): (u32, u32)) -> [i32; 4] {
+    [0, 0, width as i32, height as i32]
+}
+
+/// What a rectangle of a framebuffer of ours holds. Bindings and pixel storage are put back.
+pub fn read(gl: &Gl, framebuffer: u32, [x, y, width, height]: [i32; 4], content: Content) -> Vec<u32> {
+    let mut texels = vec![EMPTY; width as usize * height as usize];
     let ([format, kind, _], _) = content.names();
     read_pixels::while_reading(gl, framebuffer, || {
         // SAFETY: the array has room for just these texels of four bytes.
-        unsafe { gl.read_pixels(0, 0, size.0 as i32, size.1 as i32, format, kind, texels.as_mut_ptr().cast()) };
+        unsafe { gl.read_pixels(x, y, width, height, format, kind, texels.as_mut_ptr().cast()) };
     });
     texels
 }
 
 /// Puts content into a tile of the window's picture. Everything that is touched is put back.
 pub fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 4], content: Content, pixels: &[u32]) {
-    let texture = crate::backend::gl::surface::new_texture(gl);
+    let texture = crate::backend::gl::own_names::texture(gl);
     let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {
         let start = pixels.as_ptr().cast();

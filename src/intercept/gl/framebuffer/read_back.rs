@@ -1,16 +1,19 @@
 //! What a program reads from its window: from the primary picture, which is its own.
+//!
+//! Beside that picture lie others. What a program reads of pixels outside of its window stays as it was.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::per_view::window_space::intersect;
 use std::ffi::c_void;
 
-/// Binds what reads of the window come from; the origin of the window's picture in it.
-pub fn prepare(ctx: &mut Context) -> [i32; 2] {
-    default_framebuffer::bind_for_reading(ctx)
+/// Binds what reads of `part` of the window come from, with `alpha` or without; the origin of the window's picture in it.
+pub fn prepare(ctx: &mut Context, part: [i32; 4], alpha: bool) -> [i32; 2] {
+    default_framebuffer::bind_for_reading(ctx, part, alpha)
 }
 
 /// Puts the read framebuffer back.
@@ -19,34 +22,101 @@ pub fn finish(ctx: &mut Context) {
 }
 
 /// Runs a read of the program, with its rectangle's origin moved to where its picture is.
-pub fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -> R) -> R {
+pub fn read<R>(ctx: &mut Context, part: [i32; 4], alpha: bool, issue: impl FnOnce(i32, i32) -> R) -> R {
+    let [x, y, ..] = part;
     if !ctx.reads_redirected() {
         view_copies::before_reading_framebuffer(ctx);
         return issue(x, y);
     }
-    let origin = prepare(ctx);
+    let origin = prepare(ctx, part, alpha);
     let answer = issue(x + origin[0], y + origin[1]);
     finish(ctx);
     answer
 }
 
+/// The part of a rectangle that lies in the window, if that is not all of it. Sizes below 0 are errors, for the driver to say.
+fn cut(ctx: &Context, part: [i32; 4]) -> Option<[i32; 4]> {
+    let (width, height) = ctx.drawable.target.as_ref().filter(|_| ctx.reads_redirected())?.size();
+    let inside = intersect(part, [0, 0, width as i32, height as i32]);
+    (inside != part && part[2] >= 0 && part[3] >= 0).then_some(inside)
+}
+
+/// Runs a copy into a part of a texture; `issue` gets the rectangle and how far inside of the part it begins.
+pub fn copy_part(ctx: &mut Context, part: [i32; 4], issue: impl FnOnce([i32; 4], [i32; 2])) {
+    let inside = cut(ctx, part).unwrap_or(part);
+    let [_, _, w, h] = inside;
+    let moved = [inside[0] - part[0], inside[1] - part[1]];
+    read(ctx, inside, true, |x, y| issue([x, y, w, h], moved));
+}
+
+/// Whether pixels of this format have alpha.
+fn has_alpha(format: u32) -> bool {
+    !matches!(
+        format,
+        api::GL_RGB
+            | api::GL_BGR
+            | api::GL_RED
+            | api::GL_GREEN
+            | api::GL_BLUE
+            | api::GL_RG
+            | api::GL_LUMINANCE
+            | api::GL_DEPTH_COMPONENT
+            | api::GL_STENCIL_INDEX
+            | api::GL_DEPTH_STENCIL
+    )
+}
+
+/// `glReadPixels`: memory for pixels outside of the window stays as it is.
+fn read_pixels_part(ctx: &mut Context, part: [i32; 4], format: u32, issue: impl FnOnce([i32; 4])) {
+    const STORE: [u32; 3] = [api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_PIXELS, api::GL_PACK_SKIP_ROWS];
+    let gl = ctx.driver.gl;
+    // OpenGL ES 2 has no rows with gaps.
+    let gaps = !ctx.driver.profile.es || ctx.driver.profile.version >= 30;
+    let Some(inside) = cut(ctx, part).filter(|_| gaps) else {
+        return read(ctx, part, has_alpha(format), |x, y| issue([x, y, part[2], part[3]]));
+    };
+    let mut before = [0; 3];
+    // SAFETY: numbers that the version has; put back below.
+    unsafe {
+        for (value, name) in before.iter_mut().zip(STORE) {
+            gl.get_integerv(name, value);
+        }
+        let row = if before[0] == 0 { part[2] } else { before[0] };
+        let now = [row, before[1] + inside[0] - part[0], before[2] + inside[1] - part[1]];
+        for (value, name) in now.iter().zip(STORE) {
+            gl.pixel_storei(name, *value);
+        }
+    }
+    read(ctx, inside, has_alpha(format), |x, y| issue([x, y, inside[2], inside[3]]));
+    for (value, name) in before.iter().zip(STORE) {
+        // SAFETY: as above.
+        unsafe { gl.pixel_storei(name, *value) };
+    }
+}
+
 /// Runs a copy into a texture, which may be a part of a display list.
-fn copy(ctx: &mut Context, [x, y]: [i32; 2], issue: impl Fn(&Gl, i32, i32) + Send + Sync + 'static) {
+fn copy(ctx: &mut Context, part: [i32; 4], issue: impl Fn(&Gl, [i32; 4], [i32; 2]) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
         let gl = ctx.driver.gl;
-        read(ctx, x, y, |x, y| issue(gl, x, y));
+        copy_part(ctx, part, |part, moved| issue(gl, part, moved));
     });
 }
 
 hooks! {
     "glReadPixels" read_pixels(x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *mut c_void) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.read_pixels(x, y, w, h, format, kind, pixels));
+        read_pixels_part(ctx, [x, y, w, h], format, |[x, y, w, h]| gl.read_pixels(x, y, w, h, format, kind, pixels));
     "glReadnPixels" readn_pixels(x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, size: i32, pixels: *mut c_void) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.readn_pixels(x, y, w, h, format, kind, size, pixels));
+        read_pixels_part(ctx, [x, y, w, h], format, |[x, y, w, h]| gl.readn_pixels(x, y, w, h, format, kind, size, pixels));
     "glCopyTexImage1D" copy_tex_image1_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, border: i32) = |ctx, _gl|
-        copy(ctx, [x, y], move |gl, x, y| gl.copy_tex_image1_d(target, level, format, x, y, w, border));
+        list_recording::now_or_later(ctx, move |ctx| {
+            let gl = ctx.driver.gl;
+            // SAFETY: the program's own call, moved to where its picture is.
+            read(ctx, [x, y, w, 1], true, |x, y| unsafe { gl.copy_tex_image1_d(target, level, format, x, y, w, border) });
+        });
     "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, _gl|
-        copy(ctx, [x, y], move |gl, x, y| gl.copy_tex_sub_image1_d(target, level, dx, x, y, w));
+        copy(ctx, [x, y, w, 1], move |gl, [x, y, w, h], [u, _]| {
+            if h > 0 { gl.copy_tex_sub_image1_d(target, level, dx + u, x, y, w) }
+        });
     "glCopyTexSubImage3D" copy_tex_sub_image3_d(target: u32, level: i32, dx: i32, dy: i32, dz: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
-        copy(ctx, [x, y], move |gl, x, y| gl.copy_tex_sub_image3_d(target, level, dx, dy, dz, x, y, w, h));
+        copy(ctx, [x, y, w, h], move |gl, [x, y, w, h], [u, v]| gl.copy_tex_sub_image3_d(target, level, dx + u, dy + v, dz, x, y, w, h));
 }

@@ -128,7 +128,7 @@ hooks! {
             }
             copied(ctx, texture, level, [0, 0], [x, y, w, h], |ctx| {
                 // SAFETY: the program's own call, moved to where its picture is.
-                read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
+                read_back::read(ctx, [x, y, w, h], true, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
             });
         });
     "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
@@ -137,7 +137,9 @@ hooks! {
             let texture = sampling::bound(gl, target);
             copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
                 // SAFETY: as above.
-                read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_tex_sub_image2_d(target, level, dx, dy, x, y, w, h) });
+                read_back::copy_part(ctx, [x, y, w, h], |[x, y, w, h], [u, v]| unsafe {
+                    gl.copy_tex_sub_image2_d(target, level, dx + u, dy + v, x, y, w, h);
+                });
             });
         });
     "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
@@ -145,7 +147,9 @@ hooks! {
             let gl = ctx.driver.gl;
             copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
                 // SAFETY: as above.
-                read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h) });
+                read_back::copy_part(ctx, [x, y, w, h], |[x, y, w, h], [u, v]| unsafe {
+                    gl.copy_texture_sub_image2_d(texture, level, dx + u, dy + v, x, y, w, h);
+                });
             });
         });
     "glDeleteTextures" delete_textures(count: i32, names: *const u32) = |ctx, gl| {

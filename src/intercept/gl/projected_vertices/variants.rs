@@ -3,6 +3,7 @@
 //! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's own. The variant is
 //! linked when a draw first needs it; before each draw it gets the values of the program's uniforms.
 
+use crate::backend::gl::CurrentProgram;
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
@@ -62,11 +63,16 @@ impl Variant {
     pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
         let gl = ctx.driver.gl;
         let counter = ctx.projected.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
+        let subroutines = ctx.shaders.program.as_ref().is_some_and(|program| program.subroutines);
+        let own = subroutines.then(|| CurrentProgram::save(gl, ctx.driver.profile.version as i32));
         // SAFETY: a program of ours; the locations are those of the two halves of our array.
         unsafe {
             gl.use_program(self.name);
             gl.uniform4fv(self.locations[0], projection::ROWS, rows.to_array().as_ptr());
             gl.uniform4fv(self.locations[1], projection::LENS, lens.to_array().as_ptr());
+        }
+        if let Some(own) = &own {
+            own.copy_subroutines(gl, self.name);
         }
         self.mirror.copy(gl, ctx.shaders.pipelines.used, self.name);
         let mut vertices = 0;
@@ -78,7 +84,7 @@ impl Variant {
             }
             ctx.draw.wide_primitives.as_patches = true;
         }
-        InUse(counter, vertices)
+        InUse { counter, vertices, own }
     }
 
     /// Puts the program's own in use again.
@@ -86,13 +92,16 @@ impl Variant {
         if self.patch.is_some() {
             ctx.draw.wide_primitives.as_patches = false;
             // SAFETY: as `begin` found it.
-            unsafe { ctx.driver.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.1) };
+            unsafe { ctx.driver.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.vertices) };
         }
-        if let (Some(counter), InUse(Some(before), _)) = (&ctx.projected.coarse, in_use) {
+        if let (Some(counter), Some(before)) = (&ctx.projected.coarse, &in_use.counter) {
             counter.end(ctx.driver.gl, before);
         }
-        // SAFETY: what the program has in use.
-        unsafe { ctx.driver.gl.use_program(ctx.shaders.pipelines.used) };
+        match &in_use.own {
+            Some(own) => own.restore(ctx.driver.gl),
+            // SAFETY: what the program has in use.
+            None => unsafe { ctx.driver.gl.use_program(ctx.shaders.pipelines.used) },
+        }
     }
 }
 

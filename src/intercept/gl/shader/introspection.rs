@@ -4,6 +4,7 @@ use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::programs;
+use crate::lock::Lock;
 use std::ffi::c_char;
 
 /// Index of our uniform among the program's active ones.
@@ -11,10 +12,15 @@ fn own_uniform(ctx: &Context, program: u32) -> Option<u32> {
     programs::record(&ctx.share, program)?.own_uniform
 }
 
+/// Whether a program is to be deleted once it is in use no longer.
+fn is_deleted(ctx: &Context, program: u32) -> bool {
+    ctx.share.programs.locked().uses.is_deleted(program)
+}
+
 /// The driver's index for the program's, which does not count ours.
 fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
     match own_uniform(ctx, program) {
-        Some(ours) if index >= ours => index + 1,
+        Some(ours) if index >= ours => index.saturating_add(1),
         _ => index,
     }
 }
@@ -22,6 +28,23 @@ fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
 /// The program's index for the driver's.
 fn unshifted(ours: u32, index: u32) -> u32 {
     if index != api::GL_INVALID_INDEX && index > ours { index - 1 } else { index }
+}
+
+/// Length of the longest name of the program's active uniforms, with its zero; 0 = it has none.
+fn longest_name(ctx: &Context, program: u32) -> i32 {
+    let gl = ctx.driver.gl;
+    let (mut count, mut longest) = (0, 0);
+    let mut name = [0; 1024];
+    // SAFETY: writes one number.
+    unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
+    let ours = own_uniform(ctx, program);
+    for index in (0..count as u32).filter(|index| Some(*index) != ours) {
+        let (mut length, mut size, mut kind) = (0, 0, 0);
+        // SAFETY: writes one number each, and no more characters than there is room for.
+        unsafe { gl.get_active_uniform(program, index, 1024, &mut length, &mut size, &mut kind, name.as_mut_ptr()) };
+        longest = longest.max(length + 1);
+    }
+    longest
 }
 
 /// The driver's index of a resource.
@@ -46,9 +69,13 @@ unsafe fn renumber(ours: Option<u32>, count: i32, indices: *mut i32) {
 hooks! {
     "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
         gl.get_programiv(program, name, value);
+        if name == api::GL_DELETE_STATUS && is_deleted(ctx, program) && !value.is_null() {
+            *value = 1;
+        }
         if !value.is_null() && own_uniform(ctx, program).is_some() {
             match name {
                 api::GL_ACTIVE_UNIFORMS => *value -= 1,
+                api::GL_ACTIVE_UNIFORM_MAX_LENGTH => *value = longest_name(ctx, program),
                 // A program that keeps binaries would keep our uniform, and miss it without us.
                 api::GL_PROGRAM_BINARY_LENGTH => *value = 0,
                 _ => {}
@@ -57,8 +84,15 @@ hooks! {
     };
     "glGetObjectParameterivARB" get_object_parameteriv_arb(object: u32, name: u32, value: *mut i32) = |ctx, gl| {
         gl.get_object_parameteriv_arb(object, name, value);
-        if name == api::GL_OBJECT_ACTIVE_UNIFORMS_ARB && !value.is_null() && own_uniform(ctx, object).is_some() {
-            *value -= 1;
+        if name == api::GL_OBJECT_DELETE_STATUS_ARB && is_deleted(ctx, object) && !value.is_null() {
+            *value = 1;
+        }
+        if !value.is_null() && own_uniform(ctx, object).is_some() {
+            match name {
+                api::GL_OBJECT_ACTIVE_UNIFORMS_ARB => *value -= 1,
+                api::GL_OBJECT_ACTIVE_UNIFORM_MAX_LENGTH_ARB => *value = longest_name(ctx, object),
+                _ => {}
+            }
         }
     };
     "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl|
@@ -88,9 +122,12 @@ hooks! {
     };
     "glGetProgramInterfaceiv" get_program_interfaceiv(program: u32, interface: u32, name: u32, values: *mut i32) = |ctx, gl| {
         gl.get_program_interfaceiv(program, interface, name, values);
-        let counted = interface == api::GL_UNIFORM && name == api::GL_ACTIVE_RESOURCES && !values.is_null();
-        if counted && own_uniform(ctx, program).is_some() {
-            *values -= 1;
+        if interface == api::GL_UNIFORM && !values.is_null() && own_uniform(ctx, program).is_some() {
+            match name {
+                api::GL_ACTIVE_RESOURCES => *values -= 1,
+                api::GL_MAX_NAME_LENGTH => *values = longest_name(ctx, program),
+                _ => {}
+            }
         }
     };
     "glGetProgramResourceIndex" get_program_resource_index(program: u32, interface: u32, name: *const c_char) -> u32 = |ctx, gl| {

@@ -10,6 +10,7 @@ pub mod introspection;
 pub mod patch;
 pub mod position;
 pub mod program_pipelines;
+pub mod program_use;
 pub mod programs;
 pub mod prover;
 pub mod samplers;

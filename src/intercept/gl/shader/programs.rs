@@ -6,10 +6,9 @@ use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::{program_pipelines, samplers, uniforms};
+use crate::intercept::gl::shader::{samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::programs::{Lens, Position, Program};
@@ -94,14 +93,6 @@ fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32; 
     }
 }
 
-/// `glUseProgram`.
-pub fn select(ctx: &mut Context, name: u32) {
-    // SAFETY: the program's own call.
-    unsafe { ctx.driver.gl.use_program(name) };
-    ctx.shaders.pipelines.used = name;
-    program_pipelines::choose(ctx);
-}
-
 /// The record of a program, for queries about it.
 pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
     share.programs.locked().programs.get(&name).cloned()
@@ -135,6 +126,15 @@ fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -
         bytes.pop();
     }
     Some(String::from_utf8_lossy(&bytes).into())
+}
+
+/// A shader was compiled from what its source is now.
+fn note_compiled(ctx: &Context, shader: u32) {
+    let mut programs = ctx.share.programs.locked();
+    match programs.sources.get(&shader).cloned() {
+        Some(text) => programs.compiled.insert(shader, text),
+        None => programs.compiled.remove(&shader),
+    };
 }
 
 fn set_source(gl: &Gl, shader: u32, text: &str) {
@@ -196,12 +196,15 @@ fn link(ctx: &mut Context, program: u32) {
     let sources: HashMap<u32, Arc<str>> = {
         let mut programs = ctx.share.programs.locked();
         forget(gl, programs.programs.remove(&program));
-        shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
+        shaders.iter().filter_map(|s| Some((s.0, programs.compiled.get(&s.0)?.clone()))).collect()
     };
     let patched = patched_stage(&sources, &shaders, ctx.driver.profile.es, methods::asked_for());
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
+        // What the program asks for is its own text, which may not have been compiled yet.
+        let own = ctx.share.programs.locked().sources.get(shader).cloned();
+        set_source(gl, *shader, own.as_deref().unwrap_or(original));
         ctx.frame.counts.linked += 1;
     }
     if !linked {
@@ -226,6 +229,7 @@ fn link(ctx: &mut Context, program: u32) {
     let texts = if methods::asked_for() { texts.collect() } else { Vec::new() };
     let mut record = read_program(gl, &ctx.driver.profile, program, linked, stages, fixed_matrices);
     record.texts = texts;
+    record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.reads_frag_coord = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
@@ -242,6 +246,12 @@ fn link(ctx: &mut Context, program: u32) {
     if ctx.shaders.program.as_ref().is_some_and(|p| p.name == program) {
         ctx.shaders.program = Some(record);
     }
+}
+
+/// Nothing is known of a program any more.
+pub(super) fn forget_program(ctx: &Context, name: u32) {
+    let record = ctx.share.programs.locked().programs.remove(&name);
+    forget(ctx.driver.gl, record);
 }
 
 /// A program's record is out of use, and what stood beside the program with it.
@@ -302,10 +312,7 @@ fn link_patched(gl: &Gl, program: u32, shader: u32, original: &str, text: &str) 
         unsafe { gl.link_program(program) };
         linked = status(gl, program) && !captures_position(gl, program);
     }
-    if linked {
-        // What the program asks for is its own text.
-        set_source(gl, shader, original);
-    } else {
+    if !linked {
         compiles(original);
     }
     linked
@@ -345,6 +352,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         fixed_matrices,
         samplers: samplers::of_program(gl, name),
         position: None,
+        subroutines: false,
         reads_frag_coord: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),
@@ -361,27 +369,19 @@ hooks! {
             ctx.share.programs.locked().sources.insert(shader, text);
         }
     };
+    "glCompileShader" compile_shader(shader: u32) = |ctx, gl| {
+        gl.compile_shader(shader);
+        note_compiled(ctx, shader);
+    };
     "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
         // Its source stays known: it may still be attached, and its name comes back only with a new source.
         gl.delete_shader(shader)
     };
-    "glUseProgram" use_program(program: u32) = |ctx, _gl| {
-        if ctx.compiling() { list_recording::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
-    };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
-    "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {
-        // Programs and shaders have names of one space.
-        gl.delete_object_arb(object);
-        forget(gl, ctx.share.programs.locked().programs.remove(&object));
-    };
     "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
         // What it was linked to is gone; what it is now was never patched.
         gl.program_binary(program, format, binary, length);
-        forget(gl, ctx.share.programs.locked().programs.remove(&program));
-    };
-    "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
-        gl.delete_program(program);
-        forget(gl, ctx.share.programs.locked().programs.remove(&program));
+        forget_program(ctx, program);
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
         // As OpenGL describes it in terms of the other commands.
@@ -394,6 +394,7 @@ hooks! {
             ctx.share.programs.locked().sources.insert(shader, text);
         }
         gl.compile_shader(shader);
+        note_compiled(ctx, shader);
         let program = gl.create_program();
         if program != 0 {
             let mut compiled = 0;

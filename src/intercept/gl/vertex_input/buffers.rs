@@ -51,7 +51,7 @@ fn changed(ctx: &mut Context, target: u32, new: bool) {
 }
 
 /// The program wrote to a buffer.
-fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, name: u32, new: bool) {
+pub(super) fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, name: u32, new: bool) {
     if name != 0 {
         of(share).write(name, new);
         vertex_input.blocks.changed(name);
@@ -59,7 +59,7 @@ fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, name: u32, 
 }
 
 /// A buffer is mapped, to be written to.
-fn mapped(ctx: &mut Context, name: u32, access: u32) {
+pub(super) fn mapped(ctx: &mut Context, name: u32, access: u32) {
     named_changed(&ctx.share, &mut ctx.vertex_input, name, false);
     if access & api::GL_MAP_PERSISTENT_BIT != 0 {
         of(&ctx.share).forget(name);
@@ -67,7 +67,7 @@ fn mapped(ctx: &mut Context, name: u32, access: u32) {
 }
 
 /// A buffer got storage that never moves.
-fn stored(ctx: &mut Context, name: u32, flags: u32) {
+pub(super) fn stored(ctx: &mut Context, name: u32, flags: u32) {
     named_changed(&ctx.share, &mut ctx.vertex_input, name, true);
     // OpenGL ES reads a buffer by mapping it.
     let unreadable = ctx.driver.profile.es && flags & api::GL_MAP_READ_BIT == 0;

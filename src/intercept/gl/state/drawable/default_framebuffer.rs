@@ -10,7 +10,24 @@ use crate::intercept::gl::state::drawable::cleared_views::Content;
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::settings;
 use crate::runtime::session::{Extras, Session};
+use std::cell::Cell;
 use std::sync::Arc;
+
+/// A rectangle (x, y, width, height) that is ready to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::intercept::gl) struct Ready {
+    pub(in crate::intercept::gl) part: [i32; 4],
+    /// Its alpha is that of a window without one.
+    pub(in crate::intercept::gl) opaque: bool,
+}
+
+impl Ready {
+    /// Whether it holds all of another rectangle.
+    pub(in crate::intercept::gl) fn contains(&self, [x, y, width, height]: [i32; 4]) -> bool {
+        let [left, bottom, across, up] = self.part;
+        x >= left && y >= bottom && x + width <= left + across && y + height <= bottom + up
+    }
+}
 
 /// The atlas and what corrects it.
 pub struct DefaultFramebuffer {
@@ -31,6 +48,8 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) culled: Vec<u64>,
     /// Texels of each view that are closed for drawing; empty where none are.
     pub(in crate::intercept::gl) closed: Vec<u64>,
+    /// What of the program's own picture is ready to be read since something was drawn last.
+    pub(in crate::intercept::gl) ready: Cell<Option<Ready>>,
     /// Where each output is in the window.
     pub(in crate::intercept::gl) outputs: Vec<Target>,
 }

@@ -1,6 +1,7 @@
 //! The program's framebuffers that it draws into, what is attached to them, and what stands for them.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Image, Name};
 
 /// The most colour attachments that are followed.
@@ -85,7 +86,7 @@ impl Framebuffer {
                 *buffer = value as u32;
             }
             if self.view_copy == 0 {
-                gl.gen_framebuffers(1, &mut self.view_copy);
+                self.view_copy = own_names::framebuffer(gl);
             }
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.view_copy);
             for (index, attachment) in self.attachments.iter().enumerate() {

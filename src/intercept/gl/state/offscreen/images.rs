@@ -2,6 +2,7 @@
 //! a tile of the image's size for each view.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::own_names;
 use crate::backend::gl::surface::greatest_texture;
 
 /// An image of the program's.
@@ -224,7 +225,7 @@ impl Image {
         unsafe {
             let mut renderbuffer = 0;
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer);
-            gl.gen_renderbuffers(1, &mut view_copy.renderbuffer);
+            view_copy.renderbuffer = own_names::renderbuffer(gl);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, view_copy.renderbuffer);
             if self.samples > 0 {
                 let samples = self.samples;
@@ -258,8 +259,8 @@ impl Image {
         // SAFETY: makes objects of ours; bindings are put back.
         let complete = unsafe {
             let bindings = Bindings::save(gl);
-            gl.gen_framebuffers(1, &mut pair.ours);
-            gl.gen_framebuffers(1, &mut pair.own);
+            pair.ours = own_names::framebuffer(gl);
+            pair.own = own_names::framebuffer(gl);
             let own = self.attach_for_copies(gl, pair.own, self.name);
             let ours = self.attach_for_copies(gl, pair.ours, Name::Renderbuffer(view_copy.renderbuffer));
             bindings.restore(gl);

@@ -1,6 +1,7 @@
 //! Pictures of our own, with one sample per pixel: for what cannot be done in a view of another size.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name};
 
 /// A framebuffer with colours only.
@@ -21,11 +22,11 @@ impl SingleSampleImage {
             let bindings = Bindings::save(gl);
             let mut bound = 0;
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut bound);
-            gl.gen_renderbuffers(1, &mut canvas.renderbuffer);
+            canvas.renderbuffer = own_names::renderbuffer(gl);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, canvas.renderbuffer);
             gl.renderbuffer_storage(api::GL_RENDERBUFFER, format, size[0], size[1]);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, bound as u32);
-            gl.gen_framebuffers(1, &mut canvas.framebuffer);
+            canvas.framebuffer = own_names::framebuffer(gl);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);
             images::attach(gl, api::GL_COLOR_ATTACHMENT0, Name::Renderbuffer(canvas.renderbuffer));
             let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);

@@ -1,6 +1,7 @@
 //! Counts what the dividing stage did not divide far enough, for the statistics.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::own_names;
 
 /// An atomic counter in a buffer of ours.
 pub struct Counter {
@@ -25,7 +26,7 @@ impl Counter {
         unsafe {
             let mut generic = 0;
             gl.get_integerv(api::GL_ATOMIC_COUNTER_BUFFER_BINDING, &mut generic);
-            gl.gen_buffers(1, &mut counter.buffer);
+            counter.buffer = own_names::buffer(gl);
             gl.bind_buffer(api::GL_ATOMIC_COUNTER_BUFFER, counter.buffer);
             gl.buffer_data(api::GL_ATOMIC_COUNTER_BUFFER, 4, (&raw const zero).cast(), api::GL_DYNAMIC_READ);
             gl.bind_buffer(api::GL_ATOMIC_COUNTER_BUFFER, generic as u32);

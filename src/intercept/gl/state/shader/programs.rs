@@ -4,7 +4,7 @@ use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
 use crate::runtime::session::Intrinsics;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex};
 
 /// Rows that change nothing: the program's own picture.
@@ -13,8 +13,59 @@ pub const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
 /// Shaders and programs of a group of contexts.
 #[derive(Default)]
 pub struct Programs {
+    /// What the program gave a shader last.
     pub(in crate::intercept::gl) sources: HashMap<u32, Arc<str>>,
+    /// What it was when the shader was compiled, which is what is linked.
+    pub(in crate::intercept::gl) compiled: HashMap<u32, Arc<str>>,
+    /// Which programs are in use.
+    pub(in crate::intercept::gl) uses: Uses,
     pub(in crate::intercept::gl) programs: HashMap<u32, Arc<Program>>,
+}
+
+/// Which programs are in use, by their names. A program that is deleted while it is in use lives until it is not; where
+/// others are put in use in between, for what we draw, the driver must not be told earlier.
+#[derive(Default)]
+pub(in crate::intercept::gl) struct Uses {
+    /// Number of contexts that have it in use.
+    contexts: HashMap<u32, u32>,
+    /// What is to be deleted.
+    deleted: HashSet<u32>,
+}
+
+impl Uses {
+    /// A context uses `new` in place of `old`; 0 = none.
+    pub fn change(&mut self, old: u32, new: u32) {
+        if new != 0 {
+            *self.contexts.entry(new).or_insert(0) += 1;
+        }
+        if let Some(count) = self.contexts.get_mut(&old) {
+            *count -= 1;
+            if *count == 0 {
+                self.contexts.remove(&old);
+            }
+        }
+    }
+
+    /// The program deletes an object. Whether that has to wait.
+    pub fn delete(&mut self, name: u32) -> bool {
+        let used = self.contexts.contains_key(&name);
+        if used {
+            self.deleted.insert(name);
+        }
+        used
+    }
+
+    /// Whether the deletion of a program waits.
+    pub fn is_deleted(&self, name: u32) -> bool {
+        self.deleted.contains(&name)
+    }
+
+    /// A deleted program that is used no longer, if there is one.
+    pub fn take_unused(&mut self) -> Option<u32> {
+        let name = self.deleted.iter().copied().find(|name| !self.contexts.contains_key(name))?;
+        self.deleted.remove(&name);
+        Some(name)
+    }
 }
 
 /// A linked program.
@@ -35,6 +86,8 @@ pub struct Program {
     pub samplers: Vec<Sampler>,
     /// Where its vertices are, where that is proven.
     pub position: Option<Position>,
+    /// Subroutines can be chosen, which is lost when another program is put in use.
+    pub(in crate::intercept::gl) subroutines: bool,
     /// Its fragments ask where on the screen they are.
     pub reads_frag_coord: bool,
     /// Its 4×4 matrices.
@@ -111,4 +164,25 @@ pub(in crate::intercept::gl) enum Factor {
     Projection,
     /// By its number among the program's matrices.
     Uniform(usize),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Uses;
+
+    #[test]
+    fn a_deleted_program_lives_as_long_as_a_context_uses_it() {
+        let mut uses = Uses::default();
+        assert!(!uses.delete(3), "nobody uses it");
+        uses.change(0, 3);
+        uses.change(0, 3);
+        assert!(uses.delete(3) && uses.is_deleted(3));
+        uses.change(3, 4);
+        assert_eq!(uses.take_unused(), None, "another context uses it");
+        uses.change(3, 0);
+        assert_eq!((uses.take_unused(), uses.take_unused()), (Some(3), None));
+        assert!(!uses.is_deleted(3) && !uses.delete(3) && uses.delete(4));
+        uses.change(4, 4);
+        assert_eq!(uses.take_unused(), None, "used again");
+    }
 }

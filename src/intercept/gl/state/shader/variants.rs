@@ -1,5 +1,6 @@
 //! Programs of ours beside a program of the program's, which divide primitives.
 
+use crate::backend::gl::CurrentProgram;
 use crate::backend::gl::api::Gl;
 use crate::correct::projected::division::Input;
 use crate::intercept::gl::state::draw::primitives::Patch;
@@ -19,8 +20,15 @@ pub struct Variant {
     pub(in crate::intercept::gl) patch: Option<i32>,
 }
 
-/// What was so before a variant was put in use: the counter's binding, and how many vertices a patch has.
-pub struct InUse(pub(in crate::intercept::gl) Option<Before>, pub(in crate::intercept::gl) i32);
+/// What was so before a variant was put in use.
+pub struct InUse {
+    /// The counter's binding.
+    pub(in crate::intercept::gl) counter: Option<Before>,
+    /// Number of vertices of a patch.
+    pub(in crate::intercept::gl) vertices: i32,
+    /// The program's program, if it has subroutines.
+    pub(in crate::intercept::gl) own: Option<CurrentProgram>,
+}
 
 /// What a variant divides, and by which stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,65 @@
+//! What a program asks about its window's framebuffer, and hints about it.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::offscreen::view_copies;
+
+/// Whether `target` is the window, which is ours.
+fn is_window(ctx: &Context, target: u32) -> bool {
+    if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() }
+}
+
+/// Runs a command on what is bound at `target`; for the window that is its own framebuffer, which has the program's errors
+/// and answers. Nothing that the program drew is there.
+fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R) -> R {
+    let gl = ctx.driver.gl;
+    let Some(ours) = ctx.drawable.target.as_ref().filter(|_| is_window(ctx, target)).map(|t| t.framebuffer()) else {
+        return run(gl);
+    };
+    let point = if target == api::GL_READ_FRAMEBUFFER { target } else { api::GL_DRAW_FRAMEBUFFER };
+    // SAFETY: the binding is put back.
+    unsafe { gl.bind_framebuffer(point, 0) };
+    let answer = run(gl);
+    // SAFETY: as above.
+    unsafe { gl.bind_framebuffer(point, ours) };
+    answer
+}
+
+hooks! {
+    "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, _gl|
+        attachment_parameter(ctx, target, attachment, name, values);
+    "glFramebufferParameteri" framebuffer_parameteri(target: u32, name: u32, value: i32) = |ctx, _gl|
+        with_own(ctx, target, |gl| gl.framebuffer_parameteri(target, name, value));
+    "glGetFramebufferParameteriv" get_framebuffer_parameteriv(target: u32, name: u32, values: *mut i32) = |ctx, _gl|
+        with_own(ctx, target, |gl| gl.get_framebuffer_parameteriv(target, name, values));
+    "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, _gl|
+        with_own(ctx, target, |gl| gl.invalidate_framebuffer(target, count, attachments));
+    "glDiscardFramebufferEXT" discard_framebuffer_ext(target: u32, count: i32, attachments: *const u32) = |ctx, _gl|
+        with_own(ctx, target, |gl| gl.discard_framebuffer_ext(target, count, attachments));
+    "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
+        with_own(ctx, target, |gl| gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h));
+}
+
+/// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
+///
+/// # Safety
+/// `values` must be null or a place for one number, as the program promises OpenGL.
+pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
+    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+    // SAFETY: the program's own call, with a place for one number.
+    unsafe {
+        if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
+            *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
+        } else {
+            let attachment = match attachment {
+                _ if !window => attachment,
+                api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
+                api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
+                _ => api::GL_COLOR_ATTACHMENT0,
+            };
+            view_copies::leave(ctx);
+            ctx.driver.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+        }
+    }
+}

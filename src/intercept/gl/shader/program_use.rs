@@ -1,0 +1,51 @@
+//! Which program is in use, and the deletion of programs.
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::shader::{program_pipelines, programs};
+use crate::lock::Lock;
+
+/// `glUseProgram`.
+pub fn select(ctx: &mut Context, name: u32) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.driver.gl.use_program(name) };
+    let old = std::mem::replace(&mut ctx.shaders.pipelines.used, name);
+    if old != name {
+        ctx.share.programs.locked().uses.change(old, name);
+        delete_unused(ctx);
+    }
+    program_pipelines::choose(ctx);
+}
+
+/// Deletes the programs that waited for it.
+fn delete_unused(ctx: &Context) {
+    loop {
+        let Some(name) = ctx.share.programs.locked().uses.take_unused() else { return };
+        // SAFETY: the program's own call, which waited.
+        unsafe { ctx.driver.gl.delete_program(name) };
+        programs::forget_program(ctx, name);
+    }
+}
+
+/// The program deletes an object, by `issue`.
+fn delete(ctx: &Context, name: u32, issue: impl FnOnce(&Gl)) {
+    if !ctx.share.programs.locked().uses.delete(name) {
+        issue(ctx.driver.gl);
+        programs::forget_program(ctx, name);
+    }
+}
+
+hooks! {
+    "glUseProgram" use_program(program: u32) = |ctx, _gl| {
+        if ctx.compiling() { list_recording::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
+    };
+    "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, _gl| {
+        // Programs and shaders have names of one space.
+        delete(ctx, object, |gl| gl.delete_object_arb(object));
+    };
+    "glDeleteProgram" delete_program(program: u32) = |ctx, _gl| {
+        delete(ctx, program, |gl| gl.delete_program(program));
+    };
+}
