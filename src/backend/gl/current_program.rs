@@ -38,7 +38,8 @@ pub struct CurrentProgram {
 }
 
 impl CurrentProgram {
-    /// The program that is in use. `version`: 10·major + minor of OpenGL, or 0 for OpenGL ES, which has no subroutines.
+    /// The program that is in use. `version`: 10·major + minor of OpenGL, or 0 where no subroutines
+    /// were chosen, as always in OpenGL ES.
     pub fn save(gl: &Gl, version: i32) -> Self {
         let mut saved = Self { name: integer(gl, api::GL_CURRENT_PROGRAM) as u32, subroutines: Vec::new() };
         if saved.name == 0 || version < 40 {

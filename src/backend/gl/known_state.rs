@@ -71,9 +71,26 @@ pub struct KnownState {
     blending: Cell<Option<[u32; 4]>>,
     clear_color: Cell<Option<[f32; 4]>>,
     clear_depth: Cell<Option<f32>>,
+    /// No subroutine was chosen since the context was made: `glUseProgram` resets nothing.
+    no_subroutines: Cell<bool>,
 }
 
 impl KnownState {
+    /// What is known of a context that has just been made.
+    pub fn of_new_context() -> Self {
+        Self { no_subroutines: Cell::new(true), ..Self::default() }
+    }
+
+    /// The program chose subroutines.
+    pub fn note_subroutines(&self) {
+        self.no_subroutines.set(false);
+    }
+
+    /// Whether subroutines may have been chosen.
+    pub(super) fn may_have_subroutines(&self) -> bool {
+        !self.no_subroutines.get()
+    }
+
     /// Anything may have changed.
     pub fn forget(&self) {
         self.known.set(0);

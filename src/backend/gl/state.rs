@@ -145,7 +145,7 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &K
     let mut saved = Saved {
         switches: 0,
         scissor: false,
-        program: CurrentProgram::save(gl, caps.subroutines()),
+        program: CurrentProgram::save(gl, if known.may_have_subroutines() { caps.subroutines() } else { 0 }),
         vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
         draw_framebuffer: integer(gl, GL_DRAW_FRAMEBUFFER_BINDING) as u32,
         active_texture: integer(gl, GL_ACTIVE_TEXTURE) as u32,

@@ -41,6 +41,10 @@ hooks! {
     "glUseProgram" use_program(program: u32) = |ctx, _gl| {
         if ctx.compiling() { list_recording::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
     };
+    "glUniformSubroutinesuiv" uniform_subroutinesuiv(stage: u32, count: i32, indices: *const u32) = |ctx, gl| {
+        ctx.driver.known_state.note_subroutines();
+        gl.uniform_subroutinesuiv(stage, count, indices);
+    };
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, _gl| {
         // Programs and shaders have names of one space.
         delete(ctx, object, |gl| gl.delete_object_arb(object));

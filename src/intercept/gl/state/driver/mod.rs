@@ -38,7 +38,7 @@ impl Driver {
             id: CONTEXTS.fetch_add(1, Ordering::Relaxed),
             profile: profile(gl),
             window_space: DriverState::default(),
-            known_state: KnownState::default(),
+            known_state: KnownState::of_new_context(),
             pending_error: 0,
             endless_anisotropy: is_endless(gl),
         }
