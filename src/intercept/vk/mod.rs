@@ -26,7 +26,7 @@
 //!                        commands::tiles           one draw per view, panel and primary view
 //! vkQueueSubmit          submit::queue           hook
 //!                        submit::draw_groups       matrices → lens → scene, flat or behind
-//!                        state::view_constants     reprojection matrix of each view → memory
+//!                        state::views             reprojection matrix of each view → memory
 //! ```
 //!
 //! A command buffer may be recorded long before its uniform blocks are filled, and be submitted

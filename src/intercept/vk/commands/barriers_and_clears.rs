@@ -1,11 +1,11 @@
 //! Barriers and clears: atlas copies follow the layouts of their images, clears reach each tile.
 //! Writes to buffers are recorded as events, for `submit`.
 
-use crate::intercept::vk::state::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
-use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use ash::vk;
 
 /// Tiles that a clear goes to.
@@ -212,8 +212,8 @@ hooks! {
 #[cfg(test)]
 mod tests {
     use super::{AtlasRect, cleared};
-    use crate::intercept::vk::state::atlas_layout::AtlasLayout;
-    use crate::intercept::vk::state::vertices::VertexProcessing;
+    use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+    use crate::intercept::vk::state::views::vertices::VertexProcessing;
     use ash::vk;
 
     #[test]

@@ -1,10 +1,10 @@
 //! State that the program binds and sets: pipelines, descriptor sets, push constants, viewports.
 
-use crate::intercept::vk::state::bindings::BoundSet;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::PUSH_BYTES;
-use crate::intercept::vk::state::scene_graph::Made;
-use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::recording::bindings::BoundSet;
 use ash::vk;
 
 hooks! {

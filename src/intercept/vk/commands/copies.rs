@@ -1,13 +1,13 @@
 //! Copies between images: from the window's image, to it, and between images of the scene.
 
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Event;
-use crate::intercept::vk::state::scene_graph::Made;
-use crate::intercept::vk::state::structures::slice;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 

@@ -6,9 +6,9 @@ use crate::intercept::vk::commands::replicate::{self, ProgramDraw};
 use crate::intercept::vk::commands::tiles::is_main;
 use crate::intercept::vk::offscreen::scene_graph::{self, Cover};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_parameters::{DrawParameters, DrawSize};
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::Pipeline;
+use crate::intercept::vk::state::recording::draw_parameters::{DrawParameters, DrawSize};
 use crate::intercept::vk::state::recording::{Recording, count_draw};
 use ash::vk;
 

@@ -3,12 +3,12 @@
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::commands::passes::{end, is_whole, plain, served, whole_atlas};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::{Pass, Within};
-use crate::intercept::vk::state::structures::slice;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 

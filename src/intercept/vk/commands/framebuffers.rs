@@ -2,10 +2,10 @@
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::framebuffers::{Framebuffer, Framebuffers, LaterAttachment, RenderPass};
+use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::structures::{in_chain, slice};
-use crate::intercept::vk::state::view_target::{ATLAS_COPY_USAGE, ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
+use crate::intercept::vk::state::images::framebuffers::{Framebuffer, Framebuffers, LaterAttachment, RenderPass};
+use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
 use crate::lock::Lock;
 use ash::vk;
 use std::sync::{Arc, Mutex};

@@ -6,8 +6,8 @@
 
 use crate::intercept::settings;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_parameters::{BYTES, DrawParameters, IndirectDraw};
 use crate::intercept::vk::state::recording::Recording;
+use crate::intercept::vk::state::recording::draw_parameters::{BYTES, DrawParameters, IndirectDraw};
 
 /// Draws of fewer vertices are not worth fetching parameters for: on lavapipe that costs as much as
 /// some hundred of them.

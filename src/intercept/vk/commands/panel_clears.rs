@@ -1,8 +1,8 @@
 //! Clears of the panel to transparent black, so that the views behind it are seen.
 
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::{Recording, Within};
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use ash::prelude::VkResult;
 use ash::vk;
 

@@ -5,14 +5,14 @@ use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::commands::conditional_render;
 use crate::intercept::vk::commands::panel_clears::{clear_panel, clear_pending};
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::framebuffers::Framebuffer;
+use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::LayoutChange;
+use crate::intercept::vk::state::images::framebuffers::Framebuffer;
 use crate::intercept::vk::state::recording::{Event, Pass, Within};
-use crate::intercept::vk::state::structures::{in_chain, slice};
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! Life of command buffers: allocation, begin, execution of secondary ones, end.
 
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::{Event, Pass, Recording, Recordings, Within};
-use crate::intercept::vk::state::structures::{in_chain, slice};
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::{Lock, SharedLock};
 use ash::vk;
 use std::sync::{Arc, Mutex};

@@ -5,12 +5,12 @@ use crate::correct::single::pixels;
 use crate::intercept::scene;
 use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::commands::rebind::rebind;
-use crate::intercept::vk::state::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_parameters::IndirectDraw;
 use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
 use crate::intercept::vk::state::recording::Recording;
-use crate::intercept::vk::state::view_constants::ChunkOffset;
+use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
+use crate::intercept::vk::state::views::view_constants::ChunkOffset;
 use ash::vk;
 use std::sync::Arc;
 
@@ -183,7 +183,7 @@ fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) -> vk:
 #[cfg(test)]
 mod tests {
     use super::{cut_to_tile, fill_tile};
-    use crate::intercept::vk::state::atlas_layout::AtlasRect;
+    use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
     use ash::vk;
 
     #[test]

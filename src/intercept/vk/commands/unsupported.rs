@@ -4,8 +4,8 @@
 //! test compares them with the commands that Vulkan has.
 
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
 /// Whether an image of the program has an atlas copy, or stands for the window.

@@ -2,11 +2,11 @@
 //! of the scene, and the atlas copy in place of an attachment that shaders read.
 
 use crate::intercept::obstacle::Obstacle;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors::SetLayout;
+use crate::intercept::vk::state::descriptors::set_contents::{Contents, CopiedDescriptor, Copies, DescriptorSlot};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::ViewCopies;
-use crate::intercept::vk::state::set_contents::{Contents, CopiedDescriptor, Copies, DescriptorSlot};
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::Arc;

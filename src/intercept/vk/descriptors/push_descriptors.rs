@@ -1,14 +1,14 @@
 //! Push descriptors. They are kept, so that matrices are found in them, and pushed again where a
 //! set of ours took their place.
 
-use crate::intercept::vk::state::bindings::{BoundSet, Content, Pushed, Write};
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::descriptors::Template;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Recording;
-use crate::intercept::vk::state::scene_graph::Made;
-use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::recording::bindings::{BoundSet, Content, Pushed, Write};
 use ash::vk;
 
 /// Descriptors were pushed: what they show cannot be exchanged for a view's.

@@ -2,14 +2,14 @@
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::descriptors::per_view_sets::ProgramSet;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies};
 use crate::intercept::vk::state::descriptors::{
     Descriptors, Set, SetLayout, Template, TemplateEntry, is_buffer, is_picture, picture,
 };
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::set_contents::{Contents, Copies};
-use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;

@@ -4,8 +4,8 @@
 
 use crate::intercept::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
-use crate::intercept::vk::state::structures::{Copied, in_chain};
-use crate::intercept::vk::state::vertices::{VertexDecision, VertexProcessing};
+use crate::intercept::vk::state::driver::structures::{Copied, in_chain};
+use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
 use crate::rig::{Method, Rig};
 use ash::vk;
 

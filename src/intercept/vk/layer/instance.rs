@@ -1,7 +1,7 @@
 //! Life of an instance: `vkCreateInstance` and `vkDestroyInstance`.
 
 use crate::intercept::vk::layer::chain_links;
-use crate::intercept::vk::state::instance::{INSTANCES, Instance, address, dispatch_key};
+use crate::intercept::vk::state::driver::instance::{INSTANCES, Instance, address, dispatch_key};
 use crate::lock::SharedLock;
 use ash::vk;
 use std::collections::HashMap;

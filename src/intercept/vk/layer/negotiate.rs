@@ -3,7 +3,7 @@
 
 use crate::intercept::vk::layer::{device, instance, table};
 use crate::intercept::vk::state::device as devices;
-use crate::intercept::vk::state::instance as instances;
+use crate::intercept::vk::state::driver::instance as instances;
 use ash::vk;
 use std::ffi::{CStr, c_void};
 

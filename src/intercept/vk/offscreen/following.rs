@@ -7,10 +7,10 @@
 //! somewhere may name them.
 
 use crate::intercept::obstacle::Obstacle;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use std::sync::Arc;
 

@@ -4,15 +4,15 @@
 //! window. Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
 
 use crate::intercept::obstacle::Obstacle;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::own_image::OwnImage;
+use crate::intercept::vk::state::driver::structures::in_chain;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, View, aspects};
-use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::scene_graph::Made;
-use crate::intercept::vk::state::structures::in_chain;
-use crate::intercept::vk::state::view_target::ATLAS_COPY_USAGE;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_target::ATLAS_COPY_USAGE;
 use crate::lock::Lock;
 use ash::vk;
 

@@ -4,7 +4,7 @@
 //! it, and chooses between two frames the images that lie between a scene and the window. From then
 //! on such an image is drawn once per view: to an atlas of its own, from which [`view_copies`]
 //! makes one image per view for the program's shaders. Answers `vkCreateImage`, `vkCreateImageView`
-//! and their counterparts. State: `state::images`, `state::scene_graph`.
+//! and their counterparts. State: `state::images`.
 //!
 //! ```text
 //! scene ─ draws ─► atlas of the image ─ view copies ─ sampled by each view's draw ─► window's atlas

@@ -6,9 +6,9 @@
 
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::MatrixSource;
+use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Recording;
-use crate::intercept::vk::state::scene_graph::Made;
+use crate::intercept::vk::state::recording::draw_groups::MatrixSource;
 use crate::intercept::{lens, settings};
 use ash::vk;
 

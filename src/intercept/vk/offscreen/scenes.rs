@@ -3,12 +3,12 @@
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
-use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::own_image::OwnImage;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies};
-use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;

@@ -4,12 +4,12 @@
 //! sample the image get the view's copy: coordinates, filter and wrapping are as the program has
 //! them.
 
-use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::own_image::{
+use crate::intercept::vk::state::driver::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier, left_in, ready_in,
 };
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 
 /// As a shader finds a view copy.

@@ -1,7 +1,7 @@
 //! Create infos of pipelines: of whole pipelines, or of the parts that a library has. Pointers that
 //! belong to other parts may lead anywhere and are not followed.
 
-use crate::intercept::vk::state::structures::{Copied, in_chain, slice};
+use crate::intercept::vk::state::driver::structures::{Copied, in_chain, slice};
 use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Flags};
 use std::ffi::c_void;
 

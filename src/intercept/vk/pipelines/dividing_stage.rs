@@ -5,8 +5,8 @@ use crate::intercept::vk::pipelines::create_info::Parts;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::in_chain;
 use crate::intercept::vk::state::pipelines::PipelineLayout;
-use crate::intercept::vk::state::structures::in_chain;
 use ::spirv::ExecutionModel;
 use ash::vk;
 

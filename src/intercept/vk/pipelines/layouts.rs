@@ -3,9 +3,9 @@
 
 use crate::intercept::vk::state::descriptors::SetLayout;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::PipelineLayout;
-use crate::intercept::vk::state::structures::slice;
 use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::{MatrixSource, MatrixValue};
 use crate::intercept::vk::state::recording::Recording;
+use crate::intercept::vk::state::recording::draw_groups::{MatrixSource, MatrixValue};
 
 /// A matrix out of memory.
 pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {

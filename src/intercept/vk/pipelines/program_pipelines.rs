@@ -3,9 +3,9 @@
 use crate::intercept::vk::pipelines::create_info::Parts;
 use crate::intercept::vk::pipelines::variants;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::{Pipeline, Pipelines};
-use crate::intercept::vk::state::structures::slice;
 use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;

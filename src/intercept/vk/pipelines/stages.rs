@@ -1,7 +1,7 @@
 //! A stage of a pipeline: its entry point and its words.
 
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::structures::{in_chain, slice};
+use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;

@@ -2,21 +2,21 @@
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::Descriptors;
-use crate::intercept::vk::state::draw_groups::Frame;
+use crate::intercept::vk::state::driver::entry_points::NextLayer;
+use crate::intercept::vk::state::driver::instance::dispatch_key;
 use crate::intercept::vk::state::driver::{Driver, Queue};
-use crate::intercept::vk::state::entry_points::NextLayer;
 use crate::intercept::vk::state::flatness::Flatness;
-use crate::intercept::vk::state::framebuffers::Framebuffers;
 use crate::intercept::vk::state::host_memory::HostMemory;
 use crate::intercept::vk::state::images::Images;
-use crate::intercept::vk::state::instance::dispatch_key;
+use crate::intercept::vk::state::images::framebuffers::Framebuffers;
+use crate::intercept::vk::state::images::scene_graph::SceneGraph;
 use crate::intercept::vk::state::pipelines::{PipelineLayouts, Pipelines};
 use crate::intercept::vk::state::queries::Queries;
 use crate::intercept::vk::state::recording::Recordings;
-use crate::intercept::vk::state::scene_graph::SceneGraph;
+use crate::intercept::vk::state::recording::draw_groups::Frame;
 use crate::intercept::vk::state::swapchains::Swapchains;
-use crate::intercept::vk::state::vertices::{VertexDecision, VertexProcessing};
-use crate::intercept::vk::state::view_constants::ConstantPool;
+use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
+use crate::intercept::vk::state::views::view_constants::ConstantPool;
 use crate::lock::{Lock, SharedLock};
 use ash::vk;
 use std::collections::HashMap;
@@ -49,7 +49,7 @@ pub struct Device {
     pub(in crate::intercept::vk) descriptors: Descriptors,
     /// Buffers and memory (`submit`).
     pub(in crate::intercept::vk) host_memory: HostMemory,
-    /// HostMemory of the view constants (`commands` takes it, `submit` writes it).
+    /// Memory of the view constants (`commands` takes it, `submit` writes it).
     pub(in crate::intercept::vk) view_constants: ConstantPool,
     /// The frame that is being submitted (`submit`).
     pub(in crate::intercept::vk) frame: Mutex<Frame>,

@@ -14,7 +14,7 @@ pub struct Hook {
 unsafe impl Sync for Hook {}
 
 /// Defines hooks, and the table `HOOKS` of them. Each has the name of an entry of
-/// [`entry_points`](crate::intercept::vk::state::entry_points).
+/// [`entry_points`](crate::intercept::vk::state::driver::entry_points).
 ///
 /// Each body gets the device (`$device`) and the next layer's function (`$next`). After a panic the
 /// program is shown flat from then on, and the call goes to the next layer.
@@ -42,7 +42,7 @@ macro_rules! hooks {
         /// The hooks of this file.
         pub static HOOKS: &[$crate::intercept::vk::state::hooks::Hook] = &[
             $( $crate::intercept::vk::state::hooks::Hook {
-                names: $crate::intercept::vk::state::entry_points::names::$method,
+                names: $crate::intercept::vk::state::driver::entry_points::names::$method,
                 address: $method as *const (),
             }, )*
         ];

@@ -88,7 +88,7 @@ impl HostMemory {
         self.mapped.locked().get(&memory).map(|mapping| mapping.address)
     }
 
-    /// HostMemory is mapped from its beginning from now on.
+    /// Memory is mapped from its beginning from now on.
     pub(in crate::intercept::vk) fn map(&self, memory: vk::DeviceMemory, address: usize) {
         self.mapped.locked().insert(memory, Mapping { address });
     }

@@ -8,11 +8,11 @@ use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::lens;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource};
+use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource};
 use crate::intercept::vk::state::recording::{Event, Recording};
-use crate::intercept::vk::state::view_constants::ConstantChunk;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_constants::ConstantChunk;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
 use std::sync::Arc;
@@ -77,7 +77,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
                 device.recordings.with(*other, |other| run_events(device, other, queries));
             }
             Event::Drawn(target, in_views) => {
-                crate::intercept::vk::state::view_target::drawn(target, *in_views);
+                crate::intercept::vk::state::views::view_target::drawn(target, *in_views);
                 if device.images.is_retired(target) && target.was_missed() {
                     device.show_flat("the commands that draw its scene were recorded before its views changed");
                 }

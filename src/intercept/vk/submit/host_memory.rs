@@ -3,9 +3,9 @@
 //! Memory that the program maps stays mapped below us until it is freed, so that it can be read at
 //! any time. What commands copy or write into a buffer is kept beside it.
 
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::host_memory::KnownBuffer;
-use crate::intercept::vk::state::structures::slice;
 use crate::lock::Lock;
 use ash::vk;
 

@@ -1,9 +1,9 @@
 //! Submissions: the draws of submitted command buffers get their view constants.
 
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::PendingLayout;
-use crate::intercept::vk::state::structures::slice;
 use crate::intercept::vk::submit::draw_groups;
 use ash::prelude::VkResult;
 use ash::vk;

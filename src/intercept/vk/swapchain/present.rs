@@ -8,7 +8,7 @@ use crate::intercept::scene::report;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
-use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::read_back;
 use crate::intercept::{log, settings};

@@ -3,15 +3,15 @@
 
 use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::division_counter::Counter;
 use crate::intercept::vk::state::driver::Queue;
-use crate::intercept::vk::state::own_image::{
+use crate::intercept::vk::state::driver::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view,
 };
 use crate::intercept::vk::state::swapchains::{PictureSource, Slot, StandIn};
-use crate::intercept::vk::state::view_target::{ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::division_counter::Counter;
+use crate::intercept::vk::state::views::view_target::{ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -1,7 +1,7 @@
 //! Render passes and framebuffers of the program.
 
 use crate::intercept::vk::state::images::Images;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;

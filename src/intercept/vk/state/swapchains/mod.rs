@@ -1,10 +1,14 @@
 //! Swapchains of the program and what stands in for their images.
+//!
+//! [`formats`] lists the formats that can be corrected.
+
+pub mod formats;
 
 use crate::backend::vk::VkBackend;
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
-use crate::intercept::vk::state::formats::TexelFormat;
-use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::driver::own_image::OwnImage;
+use crate::intercept::vk::state::swapchains::formats::TexelFormat;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;

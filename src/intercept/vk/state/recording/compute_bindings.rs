@@ -1,8 +1,8 @@
 //! What a program has bound for compute shaders, so that it can be put back after a shader of ours.
 
-use crate::intercept::vk::state::bindings::{BoundSet, Pushed, Write};
 use crate::intercept::vk::state::driver::Driver;
-use crate::intercept::vk::state::entry_points::NextLayer;
+use crate::intercept::vk::state::driver::entry_points::NextLayer;
+use crate::intercept::vk::state::recording::bindings::{BoundSet, Pushed, Write};
 use ash::vk;
 
 /// What is bound for compute shaders while a command buffer is recorded.
@@ -72,7 +72,7 @@ impl ComputeBindings {
 #[cfg(test)]
 mod tests {
     use super::ComputeBindings;
-    use crate::intercept::vk::state::bindings::BoundSet;
+    use crate::intercept::vk::state::recording::bindings::BoundSet;
     use ash::vk::{self, Handle};
 
     #[test]

@@ -1,15 +1,24 @@
 //! Command buffers of the program: their state while they are recorded, and what has to be known of
 //! them when they are submitted.
+//!
+//! [`bindings`] and [`compute_bindings`] are what the program has bound, so that it can be bound
+//! again after commands of ours. [`draw_groups`] are the draws that are classified at submission;
+//! [`draw_parameters`] are those of their parameters that lie in memory.
 
-use crate::intercept::vk::state::bindings::BoundSet;
-use crate::intercept::vk::state::compute_bindings::ComputeBindings;
-use crate::intercept::vk::state::draw_groups::{DrawGroup, MatrixSource};
+pub mod bindings;
+pub mod compute_bindings;
+pub mod draw_groups;
+pub mod draw_parameters;
+
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::images::LayoutChange;
 use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::queries::Pool;
-use crate::intercept::vk::state::view_constants::{ConstantChunks, ConstantPool};
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::recording::bindings::BoundSet;
+use crate::intercept::vk::state::recording::compute_bindings::ComputeBindings;
+use crate::intercept::vk::state::recording::draw_groups::{DrawGroup, MatrixSource};
+use crate::intercept::vk::state::views::view_constants::{ConstantChunks, ConstantPool};
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::{Lock, SharedLock};
 use ash::vk;
 use std::collections::HashMap;

@@ -1,8 +1,8 @@
 //! Parameters of draws in memory that is written when a recorded command buffer runs.
 
 use crate::intercept::vk::state::driver::Driver;
-use crate::intercept::vk::state::scene_graph::COVERING_VERTICES;
-use crate::intercept::vk::state::view_constants::{ChunkOffset, ConstantChunk};
+use crate::intercept::vk::state::images::scene_graph::COVERING_VERTICES;
+use crate::intercept::vk::state::views::view_constants::{ChunkOffset, ConstantChunk};
 use ash::vk;
 
 /// Bytes of a draw's parameters, of either kind.

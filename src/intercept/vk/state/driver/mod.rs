@@ -1,7 +1,16 @@
 //! A device as the driver has it: its functions, limits, memory and queues.
+//!
+//! [`instance`] holds the next layer's functions for an instance, [`entry_points`] those of a device
+//! that hooks call. [`structures`] reads the structures that the program passes to Vulkan;
+//! [`own_image`] makes images of ours. Nothing here knows of views.
+
+pub mod entry_points;
+pub mod instance;
+pub mod own_image;
+pub mod structures;
 
 use crate::backend::vk::Api;
-use crate::intercept::vk::state::instance::Instance;
+use crate::intercept::vk::state::driver::instance::Instance;
 use ash::prelude::VkResult;
 use ash::{khr, vk};
 use std::ffi::c_void;

@@ -1,6 +1,11 @@
 //! Descriptor sets of the program, their layouts and update templates.
+//!
+//! [`set_contents`] is what the program wrote to a set, from which the copies of the set for each
+//! view are made.
 
-use crate::intercept::vk::state::set_contents::{Contents, Copies, Picture};
+pub mod set_contents;
+
+use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies, Picture};
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};

@@ -3,7 +3,7 @@
 use crate::correct::Plan;
 use crate::correct::projected::matrices::LensConstants;
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::vk::state::vertices::VertexProcessing;
+use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use ash::vk;
@@ -170,7 +170,7 @@ fn upside_down(plan: &Plan) -> Plan {
 #[cfg(test)]
 mod tests {
     use super::AtlasLayout;
-    use crate::intercept::vk::state::vertices::VertexProcessing;
+    use crate::intercept::vk::state::views::vertices::VertexProcessing;
 
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {

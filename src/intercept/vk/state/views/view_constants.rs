@@ -5,8 +5,8 @@
 //! vertices are projected to outputs; a counter of the dividing stage may lie beside it. The
 //! parameters of large draws lie in the same chunks.
 
-use crate::intercept::vk::state::division_counter::Counter;
 use crate::intercept::vk::state::driver::Driver;
+use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::lock::Lock;
 use ash::prelude::VkResult;
 use ash::vk;

@@ -1,8 +1,14 @@
 //! Images of the program, and what stands for them while views are drawn.
+//!
+//! [`scene_graph`] notes which of them hold a scene on its way to the window, [`framebuffers`] which
+//! of them a render pass draws to.
+
+pub mod framebuffers;
+pub mod scene_graph;
 
 use crate::intercept::settings;
-use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::intercept::vk::state::driver::own_image::OwnImage;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;

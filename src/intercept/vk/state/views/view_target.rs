@@ -1,7 +1,7 @@
 //! Images that are drawn for each view, with their atlas.
 
-use crate::intercept::vk::state::atlas_layout::AtlasLayout;
-use crate::intercept::vk::state::own_image::OwnImage;
+use crate::intercept::vk::state::driver::own_image::OwnImage;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

@@ -1,8 +1,8 @@
 //! What a command buffer has bound: descriptor sets and pushed descriptors.
 
 use crate::intercept::vk::state::descriptors::{Descriptors, TemplateEntry};
-use crate::intercept::vk::state::entry_points::NextLayer;
-use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::driver::entry_points::NextLayer;
+use crate::intercept::vk::state::driver::structures::slice;
 use ash::vk;
 
 /// A descriptor set that the program bound.
