@@ -5,7 +5,7 @@ use crate::intercept::gl::app_state::known_state;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
-use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::framebuffer::target::attach::follow_size;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::app::attribute_stack::Pushed;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
@@ -55,7 +55,7 @@ pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
     let new_size = ctx.drawable.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
     if new_size && !ctx.frame.begun && ctx.redirected() {
         // Perhaps the window has it already.
-        default_framebuffer::follow_size(ctx);
+        follow_size(ctx);
     }
     if !ctx.redirected() {
         ctx.set_viewport(rect);

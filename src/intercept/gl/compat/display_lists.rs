@@ -11,7 +11,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{Command, Item, ListState, Primitive, Recording, record};
 use crate::intercept::gl::draw::dispatch::draw;
-use crate::intercept::gl::framebuffer::bindings;
+use crate::intercept::gl::framebuffer::commands::{clears, draw_buffers};
 use crate::intercept::gl::shader::program_use;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
@@ -122,9 +122,9 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         Command::PushAttributes(mask) => window_state::push_attributes(ctx, *mask),
         Command::PopAttributes => window_state::pop_attributes(ctx),
         Command::UseProgram(program) => program_use::select(ctx, *program),
-        Command::Clear(mask) => bindings::clear_window(ctx, *mask),
-        Command::DrawBuffer(buffer) => bindings::select_draw_buffer(ctx, *buffer),
-        Command::ReadBuffer(buffer) => bindings::select_read_buffer(ctx, *buffer),
+        Command::Clear(mask) => clears::clear_window(ctx, *mask),
+        Command::DrawBuffer(buffer) => draw_buffers::select_draw_buffer(ctx, *buffer),
+        Command::ReadBuffer(buffer) => draw_buffers::select_read_buffer(ctx, *buffer),
         Command::RasterPosition(position) => raster_position::set_position(ctx, *position),
         Command::WindowPosition(position) => raster_position::set_window_position(ctx, *position),
         Command::CallList(list) => call(ctx, *list, depth + 1),

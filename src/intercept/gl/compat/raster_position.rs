@@ -9,7 +9,8 @@ use crate::intercept::gl::compat::scene_position::{Placed, is_valid, move_by, ra
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
-use crate::intercept::gl::framebuffer::{default_framebuffer, read_back};
+use crate::intercept::gl::framebuffer::reading::read_back;
+use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::per_view::classify::classify;
 use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
@@ -104,7 +105,7 @@ pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
 
 /// Prepares the flat tile; its origin in the atlas.
 fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
-    default_framebuffer::want_panel(ctx);
+    want_panel(ctx);
     let tile = ctx.drawable.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
     match tile {
         Some((tile, _)) => {
@@ -197,7 +198,7 @@ fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebu
 /// Draws at a raster position on the flat panel, and in the other pictures that show it.
 fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.driver.gl;
-    default_framebuffer::want_panel(ctx);
+    want_panel(ctx);
     ctx.frame.counts.panel_draws += 1;
     let Some(tiles) = ctx.drawable.target.as_ref().map(|t| t.flat_tiles()) else { return };
     let repeats = Repeats::new(changes, ctx, 0);

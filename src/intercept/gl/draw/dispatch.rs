@@ -14,7 +14,7 @@
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;
-use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::offscreen::displayed::{self, Shows};
 use crate::intercept::gl::offscreen::{coverage, draws};
 use crate::intercept::gl::per_view::classify::{classify, main_viewport};
@@ -172,7 +172,7 @@ impl Target for Window {
 /// A draw that belongs to the flat panel, with the program's own matrices and window space.
 fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
-    default_framebuffer::want_panel(ctx);
+    want_panel(ctx);
     let Some(target) = &ctx.drawable.target else { return };
     let tiles = target.flat_tiles();
     let repeats = Repeats::new(changes, ctx, 0);

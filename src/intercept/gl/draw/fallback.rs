@@ -2,7 +2,7 @@
 
 use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::framebuffer::target::attach::attach;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
@@ -66,5 +66,5 @@ pub fn use_views(ctx: &mut Context, reason: &str) {
     let extras = target.extras();
     view_copies::clear(ctx);
     target.destroy(ctx.driver.gl);
-    default_framebuffer::attach(ctx, extras);
+    attach(ctx, extras);
 }

@@ -3,7 +3,7 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::entry::contexts;
-use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::framebuffer::target::attach;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::Window;
@@ -42,8 +42,8 @@ impl Context {
         }
         if self.drawable.target.is_none() {
             match contexts::take_picture(&self.share, &window) {
-                Some(picture) => default_framebuffer::take_over(self, picture),
-                None => default_framebuffer::attach(self, Extras::default()),
+                Some(picture) => attach::take_over(self, picture),
+                None => attach::attach(self, Extras::default()),
             }
         } else if self.app.read_framebuffer == 0 {
             // SAFETY: what the program's reads come from, which may be another drawable now.
@@ -106,8 +106,8 @@ impl Context {
             self.drawable.parked.iter().position(|(parked, _)| Some(parked) == self.drawable.window.as_ref())
         {
             let (window, target) = self.drawable.parked.remove(index);
-            default_framebuffer::resume(self, &window, target);
-            default_framebuffer::follow_size(self);
+            attach::resume(self, &window, target);
+            attach::follow_size(self);
         }
     }
 }

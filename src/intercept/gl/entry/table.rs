@@ -4,9 +4,10 @@ use crate::intercept::gl::app_state::{getters, indexed_viewports, known_state, w
 use crate::intercept::gl::compat::{begin_end, display_lists, list_calls, matrices, raster_position, vertex_commands};
 use crate::intercept::gl::draw::{anisotropy, arrays, commands, transform_feedback};
 use crate::intercept::gl::frame::front_buffer;
-use crate::intercept::gl::framebuffer::{
-    accumulation, bindings, direct_state, direct_state_ext, read_back, textures, window_answers,
+use crate::intercept::gl::framebuffer::commands::{
+    accumulation, bindings, blits, clears, direct_state, direct_state_ext, draw_buffers, textures, window_answers,
 };
+use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::per_view::culling::max_width;
 use crate::intercept::gl::per_view::wide_primitives;
 use crate::intercept::gl::projected_vertices;
@@ -59,6 +60,9 @@ fn table() -> &'static HashMap<&'static str, usize> {
             textures::HOOKS,
             window_state::HOOKS,
             bindings::HOOKS,
+            clears::HOOKS,
+            draw_buffers::HOOKS,
+            blits::HOOKS,
             read_back::HOOKS,
             window_answers::HOOKS,
         ];

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::Target;
 use crate::intercept::gl::context::read_pixels;
-use crate::intercept::gl::framebuffer::own_framebuffer::OwnFramebuffer;
+use crate::intercept::gl::framebuffer::reading::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
 use crate::runtime::report::Picture;

@@ -8,7 +8,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::frame::{capture, frame_number, front_buffer};
-use crate::intercept::gl::framebuffer::default_framebuffer::{self, follow_size};
+use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::window::Window;
@@ -186,7 +186,7 @@ fn next_frame(ctx: &mut Context) {
     view_copies::end_frame(ctx);
     buffers::of(&ctx.share).end_frame();
     follow_size(ctx);
-    default_framebuffer::follow_rig(ctx);
+    follow_rig(ctx);
 }
 
 fn keep_report(ctx: &mut Context, settings: &settings::Settings) {

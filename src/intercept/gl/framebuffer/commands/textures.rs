@@ -4,7 +4,7 @@ use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
-use crate::intercept::gl::framebuffer::read_back;
+use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::offscreen::{blits, sampling, view_copies};
 use std::ffi::c_void;
 

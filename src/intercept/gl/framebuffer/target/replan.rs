@@ -8,8 +8,8 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::framebuffer::default_framebuffer;
-use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+use crate::intercept::gl::framebuffer::target::attach::plan_for;
+use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::driver::Driver;
 
@@ -22,7 +22,7 @@ pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
         return;
     }
     if let Some(draws) = ctx.frame.draw_count.take() {
-        default_framebuffer::plan_for(&mut OwnCalls::begin(ctx), draws);
+        plan_for(&mut OwnCalls::begin(ctx), draws);
     }
 }
 

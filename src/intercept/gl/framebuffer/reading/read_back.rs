@@ -6,19 +6,43 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
-use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::framebuffer::reading::first_read;
+use crate::intercept::gl::framebuffer::reading::resolve::make_ready;
+use crate::intercept::gl::framebuffer::target::enlarge::enlarge;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::window_space::intersect;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use std::ffi::c_void;
 
-/// Binds what reads of `part` of the window come from, with `alpha` or without; the origin of the window's picture in it.
+/// Binds what the program's reads of `part` (x, y, width, height) of its window come from; the origin of its picture there.
+/// `alpha`: the read takes alpha, too.
 pub fn prepare(ctx: &mut Context, part: [i32; 4], alpha: bool) -> [i32; 2] {
-    default_framebuffer::bind_for_reading(ctx, part, alpha)
+    let own_picture = |t: &DefaultFramebuffer| {
+        t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
+    };
+    if ctx.drawable.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
+        enlarge(ctx, |extras| extras.primary = true);
+        first_read::fill_primary(&mut OwnCalls::begin(ctx));
+    }
+    let Some(tile) = ctx.drawable.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
+    make_ready(ctx, intersect(part, tile), alpha);
+    let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some()) else {
+        return [tile[0], tile[1]];
+    };
+    // SAFETY: a framebuffer of ours; `finish` puts the program's back.
+    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
+    [tile[0], tile[1]]
 }
 
-/// Puts the read framebuffer back.
+/// Puts back the read framebuffer that [`prepare`] replaced.
 pub fn finish(ctx: &mut Context) {
-    default_framebuffer::end_reading(ctx);
+    if ctx.reads_redirected()
+        && let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some())
+    {
+        // SAFETY: what the program's window stands for.
+        unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
+    }
 }
 
 /// Runs a read of the program, with its rectangle's origin moved to where its picture is.

@@ -3,14 +3,14 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::framebuffer::direct_state::{bound, is_window};
-use crate::intercept::gl::framebuffer::{bindings, window_answers};
+use crate::intercept::gl::framebuffer::commands::direct_state::{bound, is_window};
+use crate::intercept::gl::framebuffer::commands::{draw_buffers, window_answers};
 use crate::intercept::gl::offscreen::view_copies;
 
 hooks! {
     "glFramebufferDrawBufferEXT" framebuffer_draw_buffer_ext(framebuffer: u32, buffer: u32) = |ctx, gl| {
         if is_window(&ctx.drawable, framebuffer) {
-            bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffer(ctx, buffer));
+            bound(ctx, Some(0), None, |ctx| draw_buffers::select_draw_buffer(ctx, buffer));
         } else {
             view_copies::forget(ctx, framebuffer);
             gl.framebuffer_draw_buffer_ext(framebuffer, buffer);
@@ -18,7 +18,7 @@ hooks! {
     };
     "glFramebufferDrawBuffersEXT" framebuffer_draw_buffers_ext(framebuffer: u32, count: i32, buffers: *const u32) = |ctx, gl| {
         if is_window(&ctx.drawable, framebuffer) {
-            bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffers(ctx, count, buffers));
+            bound(ctx, Some(0), None, |ctx| draw_buffers::select_draw_buffers(ctx, count, buffers));
         } else {
             view_copies::forget(ctx, framebuffer);
             gl.framebuffer_draw_buffers_ext(framebuffer, count, buffers);
@@ -26,7 +26,7 @@ hooks! {
     };
     "glFramebufferReadBufferEXT" framebuffer_read_buffer_ext(framebuffer: u32, buffer: u32) = |ctx, gl| {
         if is_window(&ctx.drawable, framebuffer) {
-            bound(ctx, None, Some(0), |ctx| bindings::select_read_buffer(ctx, buffer));
+            bound(ctx, None, Some(0), |ctx| draw_buffers::select_read_buffer(ctx, buffer));
         } else {
             gl.framebuffer_read_buffer_ext(framebuffer, buffer);
         }

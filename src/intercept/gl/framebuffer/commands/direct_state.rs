@@ -7,8 +7,8 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
-use crate::intercept::gl::framebuffer::{bindings, window_answers};
+use crate::intercept::gl::framebuffer::commands::{bindings, blits, clears, draw_buffers, window_answers};
+use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::Drawable;
 
@@ -47,13 +47,13 @@ macro_rules! clears {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
-                        _ = bindings::clear_with(ctx, Cleared::$how(buffer, $($p),*), |gl| gl.$bound(buffer, $($p),*));
+                        _ = clears::clear_with(ctx, Cleared::$how(buffer, $($p),*), |gl| gl.$bound(buffer, $($p),*));
                     });
                 }
             }; )*
             "glNamedFramebufferDrawBuffer" named_framebuffer_draw_buffer(framebuffer: u32, buffer: u32) = |ctx, gl| {
                 if is_window(&ctx.drawable, framebuffer) {
-                    bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffer(ctx, buffer));
+                    bound(ctx, Some(0), None, |ctx| draw_buffers::select_draw_buffer(ctx, buffer));
                 } else {
                     view_copies::forget(ctx, framebuffer);
                     gl.named_framebuffer_draw_buffer(framebuffer, buffer);
@@ -61,7 +61,7 @@ macro_rules! clears {
             };
             "glNamedFramebufferDrawBuffers" named_framebuffer_draw_buffers(framebuffer: u32, count: i32, buffers: *const u32) = |ctx, gl| {
                 if is_window(&ctx.drawable, framebuffer) {
-                    bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffers(ctx, count, buffers));
+                    bound(ctx, Some(0), None, |ctx| draw_buffers::select_draw_buffers(ctx, count, buffers));
                 } else {
                     view_copies::forget(ctx, framebuffer);
                     gl.named_framebuffer_draw_buffers(framebuffer, count, buffers);
@@ -69,7 +69,7 @@ macro_rules! clears {
             };
             "glNamedFramebufferReadBuffer" named_framebuffer_read_buffer(framebuffer: u32, buffer: u32) = |ctx, gl| {
                 if is_window(&ctx.drawable, framebuffer) {
-                    bound(ctx, None, Some(0), |ctx| bindings::select_read_buffer(ctx, buffer));
+                    bound(ctx, None, Some(0), |ctx| draw_buffers::select_read_buffer(ctx, buffer));
                 } else {
                     gl.named_framebuffer_read_buffer(framebuffer, buffer);
                 }
@@ -78,7 +78,7 @@ macro_rules! clears {
                 if ctx.drawable.target.is_none() {
                     gl.blit_named_framebuffer(read, draw, x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else {
-                    bound(ctx, Some(draw), Some(read), |ctx| bindings::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
+                    bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
                 }
             };
             "glNamedFramebufferTexture" named_framebuffer_texture(framebuffer: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {

@@ -2,7 +2,7 @@
 //! outputs: each pixel takes that of the texel that shows its direction, with the flat panel over it.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::first_read_depth::{self, Content, all_of, find};
+use crate::intercept::gl::framebuffer::reading::first_read_depth::{self, Content, all_of, find};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
 use glam::{DMat3, DVec3};

@@ -1,0 +1,132 @@
+//! Clears of the window: of all views, or of the program's own pictures.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::framebuffer::commands::accumulation;
+use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
+use crate::intercept::gl::framebuffer::target::replan;
+use crate::intercept::gl::framebuffer::target::unsampled_areas::{self, Cleared};
+use crate::intercept::gl::offscreen::{displayed, view_copies};
+use crate::intercept::gl::per_view::culling::cleared_views;
+use crate::intercept::gl::per_view::panel::clear_panel;
+use crate::intercept::gl::per_view::window_space::{intersect, own_window_space};
+
+/// A clear of the program: of everything that is its picture. `true`: of every view.
+pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
+    let gl = ctx.driver.gl;
+    if let Some(target) = ctx.drawable.target.as_mut().filter(|_| cleared.color) {
+        target.content.forget();
+    }
+    if !ctx.redirected() || ctx.app.picking {
+        if !view_copies::clear_with(ctx, &issue) {
+            issue(gl);
+        }
+        return false;
+    }
+    ctx.note_drawn();
+    displayed::window_changed(&mut ctx.view_copies);
+    let Some(target) = &ctx.drawable.target else { return false };
+    let (width, height) = target.size();
+    let window = [0, 0, width as i32, height as i32];
+    let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
+    // A scissor around (most of) the window is how many programs say "my viewport".
+    let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
+    let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);
+    if whole && (part.is_none() || !own_pictures) {
+        ctx.set_scissor(None);
+        issue(gl);
+        if let Some(depth) = cleared.depth {
+            unsampled_areas::close(ctx, depth);
+        }
+        if cleared.color {
+            clear_panel(ctx);
+        }
+        return true;
+    }
+    if whole {
+        // The views as a whole, the program's own pictures to the pixel.
+        clear_views(ctx, gl, &issue);
+        if cleared.color {
+            clear_panel(ctx);
+        }
+    }
+    if !whole {
+        want_panel(ctx);
+    }
+    let Some(target) = &ctx.drawable.target else { return false };
+    for (tile, panel) in target.flat_tiles().into_iter().flatten() {
+        if !(panel && whole) {
+            own_window_space(ctx, tile);
+            issue(gl);
+        }
+    }
+    false
+}
+
+/// `glClearBuffer`, which may be a part of a display list.
+///
+/// # Safety
+/// `value` must be null or point at as many numbers as the buffer has, as the program promises OpenGL.
+unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
+    ctx: &mut Context,
+    cleared: Cleared,
+    buffer: u32,
+    value: *const T,
+    issue: impl Fn(&Gl, *const T) + Send + Sync + 'static,
+) {
+    if value.is_null() {
+        return;
+    }
+    let count = if buffer == api::GL_COLOR { 4 } else { 1 };
+    // SAFETY: as promised.
+    let value: [T; 4] = std::array::from_fn(|i| if i < count { unsafe { *value.add(i) } } else { T::default() });
+    list_recording::now_or_later(ctx, move |ctx| {
+        clear_with(ctx, cleared, |gl| issue(gl, value.as_ptr()));
+    });
+}
+
+/// A clear of all views but those with the program's own lens.
+fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
+    let views = ctx.drawable.target.as_ref().map_or(0, |t| t.session.views().len());
+    for view in 0..views {
+        let Some((tile, own_lens)) = ctx.drawable.target.as_ref().map(|t| t.session.tile(view)) else { return };
+        if !own_lens {
+            ctx.set_scissor(Some(tile));
+            issue(gl);
+        }
+    }
+}
+
+/// `glClear`.
+pub fn clear_window(ctx: &mut Context, mask: u32) {
+    if mask & api::GL_ACCUM_BUFFER_BIT != 0 {
+        accumulation::clear(ctx);
+    }
+    let cleared = Cleared::by_mask(ctx, mask);
+    let color = cleared.color;
+    replan::look(ctx, cleared, mask & api::GL_STENCIL_BUFFER_BIT != 0);
+    // SAFETY: the program's own call.
+    if clear_with(ctx, cleared, |gl| unsafe { gl.clear(mask) }) && color {
+        cleared_views::note_clear(ctx);
+    }
+}
+
+hooks! {
+    "glClear" clear(mask: u32) = |ctx, _gl| {
+        if ctx.compiling() { list_recording::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
+    };
+    "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
+        clear_by(ctx, Cleared::by_floats(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
+    "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
+        clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferiv(buffer, index, value));
+    "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
+        clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
+    "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
+        list_recording::now_or_later(ctx, move |ctx| {
+            let cleared = Cleared::by_pair(buffer, index, depth, stencil);
+            // SAFETY: the program's own call.
+            clear_with(ctx, cleared, |gl| unsafe { gl.clear_bufferfi(buffer, index, depth, stencil) });
+        });
+}

@@ -1,0 +1,153 @@
+//! Buffers that the program draws to and reads from: front and back of the window are one image.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::offscreen::view_copies;
+
+/// Whether `buffer` is a name of the window's colour buffers.
+fn is_window_buffer(buffer: u32) -> bool {
+    matches!(
+        buffer,
+        api::GL_FRONT | api::GL_BACK | api::GL_LEFT | api::GL_FRONT_LEFT | api::GL_BACK_LEFT | api::GL_FRONT_AND_BACK
+    )
+}
+
+/// What stands for a buffer of the window in our framebuffer; names that are wrong stay wrong.
+fn attachment(buffer: u32) -> u32 {
+    match buffer {
+        api::GL_NONE => buffer,
+        _ if is_window_buffer(buffer) => api::GL_COLOR_ATTACHMENT0,
+        // Names of buffers that this window has not: a window's buffer is none of ours, with the same error.
+        api::GL_RIGHT
+        | api::GL_FRONT_RIGHT
+        | api::GL_BACK_RIGHT
+        | api::GL_AUX0..=api::GL_AUX3
+        | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_BACK,
+        // Let the driver say the error of an unknown name.
+        _ => u32::MAX,
+    }
+}
+
+/// `glDrawBuffer`.
+pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
+    let gl = ctx.driver.gl;
+    // SAFETY: the program's own call, translated.
+    unsafe {
+        if ctx.redirected() {
+            gl.draw_buffer(attachment(buffer));
+            if is_window_buffer(buffer) || buffer == api::GL_NONE {
+                ctx.app.draw_buffer = buffer;
+            }
+        } else {
+            view_copies::forget(ctx, ctx.app.draw_framebuffer);
+            gl.draw_buffer(buffer);
+        }
+    }
+}
+
+/// `glReadBuffer`.
+pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
+    let gl = ctx.driver.gl;
+    // SAFETY: the program's own call, translated.
+    unsafe {
+        if ctx.reads_redirected() {
+            gl.read_buffer(attachment(buffer));
+            if is_window_buffer(buffer) || buffer == api::GL_NONE {
+                ctx.app.read_buffer = buffer;
+            }
+        } else {
+            gl.read_buffer(buffer);
+        }
+    }
+}
+
+/// The error of `glDrawBuffers` with these names for a window with a left image only.
+fn error_of(es: bool, names: &[u32]) -> u32 {
+    let error = |(place, name): (usize, &u32)| match *name {
+        _ if es && names.len() != 1 => api::GL_INVALID_OPERATION,
+        api::GL_NONE => api::GL_NO_ERROR,
+        api::GL_BACK if names.len() == 1 => api::GL_NO_ERROR,
+        api::GL_FRONT_LEFT | api::GL_BACK_LEFT if !es && !names[..place].contains(name) => api::GL_NO_ERROR,
+        api::GL_FRONT | api::GL_LEFT | api::GL_RIGHT | api::GL_FRONT_AND_BACK if !es => api::GL_INVALID_ENUM,
+        api::GL_BACK
+        | api::GL_FRONT_LEFT..=api::GL_BACK_RIGHT
+        | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_INVALID_OPERATION,
+        _ => api::GL_INVALID_ENUM,
+    };
+    names.iter().enumerate().map(error).find(|error| *error != api::GL_NO_ERROR).unwrap_or(api::GL_NO_ERROR)
+}
+
+/// `glDrawBuffers`.
+///
+/// # Safety
+/// `buffers` must be null or point at `count` names, as the program promises OpenGL.
+pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
+    let gl = ctx.driver.gl;
+    if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
+        view_copies::forget(ctx, ctx.app.draw_framebuffer);
+        // SAFETY: the program's own call.
+        unsafe { gl.draw_buffers(count, buffers) };
+        return;
+    }
+    // SAFETY: the program passes `count` names.
+    let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
+    let error = error_of(ctx.driver.profile.es, names);
+    if error != api::GL_NO_ERROR {
+        ctx.driver.note_error(error);
+        return;
+    }
+    let mut translated = [api::GL_NONE; 16];
+    // Front and back are one image here.
+    if let Some(place) = names.iter().position(|name| *name != api::GL_NONE) {
+        translated[place] = api::GL_COLOR_ATTACHMENT0;
+    }
+    if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
+        ctx.app.draw_buffer = names[0];
+    }
+    // SAFETY: as many names as it says.
+    unsafe { gl.draw_buffers(count, translated.as_ptr()) };
+}
+
+hooks! {
+    "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
+        if ctx.compiling() { list_recording::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
+    };
+    "glReadBuffer" read_buffer(buffer: u32) = |ctx, _gl| {
+        if ctx.compiling() { list_recording::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
+    };
+    "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| {
+        if buffers.is_null() || !(1..=16).contains(&count) {
+            select_draw_buffers(ctx, count, buffers);
+        } else {
+            let mut names = [api::GL_NONE; 16];
+            names[..count as usize].copy_from_slice(std::slice::from_raw_parts(buffers, count as usize));
+            // SAFETY: as many names as it says.
+            list_recording::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{api, error_of};
+
+    #[test]
+    fn wrong_names_of_buffers_are_errors_as_without_us() {
+        for (es, names, error) in [
+            (false, &[api::GL_BACK][..], api::GL_NO_ERROR),
+            (false, &[api::GL_NONE, api::GL_BACK_LEFT], api::GL_NO_ERROR),
+            (false, &[api::GL_BACK_LEFT, api::GL_BACK_LEFT], api::GL_INVALID_OPERATION),
+            (false, &[api::GL_BACK_RIGHT], api::GL_INVALID_OPERATION),
+            (false, &[api::GL_COLOR_ATTACHMENT0], api::GL_INVALID_OPERATION),
+            (false, &[api::GL_FRONT_AND_BACK], api::GL_INVALID_ENUM),
+            (false, &[7], api::GL_INVALID_ENUM),
+            (true, &[api::GL_BACK], api::GL_NO_ERROR),
+            (true, &[api::GL_BACK, api::GL_NONE], api::GL_INVALID_OPERATION),
+            (true, &[api::GL_COLOR_ATTACHMENT0], api::GL_INVALID_OPERATION),
+        ] {
+            assert_eq!(error_of(es, names), error, "{names:x?}");
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The samples of the atlas, resolved for reads; and its alpha, for windows without one.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, Ready};
+
+/// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is needed and not done.
+pub fn make_ready(ctx: &mut Context, part: [i32; 4], alpha: bool) {
+    let Some(target) = &ctx.drawable.target else { return };
+    let opaque = alpha && target.config.alpha_bits == 0;
+    let needed = opaque || target.resolved.is_some();
+    let holds = |ready: Ready| ready.contains(part) && (ready.opaque || !opaque);
+    if !needed || part[2] == 0 || part[3] == 0 || target.ready.get().is_some_and(holds) {
+        return;
+    }
+    let ctx: &mut Context = &mut OwnCalls::begin(ctx);
+    if let Some(target) = &ctx.drawable.target {
+        target.resolve(ctx, Some(part));
+    }
+    if opaque {
+        make_opaque(ctx, part);
+    }
+    if let Some(target) = &ctx.drawable.target {
+        target.ready.set(Some(Ready { part, opaque }));
+    }
+}
+
+/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
+/// the correction takes the colours only.
+fn make_opaque(ctx: &mut Context, part: [i32; 4]) {
+    let gl = ctx.driver.gl;
+    let Some(target) = ctx.drawable.target.as_ref() else { return };
+    let framebuffer = target.readable().framebuffer();
+    ctx.set_scissor(Some(part));
+    let mut bound = 0;
+    let mut mask = [0u8; 4];
+    // SAFETY: clears a part of a framebuffer of ours; binding and mask are put back.
+    unsafe {
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+        gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+        gl.color_mask(0, 0, 0, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32, 0.0, 0.0, 1.0].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+    }
+    if !ctx.redirected() {
+        ctx.restore_window_space();
+    }
+}
+
+impl DefaultFramebuffer {
+    /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
+    pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
+        let Some(resolved) = &self.resolved else { return };
+        self.ready.set(None);
+        let gl = ctx.driver.gl;
+        let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
+        let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
+        let reads =
+            if ctx.drawable.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
+        // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
+        unsafe {
+            let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+            if scissor {
+                gl.disable(api::GL_SCISSOR_TEST);
+            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer());
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
+            gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+            if part.is_some() {
+                let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
+                gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
+            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer));
+            if scissor {
+                gl.enable(api::GL_SCISSOR_TEST);
+            }
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Puts the atlas of the rig's views in the place of a window's framebuffer, and follows the window and the rig file.
+
+use crate::backend::gl::KnownState;
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::per_view::panel::clear_transparent;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::window::{Look, Window};
+use crate::intercept::gl::state::drawable::window_config::Config;
+use crate::intercept::gl::state::driver::window_space::DriverState;
+use crate::intercept::{live, log, settings};
+use crate::runtime::session::{Extras, Session};
+
+/// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
+pub fn attach(ctx: &mut Context, extras: Extras) {
+    let Some(settings) = settings::settings() else { return };
+    let Some(window) = ctx.drawable.window.clone() else { return };
+    if settings.rig.passthrough {
+        return;
+    }
+    attach_now(&mut OwnCalls::without_messages(ctx), &window, settings, extras);
+}
+
+fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
+    take_error(&mut ctx.driver);
+    match DefaultFramebuffer::new(ctx, window, settings, extras) {
+        Ok(target) => put(ctx, target),
+        Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
+    }
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+}
+
+/// Puts a new one, which is cleared, in place of the window's framebuffer.
+fn put(ctx: &mut Context, target: DefaultFramebuffer) {
+    ctx.frame.counts.linked += target.backend.linked();
+    ctx.drawable.target = Some(Box::new(target));
+    adopt(ctx);
+    let gl = ctx.driver.gl;
+    // SAFETY: state of ours and of our framebuffer.
+    unsafe {
+        ctx.set_scissor(None);
+        clear_everything(gl);
+    }
+}
+
+/// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or made, everything stays.
+pub fn follow_rig(ctx: &mut Context) {
+    let version = live::version();
+    if ctx.drawable.target.as_ref().is_none_or(|target| target.version == version) {
+        return;
+    }
+    let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
+    let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
+    let Some(mut old) = ctx.drawable.target.take() else { return };
+    take_error(&mut ctx.driver);
+    let extras = ctx.frame.draw_count.extras(old.extras());
+    match DefaultFramebuffer::new(ctx, &window, settings, extras) {
+        Ok(new) => {
+            view_copies::clear(ctx);
+            old.destroy(ctx.driver.gl);
+            put(ctx, new);
+        }
+        Err(error) => {
+            log::once(&format!("the rig stays as it was: {error}"));
+            old.version = version;
+            ctx.drawable.target = Some(old);
+        }
+    }
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+}
+
+/// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
+pub fn follow_size(ctx: &mut Context) {
+    let Some(window) = ctx.drawable.window.clone() else { return };
+    let Look { size, occluded } = window.look();
+    ctx.drawable.occluded = occluded;
+    if ctx.drawable.target.as_ref().is_some_and(|t| t.size() != size) {
+        let mut extras = Extras::default();
+        if let Some(old) = ctx.drawable.target.take() {
+            extras = old.extras();
+            view_copies::clear(ctx);
+            old.destroy(ctx.driver.gl);
+        }
+        ctx.frame.forget_viewports();
+        attach(ctx, extras);
+    }
+}
+
+/// Puts what stood for a window earlier in its place again, if the window is still of that kind.
+pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
+    take_error(&mut ctx.driver);
+    if target.config == Config::of_window(ctx.driver.gl, &ctx.driver.profile, window) {
+        ctx.drawable.target = Some(target);
+        adopt(ctx);
+    } else {
+        target.destroy(ctx.driver.gl);
+    }
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+}
+
+/// Goes on with a picture that another context of the group began.
+pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
+    take_error(&mut ctx.driver);
+    match target.rehome(ctx.driver.gl) {
+        Ok(()) => {
+            ctx.drawable.target = Some(target);
+            adopt(ctx);
+            ctx.frame.begun = true;
+        }
+        Err(error) => {
+            log::once(&format!("what another context drew to this window is lost: {error}"));
+            target.destroy(ctx.driver.gl);
+            attach(ctx, Extras::default());
+        }
+    }
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+}
+
+/// Makes the rest of the context fit a new target.
+pub fn adopt(ctx: &mut Context) {
+    view_copies::leave(ctx);
+    ctx.driver.window_space = DriverState::default();
+    ctx.compat.projection.clear();
+    ctx.queries.forget_views();
+    ctx.frame.cameras.clear();
+    ctx.frame.background.clear();
+    let Some(target) = &ctx.drawable.target else { return };
+    let framebuffer = target.framebuffer();
+    // SAFETY: binds our framebuffer where the program's window is bound.
+    unsafe {
+        if ctx.app.read_framebuffer == 0 {
+            ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.drawable.window_for_reading());
+        }
+        if ctx.app.draw_framebuffer == 0 {
+            ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+            if ctx.app.draw_buffer == api::GL_NONE {
+                ctx.driver.gl.draw_buffers(1, &api::GL_NONE);
+            }
+        }
+    }
+}
+
+/// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
+pub fn plan_for(ctx: &mut Context, draws: u32) {
+    let Some(old) = ctx.drawable.target.take() else { return };
+    let extras = Extras { draws: Some(draws), ..old.extras() };
+    let same = |new: &Session| new.views() == old.session.views();
+    match old.session.with(extras) {
+        Ok(new) if !same(&new) => {
+            view_copies::clear(ctx);
+            old.destroy(ctx.driver.gl);
+            attach(ctx, extras);
+        }
+        Ok(_) => ctx.drawable.target = Some(old),
+        Err(error) => {
+            log::once(&format!("the views stay as they are: {error}"));
+            ctx.drawable.target = Some(old);
+        }
+    }
+}
+
+/// # Safety
+/// Our framebuffer must be bound for drawing, with the scissor test off.
+pub unsafe fn clear_everything(gl: &Gl) {
+    clear_transparent(gl, &KnownState::default());
+    let mut depth = 0u8;
+    let mut stencil = 0;
+    // SAFETY: the masks are put back.
+    unsafe {
+        gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        gl.get_integerv(api::GL_STENCIL_WRITEMASK, &mut stencil);
+        gl.depth_mask(1);
+        gl.stencil_mask(u32::MAX);
+        gl.clear_bufferfi(api::GL_DEPTH_STENCIL, 0, 1.0, 0);
+        gl.depth_mask(depth);
+        gl.stencil_mask(stencil as u32);
+    }
+}

@@ -1,0 +1,94 @@
+//! More tiles in the atlas: the panel and the program's own picture, from their first use on.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::framebuffer::target::attach::{adopt, clear_everything};
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::log;
+use crate::runtime::session::Extras;
+
+/// Reserves the flat panel, from its first use on.
+pub fn want_panel(ctx: &mut Context) {
+    let needed = ctx
+        .drawable
+        .target
+        .as_ref()
+        .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
+    if needed {
+        enlarge(ctx, |extras| extras.panel = true);
+    }
+}
+
+/// Plans anew with more tiles; what is drawn already moves to its new place.
+pub fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
+    enlarge_now(&mut OwnCalls::begin(ctx), add);
+}
+
+fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
+    let Some(old) = ctx.drawable.target.take() else { return };
+    take_error(&mut ctx.driver);
+    let mut extras = old.extras();
+    add(&mut extras);
+    match old.enlarged(ctx, extras) {
+        Ok(new) => {
+            ctx.frame.counts.linked += new.backend.linked();
+            ctx.drawable.target = Some(Box::new(new));
+            let gl = ctx.driver.gl;
+            adopt(ctx);
+            ctx.set_scissor(None);
+            if let Some(new) = &ctx.drawable.target {
+                // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
+                unsafe {
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
+                    clear_everything(gl);
+                    copy_tiles(gl, &old, new);
+                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.app.read_framebuffer);
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer);
+                }
+            }
+            adopt(ctx);
+            old.destroy(gl);
+        }
+        Err(error) => {
+            log::once(&format!("flat drawing is left out: {error}"));
+            ctx.drawable.target = Some(old);
+        }
+    }
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+}
+
+/// # Safety
+/// Both framebuffers must live; the caller puts the bindings back.
+unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer) {
+    if old.surface.samples() > 0 && gl.is_es() {
+        // Multisampled pictures cannot be copied to another place; the next frame draws them.
+        return;
+    }
+    let tiles = |t: &DefaultFramebuffer| {
+        let views = (0..t.session.views().len()).map(|i| Some(t.session.tile(i).0));
+        views.chain([t.session.panel(), t.session.primary()]).collect::<Vec<_>>()
+    };
+    let (from, mut to) = (tiles(old), tiles(new));
+    if from.len() > 2 && new.session.primary().is_some() && old.session.primary().is_none() {
+        // A new primary picture begins with the flat one, which it contains.
+        let last = to.len() - 1;
+        to[last] = None;
+    }
+    let mask = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
+    // SAFETY: as promised.
+    unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer()) };
+    for (from, to) in from.into_iter().zip(to) {
+        if let (Some([x, y, w, h]), Some([u, v, _, _])) = (from, to) {
+            // SAFETY: both rectangles lie in their framebuffers.
+            unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+        }
+    }
+    if let (Some([x, y, w, h]), Some([u, v, _, _]), None) =
+        (old.session.panel(), new.session.primary(), old.session.primary())
+    {
+        // SAFETY: as above.
+        unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+    }
+}
