@@ -2,7 +2,7 @@
 #include "common/fixed.h"
 #include "common/probe.h"
 
-enum { BEGIN, VERTICES, END, NESTED, DEEP, WHOLE, BEGIN_AND_VERTICES, LISTS };
+enum { BEGIN, VERTICES, END, NESTED, DEEP, WHOLE, BEGIN_AND_VERTICES, AT_ONCE, LISTS };
 
 static GLuint lists;
 
@@ -100,11 +100,21 @@ static void draw(app *a)
     glBegin(GL_QUADS);
     vertices();
     glEnd();
+
+    /* A list that is executed at once ends between glBegin and glEnd: an error, and the list ends all the same. */
+    next(1, 1, 0);
+    glNewList(lists + AT_ONCE, GL_COMPILE_AND_EXECUTE);
+    glBegin(GL_QUADS);
+    vertices();
+    glEndList();
+    glEnd();
+    app_check(a, glGetError() == GL_INVALID_OPERATION, "glEndList between glBegin and glEnd is no error");
+    app_check_error(a, "after a list that ended between glBegin and glEnd");
     glLoadIdentity();
     fixed_end_pixels();
 
     static const int colours[][3] = {{1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1},
-                                     {1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+                                     {1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}};
     for (int i = 0; i < places; i++)
         probe(a, 15 + 30 * i, 15, colours[i][0], colours[i][1], colours[i][2], "lists");
 }

@@ -34,6 +34,13 @@ static void draw(app *a)
     expect(a, GL_INVALID_OPERATION, "glDrawBuffers of one buffer twice");
     glDrawBuffers(1, several);
     expect(a, GL_INVALID_ENUM, "glDrawBuffers of several buffers by one name");
+    GLenum many[65];
+    GLint most = 0;
+    for (int i = 0; i < 65; i++)
+        many[i] = GL_BACK_LEFT;
+    glGetIntegerv(GL_MAX_DRAW_BUFFERS, &most);
+    glDrawBuffers(most + 1, many);
+    expect(a, GL_INVALID_VALUE, "glDrawBuffers of too many buffers");
     glDrawBuffers(1, back);
     expect(a, GL_NO_ERROR, "glDrawBuffers");
     glInvalidateFramebuffer(GL_FRAMEBUFFER, 1, unknown);

@@ -48,6 +48,7 @@ behaviour! {
     own_choice: 3,
     flat_feedback: 3,
     window_errors: 3,
+    gles2_query: 3,
 }
 
 /// Not under a rig of projectors: they show less than the program sees, and no view has the depth of what none shows.

@@ -19,7 +19,7 @@ pub mod surface;
 mod target;
 mod textures;
 mod unsampled_areas;
-mod values;
+pub(crate) mod values;
 
 pub use crate::correct::shaders::map::MapPixel;
 pub use cleared_views::ClearedViews;

@@ -3,7 +3,7 @@
 use super::api::Gl;
 
 /// One integer of the context; 0 where it knows no such name.
-pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
+pub(crate) fn integer(gl: &Gl, name: u32) -> i32 {
     // Some names answer with more than one number in some profiles.
     let mut values = [0; 4];
     // SAFETY: a context is current; no name used here has more than four values.

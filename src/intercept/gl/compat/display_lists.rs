@@ -227,6 +227,10 @@ pub fn finish_recording(ctx: &mut Context) {
     drop(lists);
     if recording.execute {
         call(ctx, list, 0);
+        if recording.primitive.within.is_some() {
+            // The list ends, but OpenGL refuses the command between Begin and End. In GL_COMPILE the driver cannot see it.
+            ctx.driver.note_error(api::GL_INVALID_OPERATION);
+        }
     }
 }
 

@@ -4,13 +4,14 @@
 //! are noted have hooks below. Some are allowed between Begin and End, with a result that is not defined.
 
 use crate::backend::gl::api;
+use crate::backend::gl::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::vertex_arrays::{Format, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
-use crate::intercept::gl::vertex_input::vertex_arrays::{has_bindings, integer};
+use crate::intercept::gl::vertex_input::vertex_arrays::has_bindings;
 use std::ffi::c_void;
 
 /// The object in use can be changed: core profiles have none called 0.

@@ -5,6 +5,7 @@
 //! change an array makes it unknown again (`vertex_array_commands`). Only attributes that a draw has asked about are kept.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
@@ -151,12 +152,5 @@ fn ask_binding(gl: &Gl, binding: u32, name: u32) -> i32 {
     let mut value = 0;
     // SAFETY: writes one integer; the binding is an attribute's.
     unsafe { gl.get_integeri_v(name, binding, &mut value) };
-    value
-}
-
-pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
-    let mut value = 0;
-    // SAFETY: writes one integer.
-    unsafe { gl.get_integerv(name, &mut value) };
     value
 }

@@ -1,6 +1,7 @@
 //! Buffers that the program draws to and reads from: front and back of the window are one image.
 
 use crate::backend::gl::api;
+use crate::backend::gl::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
@@ -95,7 +96,8 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
     let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
     let error = error_of(ctx.driver.profile.es, names);
     if error != api::GL_NO_ERROR {
-        ctx.driver.note_error(error);
+        let most = integer(gl, api::GL_MAX_DRAW_BUFFERS);
+        ctx.driver.note_error(if count > most { api::GL_INVALID_VALUE } else { error });
         return;
     }
     let mut translated = [api::GL_NONE; 16];

@@ -1,6 +1,7 @@
 //! What of the fixed-function pipeline's vertex stage is switched on.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::values::integer;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{
@@ -39,13 +40,6 @@ impl Pipeline {
 fn is_on(gl: &Gl, switch: u32) -> bool {
     // SAFETY: asks for a switch of the fixed-function pipeline.
     unsafe { gl.is_enabled(switch) != 0 }
-}
-
-fn integer(gl: &Gl, name: u32) -> i32 {
-    let mut value = 0;
-    // SAFETY: every value that is asked for here is one integer.
-    unsafe { gl.get_integerv(name, &mut value) };
-    value
 }
 
 fn lighting(gl: &Gl) -> Lighting {
