@@ -19,7 +19,7 @@ pub use crate::correct::passes::facets::{FacetCorner, Facets};
 pub use crate::correct::passes::mask::Mask;
 pub use crate::correct::passes::optics::{Light, OpticsSource};
 pub use crate::correct::passes::output_pass::{Approximation, Batch, OutputPass, Plan};
-pub use crate::correct::passes::rectangle::PixelRect;
+pub use crate::correct::passes::rectangle::{LowerLeftRect, PixelRect, PixelSpan};
 pub use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorSource, Source};
 pub use crate::correct::passes::table::{Table, TablePixel};
 pub use crate::correct::passes::view_images::{Arrangement, ImageSize};

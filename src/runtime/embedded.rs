@@ -7,6 +7,7 @@ use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
+use crate::correct::LowerLeftRect;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Blend, Rig, Viewer};
@@ -211,7 +212,7 @@ impl Embedded {
             name: &view.name,
             rotation: rotation(&self.session, view),
             frustum: projection(&view.frustum, near, far),
-            tile: self.session.tile(index).0,
+            tile: self.session.tile(index).0.to_array(),
         })
     }
 
@@ -287,7 +288,7 @@ impl Embedded {
             ));
         }
         self.state = State::Idle;
-        let place = |[left, bottom, width, height]: [i32; 4]| [left + x, bottom + y, width, height];
+        let place = |place: LowerLeftRect| LowerLeftRect { x: place.x + x, y: place.y + y, ..place }.to_array();
         self.targets.clear();
         self.targets.extend(self.session.viewports().map(|v| Target { framebuffer, viewport: place(v) }));
         let pending = self.backend.present(&self.gl, self.surface.texture(), &self.targets);

@@ -2,8 +2,8 @@
 
 use super::cache;
 use crate::correct;
-use crate::correct::Plan;
 use crate::correct::projected::matrices::LensConstants;
+use crate::correct::{LowerLeftRect, PixelRect, Plan};
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, Outcome, Weights};
@@ -33,7 +33,8 @@ pub struct Session {
     draws: Option<u32>,
     request: Request,
     plan: Plan,
-    rects: Vec<[u32; 4]>,
+    /// Places of the outputs in the window.
+    rects: Vec<PixelRect>,
     /// Which outputs lost their own method.
     refused: Vec<String>,
 }
@@ -92,12 +93,13 @@ impl Session {
     /// # Errors
     /// As for [`Session::new`].
     pub fn projecting(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
-        let rects = rig.layout(window);
+        let rect = |[x, y, width, height]: [u32; 4]| PixelRect { x, y, width, height };
+        let rects: Vec<PixelRect> = rig.layout(window).into_iter().map(rect).collect();
         let output_sizes = rig
             .outputs
             .iter()
             .zip(&rects)
-            .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect[2], rect[3])))
+            .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect.width, rect.height)))
             .collect();
         let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };
@@ -143,10 +145,11 @@ impl Session {
         &self.plan.views.views
     }
 
-    /// A view's tile (x, y, width, height, from the bottom left of the atlas), and whether it is
-    /// drawn with the program's own lens.
-    pub fn tile(&self, index: usize) -> ([i32; 4], bool) {
-        self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
+    /// A view's tile in the atlas, and whether it is drawn with the program's own lens.
+    pub fn tile(&self, index: usize) -> (LowerLeftRect, bool) {
+        self.views()
+            .get(index)
+            .map_or((LowerLeftRect::new(0, 0, 1, 1), true), |view| (rect(&view.tile), view.program_lens))
     }
 
     /// For each view the lens of its picture, as patched shaders take it; zeros for perspective ones. Empty where all views
@@ -184,27 +187,30 @@ impl Session {
     }
 
     /// The tile of the flat panel.
-    pub fn panel(&self) -> Option<[i32; 4]> {
+    pub fn panel(&self) -> Option<LowerLeftRect> {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
     }
 
     /// The tile of the program's own picture.
-    pub fn primary(&self) -> Option<[i32; 4]> {
+    pub fn primary(&self) -> Option<LowerLeftRect> {
         self.plan.views.primary.as_ref().map(rect)
     }
 
     /// Where each output is in the window: x, y, width, height from the top left, `place` added.
     pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<[i32; 4]> {
-        let from_top = move |r: &[u32; 4]| {
-            [place.0.saturating_add(r[0] as i32), place.1.saturating_add(r[1] as i32), r[2] as i32, r[3] as i32]
+        let from_top = move |r: &PixelRect| {
+            let (x, y) = (place.0.saturating_add(r.x as i32), place.1.saturating_add(r.y as i32));
+            [x, y, r.width as i32, r.height as i32]
         };
         self.rects.iter().map(from_top).collect()
     }
 
-    /// Where each output is in the window: x, y, width, height from the bottom left.
-    pub fn viewports(&self) -> impl Iterator<Item = [i32; 4]> + '_ {
+    /// Where each output is in the window.
+    pub fn viewports(&self) -> impl Iterator<Item = LowerLeftRect> + '_ {
         let height = self.request.window.1 as i32;
-        let from_top = move |r: &[u32; 4]| [r[0] as i32, height - r[1] as i32 - r[3] as i32, r[2] as i32, r[3] as i32];
+        let from_top = move |r: &PixelRect| {
+            LowerLeftRect::new(r.x as i32, height - r.y as i32 - r.height as i32, r.width as i32, r.height as i32)
+        };
         self.rects.iter().map(from_top)
     }
 
@@ -331,8 +337,8 @@ pub fn camera_rotation(camera: &Camera) -> DMat3 {
     pose::rotation(camera.yaw, camera.pitch, camera.roll)
 }
 
-fn rect(tile: &Tile) -> [i32; 4] {
-    [tile.x as i32, tile.y as i32, tile.width as i32, tile.height as i32]
+fn rect(tile: &Tile) -> LowerLeftRect {
+    LowerLeftRect::new(tile.x as i32, tile.y as i32, tile.width as i32, tile.height as i32)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::program::{ATLAS_UNIT, link};
 use super::state::Capabilities;
 use crate::backend::gl::api;
 use crate::backend::gl::state;
+use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 
 /// What `glAccum` does with the buffer `A` and the colours `C`, by its value `v`.
@@ -117,7 +118,7 @@ impl Accumulation {
         self.size
     }
 
-    /// Does what `glAccum` does, in `parts` (x, y, width, height from the bottom left). The colours are those of the
+    /// Does what `glAccum` does, in `parts`. The colours are those of the
     /// texture `colours`, and go to `framebuffer`; both are as large as the buffer.
     pub fn operate(
         &self,
@@ -126,7 +127,7 @@ impl Accumulation {
         value: f32,
         colours: u32,
         framebuffer: u32,
-        parts: &[[i32; 4]],
+        parts: &[LowerLeftRect],
     ) {
         let saved = state::save_and_set(gl, &self.caps, state::UNITS, &KnownState::default());
         let returns = operation == Operation::Return;
@@ -166,7 +167,7 @@ impl Accumulation {
                 gl.blend_func(source, destination);
             }
             for part in parts {
-                state::set_viewport(gl, &self.caps, *part);
+                state::set_viewport(gl, &self.caps, part.to_array());
                 gl.draw_arrays(api::GL_TRIANGLES, 0, 3);
             }
             if blend.is_some() {
@@ -184,7 +185,7 @@ impl Accumulation {
     }
 
     /// Fills `parts` with `colour`.
-    pub fn clear(&self, gl: &Gl, colour: [f32; 4], parts: &[[i32; 4]]) {
+    pub fn clear(&self, gl: &Gl, colour: [f32; 4], parts: &[LowerLeftRect]) {
         let saved = state::save_and_set(gl, &self.caps, 0, &KnownState::default());
         let mut scissor = [0; 4];
         // SAFETY: a context is current; the scissor is put back.
@@ -192,7 +193,7 @@ impl Accumulation {
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.framebuffer);
             gl.get_integerv(api::GL_SCISSOR_BOX, scissor.as_mut_ptr());
             gl.enable(api::GL_SCISSOR_TEST);
-            for [x, y, width, height] in parts {
+            for LowerLeftRect { x, y, width, height } in parts {
                 gl.scissor(*x, *y, *width, *height);
                 gl.clear_bufferfv(api::GL_COLOR, 0, colour.as_ptr());
             }

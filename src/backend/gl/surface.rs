@@ -3,6 +3,7 @@
 use super::api::Gl;
 use crate::backend::gl::errors::drain;
 use crate::backend::gl::{api, own_names};
+use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A framebuffer of ours. The methods take the context that it was made on as current.
@@ -135,10 +136,10 @@ impl Surface {
         self.size
     }
 
-    /// Binds it for drawing, with viewport and scissor on `tile` (x, y, width, height from the bottom left).
-    pub fn begin_tile(&self, gl: &Gl, tile: [i32; 4]) -> Saved {
+    /// Binds it for drawing, with viewport and scissor on `tile`.
+    pub fn begin_tile(&self, gl: &Gl, tile: LowerLeftRect) -> Saved {
         let mut saved = Saved { draw: 0, read: 0, viewport: [0; 4], scissor: [0; 4], scissor_test: false };
-        let [x, y, width, height] = tile;
+        let LowerLeftRect { x, y, width, height } = tile;
         // SAFETY: queries and sets plain state of the current context; put back by `end_tile`.
         unsafe {
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut saved.draw);

@@ -1,6 +1,6 @@
 //! Weight images: reading, and which pixels they leave black or white.
 
-use crate::correct::passes::rectangle::PixelRect;
+use crate::correct::passes::rectangle::{PixelRect, PixelSpan};
 use crate::error::Result;
 use crate::rig::{Flip, read_mask};
 use std::path::Path;
@@ -31,15 +31,14 @@ impl Mask {
         Self { weights: flip.items(&self.weights, self.width as usize), ..self }
     }
 
-    /// Whether the weight is 0 everywhere in a block (left, top, right, bottom in pixels, the
-    /// latter two excluded) of an output of `size` pixels, over which the mask is stretched with
-    /// bilinear filtering.
-    pub fn is_black(&self, block: [u32; 4], size: (u32, u32)) -> bool {
+    /// Whether the weight is 0 everywhere in a block of an output of `size` pixels, over which
+    /// the mask is stretched with bilinear filtering.
+    pub fn is_black(&self, block: PixelSpan, size: (u32, u32)) -> bool {
         self.is_all(0, block, size)
     }
 
     /// Whether the weight is 1 everywhere in a block, as for [`Mask::is_black`].
-    pub fn is_white(&self, block: [u32; 4], size: (u32, u32)) -> bool {
+    pub fn is_white(&self, block: PixelSpan, size: (u32, u32)) -> bool {
         self.is_all(u16::MAX, block, size)
     }
 
@@ -47,22 +46,22 @@ impl Mask {
     /// [`Mask::is_black`]; it keeps one pixel.
     pub(in crate::correct) fn trimmed(&self, rect: PixelRect, size: (u32, u32)) -> PixelRect {
         let [mut left, mut top, mut right, mut bottom] = [rect.x, rect.y, rect.x + rect.width, rect.y + rect.height];
-        while right - left > 1 && self.is_black([left, top, left + 1, bottom], size) {
+        while right - left > 1 && self.is_black(PixelSpan::new(left, top, left + 1, bottom), size) {
             left += 1;
         }
-        while right - left > 1 && self.is_black([right - 1, top, right, bottom], size) {
+        while right - left > 1 && self.is_black(PixelSpan::new(right - 1, top, right, bottom), size) {
             right -= 1;
         }
-        while bottom - top > 1 && self.is_black([left, top, right, top + 1], size) {
+        while bottom - top > 1 && self.is_black(PixelSpan::new(left, top, right, top + 1), size) {
             top += 1;
         }
-        while bottom - top > 1 && self.is_black([left, bottom - 1, right, bottom], size) {
+        while bottom - top > 1 && self.is_black(PixelSpan::new(left, bottom - 1, right, bottom), size) {
             bottom -= 1;
         }
         PixelRect { x: left, y: top, width: right - left, height: bottom - top }
     }
 
-    fn is_all(&self, value: u16, block: [u32; 4], size: (u32, u32)) -> bool {
+    fn is_all(&self, value: u16, block: PixelSpan, size: (u32, u32)) -> bool {
         // From the texel before the one that a pixel's edge lies in to the one after it: the filter
         // reads no others.
         let range = |low: u32, high: u32, pixels: u32, texels: u32| {
@@ -71,7 +70,7 @@ impl Mask {
             at(low).saturating_sub(1) as usize..end as usize
         };
         let (columns, rows) =
-            (range(block[0], block[2], size.0, self.width), range(block[1], block[3], size.1, self.height));
+            (range(block.left, block.right, size.0, self.width), range(block.top, block.bottom, size.1, self.height));
         rows.into_iter().all(|row| {
             let start = row * self.width as usize;
             let line = self.weights.get(start + columns.start..start + columns.end);
@@ -97,15 +96,21 @@ mod tests {
             for (y, x) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (y, x))) {
                 let sees = [0.0, 0.5, 1.0].iter().any(|u| touched(f64::from(x) + u, 20, size.0, 10.0))
                     && [0.0, 0.5, 1.0].iter().any(|v| touched(f64::from(y) + v, 12, size.1, 7.0));
-                let black = mask.is_black([x, y, x + 1, y + 1], size);
+                let black = mask.is_black(PixelSpan::new(x, y, x + 1, y + 1), size);
                 assert!(!(sees && black), "pixel {x}, {y} of {size:?}");
             }
         }
         let white = Mask { weights: mask.weights.iter().map(|weight| u16::MAX - weight).collect(), ..mask.clone() };
-        assert!(!white.is_white([8, 5, 12, 9], (20, 12)), "one texel in it is not");
+        assert!(!white.is_white(PixelSpan::new(8, 5, 12, 9), (20, 12)), "one texel in it is not");
         let white = Mask { weights: vec![u16::MAX; 240], ..white };
-        assert!(white.is_white([0, 0, 20, 12], (20, 12)) && !white.is_black([0, 0, 1, 1], (20, 12)));
-        assert!(mask.is_black([0, 0, 8, 12], (20, 12)) && !mask.is_black([0, 0, 12, 12], (20, 12)));
+        assert!(
+            white.is_white(PixelSpan::new(0, 0, 20, 12), (20, 12))
+                && !white.is_black(PixelSpan::new(0, 0, 1, 1), (20, 12))
+        );
+        assert!(
+            mask.is_black(PixelSpan::new(0, 0, 8, 12), (20, 12))
+                && !mask.is_black(PixelSpan::new(0, 0, 12, 12), (20, 12))
+        );
     }
 
     #[test]
@@ -126,7 +131,10 @@ mod tests {
             for (column, row) in (y..y + height).flat_map(|row| (x..x + width).map(move |column| (column, row))) {
                 let inside =
                     (kept.x..kept.x + kept.width).contains(&column) && (kept.y..kept.y + kept.height).contains(&row);
-                assert!(inside || mask.is_black([column, row, column + 1, row + 1], (24, 24)), "{column}, {row}");
+                assert!(
+                    inside || mask.is_black(PixelSpan::new(column, row, column + 1, row + 1), (24, 24)),
+                    "{column}, {row}"
+                );
             }
         }
     }

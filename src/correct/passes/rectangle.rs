@@ -12,3 +12,116 @@ pub struct PixelRect {
     /// Height.
     pub height: u32,
 }
+
+/// A block of pixels of an output by its edges, counted from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelSpan {
+    /// First column.
+    pub left: u32,
+    /// First row.
+    pub top: u32,
+    /// First column beyond it.
+    pub right: u32,
+    /// First row beyond it.
+    pub bottom: u32,
+}
+
+impl PixelSpan {
+    /// By its edges, the latter two excluded.
+    pub const fn new(left: u32, top: u32, right: u32, bottom: u32) -> Self {
+        Self { left, top, right, bottom }
+    }
+
+    /// Positions of the edges: left, top, right, bottom.
+    pub fn edges(self) -> [f64; 4] {
+        [self.left, self.top, self.right, self.bottom].map(f64::from)
+    }
+}
+
+/// A rectangle of pixels or texels with its origin at the lower left, as OpenGL has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LowerLeftRect {
+    /// Left edge.
+    pub x: i32,
+    /// Lower edge.
+    pub y: i32,
+    /// Width.
+    pub width: i32,
+    /// Height.
+    pub height: i32,
+}
+
+impl LowerLeftRect {
+    /// By its lower left corner and its size.
+    pub const fn new(x: i32, y: i32, width: i32, height: i32) -> Self {
+        Self { x, y, width, height }
+    }
+
+    /// All of a picture of this size.
+    pub const fn of_size((width, height): (u32, u32)) -> Self {
+        Self::new(0, 0, width as i32, height as i32)
+    }
+
+    /// The lower left corner.
+    pub const fn origin(self) -> [i32; 2] {
+        [self.x, self.y]
+    }
+
+    /// Width and height.
+    pub const fn size(self) -> [i32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The lower left corner and the upper right one, as `glBlitFramebuffer` takes them.
+    pub const fn corners(self) -> [i32; 4] {
+        [self.x, self.y, self.x + self.width, self.y + self.height]
+    }
+
+    /// x, y, width and height, as OpenGL answers questions.
+    pub const fn to_array(self) -> [i32; 4] {
+        [self.x, self.y, self.width, self.height]
+    }
+
+    /// Whether all of `other` lies in it.
+    pub fn contains(self, other: Self) -> bool {
+        let holds = |start: i32, length: i32, other_start: i32, other_length: i32| {
+            let end = |start: i32, length: i32| i64::from(start) + i64::from(length);
+            other_start >= start && end(other_start, other_length) <= end(start, length)
+        };
+        holds(self.x, self.width, other.x, other.width) && holds(self.y, self.height, other.y, other.height)
+    }
+
+    /// Whether it has more than half of the pixels of a picture of this size.
+    pub fn is_most_of(self, (width, height): (u32, u32)) -> bool {
+        2 * i64::from(self.width) * i64::from(self.height) > i64::from(width) * i64::from(height)
+    }
+
+    /// A rectangle of a window, moved to the window's `tile` and cut at its borders.
+    pub fn moved_into(self, tile: Self) -> Self {
+        let (left, bottom) = (self.x.max(0), self.y.max(0));
+        let right = self.x.saturating_add(self.width).min(tile.width);
+        let top = self.y.saturating_add(self.height).min(tile.height);
+        Self::new(tile.x + left, tile.y + bottom, (right - left).max(0), (top - bottom).max(0))
+    }
+}
+
+impl From<[i32; 4]> for LowerLeftRect {
+    fn from([x, y, width, height]: [i32; 4]) -> Self {
+        Self::new(x, y, width, height)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LowerLeftRect;
+
+    #[test]
+    fn rectangles_stay_in_their_tile() {
+        let moved = |rect: [i32; 4], tile: [i32; 4]| LowerLeftRect::from(rect).moved_into(tile.into()).to_array();
+        assert_eq!(moved([10, 20, 30, 40], [100, 200, 300, 300]), [110, 220, 30, 40]);
+        assert_eq!(moved([-10, -20, 30, 40], [100, 200, 300, 300]), [100, 200, 20, 20]);
+        assert_eq!(moved([290, 290, 30, 40], [100, 200, 300, 300]), [390, 490, 10, 10]);
+        assert_eq!(moved([400, 400, 30, 40], [100, 200, 300, 300])[2..], [0, 0]);
+        assert_eq!(moved([i32::MAX, 0, i32::MAX, 1], [0, 0, 300, 300])[2], 0);
+    }
+}

@@ -3,8 +3,9 @@
 use crate::cache::Cache;
 use crate::correct::passes::mask::Mask;
 use crate::correct::passes::output_pass::Batch;
+use crate::correct::passes::rectangle::PixelSpan;
 use crate::correct::passes::source::Source;
-use crate::correct::plan::examiner::{Block, Examiner};
+use crate::correct::plan::examiner::Examiner;
 use crate::correct::plan::needs::{self, Examined, Needs};
 use crate::correct::plan::rectangles::{self, BLOCK};
 use crate::rig::{Flip, Rig};
@@ -136,10 +137,10 @@ pub(in crate::correct) fn batches(
 }
 
 /// The block with this number, row by row.
-fn block_at(index: usize, size: (u32, u32)) -> Block {
+fn block_at(index: usize, size: (u32, u32)) -> PixelSpan {
     let (columns, index) = (size.0.div_ceil(BLOCK), index as u32);
     let (x, y) = (index % columns * BLOCK, index / columns * BLOCK);
-    [x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1)]
+    PixelSpan::new(x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1))
 }
 
 /// Takes away what blocks need whose pixels the mask makes black.

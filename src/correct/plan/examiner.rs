@@ -1,6 +1,7 @@
 //! Finding what the blocks of an output need, from their corners where that is safe, and pixel by
 //! pixel where it is not.
 
+use crate::correct::passes::rectangle::PixelSpan;
 use crate::correct::passes::source::Source;
 use crate::correct::plan::needs::{Examined, Needs};
 use crate::correct::plan::rectangles::BLOCK;
@@ -63,9 +64,6 @@ struct Corner {
     on_surface: Option<DVec3>,
 }
 
-/// A rectangle of pixels: left, top, right and bottom, the latter two excluded.
-pub(super) type Block = [u32; 4];
-
 impl<'a> Examiner<'a> {
     pub(super) fn new(
         rig: &Rig,
@@ -112,12 +110,12 @@ impl<'a> Examiner<'a> {
         for row in 0..rows {
             let below = corner_row(&self, row + 1);
             for (column, (upper, lower)) in (0..columns).zip(above.windows(2).zip(below.windows(2))) {
-                let block = [
-                    position(column, self.size.0),
-                    position(row, self.size.1),
-                    position(column + 1, self.size.0),
-                    position(row + 1, self.size.1),
-                ];
+                let block = PixelSpan {
+                    left: position(column, self.size.0),
+                    top: position(row, self.size.1),
+                    right: position(column + 1, self.size.0),
+                    bottom: position(row + 1, self.size.1),
+                };
                 needs.push(self.block(block, [upper[0], upper[1], lower[0], lower[1]]));
             }
             above = below;
@@ -141,7 +139,7 @@ impl<'a> Examiner<'a> {
         Corner { direction, on_surface }
     }
 
-    fn block(&mut self, block: Block, corners: [Corner; 4]) -> Needs {
+    fn block(&mut self, block: PixelSpan, corners: [Corner; 4]) -> Needs {
         let torn = matches!(self.source, Source::Panorama { panorama: Panorama::CubeStrip, .. });
         if torn || matches!(self.source, Source::Table(_)) {
             // Nothing is known between a table's pixels, nor across the border of two faces.
@@ -166,13 +164,13 @@ impl<'a> Examiner<'a> {
     }
 
     /// Whether a block shows nothing, told without looking at its pixels.
-    fn surely_dark(&self, block: Block, corners: &[Corner; 4]) -> bool {
+    fn surely_dark(&self, block: PixelSpan, corners: &[Corner; 4]) -> bool {
         match self.source {
             source if source.is_circular() => {
                 let centre = (0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1));
                 let nearest = |low: u32, high: u32, centre: f64| centre.clamp(f64::from(low), f64::from(high));
-                let (x, y) =
-                    self.normalised(nearest(block[0], block[2], centre.0), nearest(block[1], block[3], centre.1));
+                let (x, y) = self
+                    .normalised(nearest(block.left, block.right, centre.0), nearest(block.top, block.bottom, centre.1));
                 x * x + y * y > 1.0
             }
             Source::Fisheye { .. } | Source::Panorama { .. } | Source::Perspective { .. } | Source::Table(_) => false,
@@ -197,8 +195,8 @@ impl<'a> Examiner<'a> {
     /// its sides depart from those of the quadrilateral, whichever is more. Next to a silhouette,
     /// where directions change with the root of the distance, it is the latter. `None` where
     /// nothing is shown there.
-    fn departure(&self, block: Block, corners: &[DVec3; 4]) -> Option<f64> {
-        let [left, top, right, bottom] = block.map(f64::from);
+    fn departure(&self, block: PixelSpan, corners: &[DVec3; 4]) -> Option<f64> {
+        let [left, top, right, bottom] = block.edges();
         let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
         let [upper_left, upper_right, lower_left, lower_right] = *corners;
         let middles = [
@@ -228,13 +226,13 @@ impl<'a> Examiner<'a> {
     }
 
     /// Returns the needs of the sampled places of a block's pixels.
-    fn by_pixels(&mut self, block: Block) -> Needs {
+    fn by_pixels(&mut self, block: PixelSpan) -> Needs {
         let mut needs = self.by_centres(block);
         if self.filter.has_four_places() && needs.lit {
             // A table of all pixels is interpolated between the pixels around a place.
             let ring = u32::from(matches!(self.source, Source::Table(_)));
-            let columns = block[0].saturating_sub(ring)..(block[2] + ring).min(self.size.0);
-            let rows = block[1].saturating_sub(ring)..(block[3] + ring).min(self.size.1);
+            let columns = block.left.saturating_sub(ring)..(block.right + ring).min(self.size.0);
+            let rows = block.top.saturating_sub(ring)..(block.bottom + ring).min(self.size.1);
             for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
                 for place in Filter::FOUR_PLACES {
                     // The grid is that of the finished picture.
@@ -247,10 +245,10 @@ impl<'a> Examiner<'a> {
     }
 
     /// Returns the needs of the centres of a block's pixels.
-    fn by_centres(&mut self, block: Block) -> Needs {
+    fn by_centres(&mut self, block: PixelSpan) -> Needs {
         let mut needs = Needs::default();
-        for row in block[1]..block[3] {
-            for column in block[0]..block[2] {
+        for row in block.top..block.bottom {
+            for column in block.left..block.right {
                 let shown = self.add_place(f64::from(column) + 0.5, f64::from(row) + 0.5, &mut needs);
                 needs.lit |= shown;
             }
@@ -304,8 +302,13 @@ impl<'a> Examiner<'a> {
     }
 
     /// The neighbours whose pictures reach into a block.
-    fn overlapping(&self, block: Block) -> u128 {
-        let places = [(block[0], block[1]), (block[2], block[1]), (block[0], block[3]), (block[2], block[3])];
+    fn overlapping(&self, block: PixelSpan) -> u128 {
+        let places = [
+            (block.left, block.top),
+            (block.right, block.top),
+            (block.left, block.bottom),
+            (block.right, block.bottom),
+        ];
         let places = places.map(|(x, y)| self.normalised(f64::from(x), f64::from(y)));
         self.neighbours.iter().enumerate().fold(0, |set, (index, (picture, cone))| {
             let corners = places.map(|(x, y)| picture.evaluate(x, y).and_then(DVec3::try_normalize));

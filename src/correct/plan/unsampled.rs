@@ -8,6 +8,7 @@
 mod tests;
 
 use crate::correct::passes::output_pass::{OutputPass, Plan};
+use crate::correct::passes::rectangle::PixelSpan;
 use crate::correct::plan::rectangles::{self, BLOCK};
 use crate::geom::Frustum;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
@@ -126,7 +127,7 @@ impl Marker<'_> {
                 for left in (rect.x..rect.x + rect.width).step_by(BLOCK as usize) {
                     let (right, bottom) =
                         ((left + BLOCK).min(rect.x + rect.width), (top + BLOCK).min(rect.y + rect.height));
-                    self.mark_block([left, top, right, bottom]);
+                    self.mark_block(PixelSpan::new(left, top, right, bottom));
                 }
             }
         }
@@ -141,8 +142,8 @@ impl Marker<'_> {
 
     /// The directions at the corners of a block that is widened by so many pixels, if all show
     /// something.
-    fn corners(&self, block: [u32; 4], wider: f64) -> Option<[DVec3; 4]> {
-        let [x0, y0, x1, y1] = block.map(f64::from);
+    fn corners(&self, block: PixelSpan, wider: f64) -> Option<[DVec3; 4]> {
+        let [x0, y0, x1, y1] = block.edges();
         let (x0, y0, x1, y1) = (x0 - wider, y0 - wider, x1 + wider, y1 + wider);
         let corner = |x: f64, y: f64| self.direction(x, y);
         Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
@@ -151,18 +152,19 @@ impl Marker<'_> {
     /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of
     /// all views and not next to what shows nothing: a rectangle around its texels then reaches no
     /// unsampled ones.
-    fn is_amid(&self, block: [u32; 4], corners: &[DVec3; 4], margin: f64) -> bool {
+    fn is_amid(&self, block: PixelSpan, corners: &[DVec3; 4], margin: f64) -> bool {
         let margin = margin.max(ROUNDING);
         let relation =
             self.cones.iter().map(|(_, cone)| cone.relation(corners, margin)).find(|r| *r != Relation::Outside);
         relation.is_none_or(|relation| relation == Relation::Inside) && self.corners(block, f64::from(BLOCK)).is_some()
     }
 
-    fn mark_block(&mut self, [left, top, right, bottom]: [u32; 4]) {
+    fn mark_block(&mut self, block: PixelSpan) {
+        let PixelSpan { left, top, right, bottom } = block;
         let smallest = right - left <= FINEST && bottom - top <= FINEST;
-        if let Some(corners) = self.corners([left, top, right, bottom], 0.0) {
+        if let Some(corners) = self.corners(block, 0.0) {
             let size = diameter(&corners);
-            if size < WIDEST && (smallest || self.is_amid([left, top, right, bottom], &corners, size + size * size)) {
+            if size < WIDEST && (smallest || self.is_amid(block, &corners, size + size * size)) {
                 self.mark_patch(&corners, size * size);
                 return;
             }
@@ -171,7 +173,7 @@ impl Marker<'_> {
             let (middle_x, middle_y) = (left + (right - left).div_ceil(2), top + (bottom - top).div_ceil(2));
             for (top, bottom) in [(top, middle_y), (middle_y, bottom)].into_iter().filter(|rows| rows.0 < rows.1) {
                 for (left, right) in [(left, middle_x), (middle_x, right)].into_iter().filter(|part| part.0 < part.1) {
-                    self.mark_block([left, top, right, bottom]);
+                    self.mark_block(PixelSpan::new(left, top, right, bottom));
                 }
             }
             return;

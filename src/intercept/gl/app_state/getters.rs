@@ -1,12 +1,13 @@
 //! What a program asks about its state: what it set, not what a view needs.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 
 /// Up to four numbers that answer `glGet` for state that we follow.
 fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
-    let four = |v: [i32; 4]| Some((v.map(f64::from), 4));
+    let four = |rect: LowerLeftRect| Some((rect.to_array().map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
     ctx.drawable.target.as_ref()?;
     match name {

@@ -3,6 +3,7 @@
 //! The others are passed on as they are; a view's own viewport replaces them all while the window is drawn.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::app_state::known_state;
 use crate::intercept::gl::app_state::window_state::{set_program_scissor, set_program_viewport, set_scissor_test};
 use crate::intercept::gl::context::gl_context::Context;
@@ -26,8 +27,8 @@ unsafe fn takes<T: Copy + PartialOrd + Default>(ctx: &mut Context, count: i32, v
 }
 
 /// The first viewport from its four numbers, rounded like a driver does that has no fractions.
-fn first_viewport(ctx: &mut Context, [x, y, width, height]: [f32; 4]) {
-    set_program_viewport(ctx, [x, y, width, height].map(|v| v.round() as i32));
+fn first_viewport(ctx: &mut Context, numbers: [f32; 4]) {
+    set_program_viewport(ctx, numbers.map(|v| v.round() as i32).into());
 }
 
 hooks! {
@@ -68,7 +69,7 @@ hooks! {
     };
     "glScissorIndexed" scissor_indexed(index: u32, x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
         if index == 0 && width >= 0 && height >= 0 {
-            set_program_scissor(ctx, [x, y, width, height]);
+            set_program_scissor(ctx, LowerLeftRect::new(x, y, width, height));
         } else {
             gl.scissor_indexed(index, x, y, width, height);
         }
@@ -78,7 +79,7 @@ hooks! {
             if !takes(ctx, 1, v) {
                 return;
             }
-            set_program_scissor(ctx, *v.cast::<[i32; 4]>());
+            set_program_scissor(ctx, (*v.cast::<[i32; 4]>()).into());
         } else {
             gl.scissor_indexedv(index, v);
         }
@@ -87,7 +88,7 @@ hooks! {
         if first != 0 || count < 1 || v.is_null() {
             gl.scissor_arrayv(first, count, v);
         } else if takes(ctx, count, v) {
-            set_program_scissor(ctx, *v.cast::<[i32; 4]>());
+            set_program_scissor(ctx, (*v.cast::<[i32; 4]>()).into());
             if count > 1 {
                 gl.scissor_arrayv(1, count - 1, v.add(4));
             }
@@ -107,25 +108,25 @@ hooks! {
     };
     "glGetIntegeri_v" get_integeri_v(name: u32, index: u32, values: *mut i32) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) => *values.cast::<[i32; 4]>() = rect,
+            Some(rect) => *values.cast::<[i32; 4]>() = rect.to_array(),
             None => gl.get_integeri_v(name, index, values),
         }
     };
     "glGetFloati_v" get_floati_v(name: u32, index: u32, values: *mut f32) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) => *values.cast::<[f32; 4]>() = rect.map(|v| v as f32),
+            Some(rect) => *values.cast::<[f32; 4]>() = rect.to_array().map(|v| v as f32),
             None => gl.get_floati_v(name, index, values),
         }
     };
     "glGetDoublei_v" get_doublei_v(name: u32, index: u32, values: *mut f64) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) => *values.cast::<[f64; 4]>() = rect.map(f64::from),
+            Some(rect) => *values.cast::<[f64; 4]>() = rect.to_array().map(f64::from),
             None => gl.get_doublei_v(name, index, values),
         }
     };
 }
 
-fn believed(ctx: &Context, name: u32, index: u32) -> Option<[i32; 4]> {
+fn believed(ctx: &Context, name: u32, index: u32) -> Option<LowerLeftRect> {
     match name {
         _ if index != 0 || ctx.drawable.target.is_none() => None,
         api::GL_VIEWPORT => Some(ctx.app.viewport),

@@ -1,6 +1,7 @@
 //! Window-space state: what the program set, and what the driver has while a view is drawn.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::app_state::known_state;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -50,9 +51,9 @@ pub fn pop_attributes(ctx: &mut Context) {
 }
 
 /// A viewport of the program.
-pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
+pub fn set_program_viewport(ctx: &mut Context, rect: LowerLeftRect) {
     ctx.app.viewport = rect;
-    let new_size = ctx.drawable.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
+    let new_size = ctx.drawable.target.as_ref().is_some_and(|t| t.size() != (rect.width as u32, rect.height as u32));
     if new_size && !ctx.frame.begun && ctx.redirected() {
         // Perhaps the window has it already.
         follow_size(ctx);
@@ -63,12 +64,12 @@ pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
 }
 
 /// A scissor rectangle of the program.
-pub fn set_program_scissor(ctx: &mut Context, rect: [i32; 4]) {
+pub fn set_program_scissor(ctx: &mut Context, rect: LowerLeftRect) {
     ctx.app.scissor = rect;
     if !ctx.redirected() {
         ctx.driver.window_space.scissor = Some(rect);
         // SAFETY: the program's own command.
-        unsafe { ctx.driver.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
+        unsafe { ctx.driver.gl.scissor(rect.x, rect.y, rect.width, rect.height) };
     }
 }
 
@@ -98,18 +99,18 @@ hooks! {
             // The driver says the error.
             gl.viewport(x, y, width, height);
         } else if ctx.compiling() {
-            list_recording::record(ctx, Command::Viewport([x, y, width, height]));
+            list_recording::record(ctx, Command::Viewport(LowerLeftRect::new(x, y, width, height)));
         } else {
-            set_program_viewport(ctx, [x, y, width, height]);
+            set_program_viewport(ctx, LowerLeftRect::new(x, y, width, height));
         }
     };
     "glScissor" scissor(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
         if width < 0 || height < 0 {
             gl.scissor(x, y, width, height);
         } else if ctx.compiling() {
-            list_recording::record(ctx, Command::Scissor([x, y, width, height]));
+            list_recording::record(ctx, Command::Scissor(LowerLeftRect::new(x, y, width, height)));
         } else {
-            set_program_scissor(ctx, [x, y, width, height]);
+            set_program_scissor(ctx, LowerLeftRect::new(x, y, width, height));
         }
     };
     "glEnable" enable(cap: u32) = |ctx, gl| {

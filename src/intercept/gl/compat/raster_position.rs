@@ -5,6 +5,7 @@
 //! matrix and set again in each view before something is drawn there.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::compat::scene_position::{Placed, is_valid, move_by, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -110,7 +111,7 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     match tile {
         Some((tile, _)) => {
             own_window_space(ctx, tile);
-            [tile[0], tile[1]]
+            tile.origin()
         }
         None => [0, 0],
     }
@@ -154,7 +155,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     // Once more where the program's window would be, out of sight: it moves the position as it
     // should.
     ctx.set_viewport(ctx.app.viewport);
-    ctx.set_scissor(Some([0, 0, 0, 0]));
+    ctx.set_scissor(Some(LowerLeftRect::default()));
     issue(gl);
     let after = raster_position(gl);
     position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
@@ -207,10 +208,10 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
         let samples = if number == 0 { 1.0 } else { 0.0 };
         scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights { samples, ..QueryWeights::ONCE });
         own_window_space(ctx, tile);
-        move_origin(ctx, [tile[0], tile[1]]);
+        move_origin(ctx, tile.origin());
         let begin = raster_position(gl);
         // Each picture's drawing begins where the first one's began.
-        let [x, y] = [begin[0] - tile[0] as f32, begin[1] - tile[1] as f32];
+        let [x, y] = [begin[0] - tile.x as f32, begin[1] - tile.y as f32];
         let [first_x, first_y] = *before.get_or_insert([x, y]);
         move_by(gl, first_x - x, first_y - y);
         repeats.unchanged(gl, number + 1 == pictures, || issue(gl));
@@ -284,7 +285,7 @@ macro_rules! raster_hooks {
                 raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
             "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl|
                 list_recording::now_or_later(ctx, move |ctx| {
-                    let origin = if ctx.reads_redirected() { read_back::prepare(ctx, [x, y, w, h], kind == api::GL_COLOR) } else { [0, 0] };
+                    let origin = if ctx.reads_redirected() { read_back::prepare(ctx, LowerLeftRect::new(x, y, w, h), kind == api::GL_COLOR) } else { [0, 0] };
                     let (x, y) = (x + origin[0], y + origin[1]);
                     // SAFETY: the program's own call, moved to where its picture is.
                     raster_command(ctx, |gl| unsafe { gl.copy_pixels(x, y, w, h, kind) });

@@ -1,6 +1,7 @@
 //! A raster position of the scene in the driver.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 
 /// A position of the scene, for drawing in several views. [`Placed::end`] puts the driver's state
@@ -50,7 +51,7 @@ impl<'a> Placed<'a> {
 
     /// Sets the position as it is in the program's own window, whatever its viewport and projection
     /// are now.
-    pub fn as_set(&self, tile: [i32; 4]) {
+    pub fn as_set(&self, tile: LowerLeftRect) {
         if !self.keeps {
             self.set();
             return;
@@ -61,7 +62,7 @@ impl<'a> Placed<'a> {
             self.gl.push_attrib(api::GL_CURRENT_BIT);
         }
         if is_valid(self.gl) {
-            move_by(self.gl, tile[0] as f32, tile[1] as f32);
+            move_by(self.gl, tile.x as f32, tile.y as f32);
         }
     }
 

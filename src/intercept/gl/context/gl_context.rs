@@ -131,7 +131,7 @@ impl Context {
     /// Gives the program its own window back, for good.
     pub fn leave_alone(&mut self) {
         if let Some(target) = self.drawable.target.take() {
-            let [x, y, width, height] = self.app.viewport;
+            let [x, y, width, height] = self.app.viewport.to_array();
             // SAFETY: puts back what the program has set; the framebuffers are ours.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
@@ -141,7 +141,7 @@ impl Context {
                     self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
                 self.driver.gl.viewport(x, y, width, height);
-                let [x, y, width, height] = self.app.scissor;
+                let [x, y, width, height] = self.app.scissor.to_array();
                 self.driver.gl.scissor(x, y, width, height);
                 if self.app.scissor_test {
                     self.driver.gl.enable(api::GL_SCISSOR_TEST);

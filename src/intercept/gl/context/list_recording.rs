@@ -1,6 +1,7 @@
 //! Recording of display lists: commands that are kept beside the lists of the driver.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::lock::Lock;
@@ -22,8 +23,8 @@ pub enum Command {
     Translate([f64; 3]),
     PushMatrix,
     PopMatrix,
-    Viewport([i32; 4]),
-    Scissor([i32; 4]),
+    Viewport(LowerLeftRect),
+    Scissor(LowerLeftRect),
     ScissorTest(bool),
     PushAttributes(u32),
     PopAttributes,

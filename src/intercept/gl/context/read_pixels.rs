@@ -1,11 +1,12 @@
 //! Reads of pixels of our own.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::runtime::report::Picture;
 
 /// Reads a rectangle of a framebuffer. Bindings and pixel storage are put back.
-pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Picture {
-    let [x, y, width, height] = rect.map(|v| v.max(0));
+pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: LowerLeftRect) -> Picture {
+    let [x, y, width, height] = rect.to_array().map(|v| v.max(0));
     let mut rgba = vec![0; width as usize * height as usize * 4];
     while_reading(gl, framebuffer, || {
         // SAFETY: reads exactly the bytes that `rgba` has room for.

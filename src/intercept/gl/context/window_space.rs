@@ -1,12 +1,13 @@
 //! Viewport and scissor of the driver.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::window_space::DriverState;
 
 impl Context {
     /// Sets the real viewport.
-    pub fn set_viewport(&mut self, rect: [i32; 4]) {
+    pub fn set_viewport(&mut self, rect: LowerLeftRect) {
         if self.compiling() {
             // It would become a part of the program's list.
             self.driver.window_space.viewport = None;
@@ -14,13 +15,13 @@ impl Context {
         }
         if self.driver.window_space.viewport != Some(rect) {
             // SAFETY: a plain state command.
-            unsafe { self.driver.gl.viewport(rect[0], rect[1], rect[2], rect[3]) };
+            unsafe { self.driver.gl.viewport(rect.x, rect.y, rect.width, rect.height) };
             self.driver.window_space.viewport = Some(rect);
         }
     }
 
     /// Sets the real scissor test and, if on, its rectangle.
-    pub fn set_scissor(&mut self, rect: Option<[i32; 4]>) {
+    pub fn set_scissor(&mut self, rect: Option<LowerLeftRect>) {
         if self.compiling() {
             self.driver.window_space =
                 DriverState { viewport: self.driver.window_space.viewport, ..DriverState::default() };
@@ -41,7 +42,7 @@ impl Context {
             && self.driver.window_space.scissor != Some(rect)
         {
             // SAFETY: a plain state command.
-            unsafe { self.driver.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
+            unsafe { self.driver.gl.scissor(rect.x, rect.y, rect.width.max(0), rect.height.max(0)) };
             self.driver.window_space.scissor = Some(rect);
         }
     }
@@ -52,7 +53,7 @@ impl Context {
         let (test, rect) = (self.app.scissor_test, self.app.scissor);
         if !self.compiling() && self.driver.window_space.scissor != Some(rect) {
             // SAFETY: a plain state command.
-            unsafe { self.driver.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
+            unsafe { self.driver.gl.scissor(rect.x, rect.y, rect.width.max(0), rect.height.max(0)) };
             self.driver.window_space.scissor = Some(rect);
         }
         self.set_scissor(test.then_some(rect));

@@ -12,6 +12,7 @@
 //! ```
 
 use crate::backend::gl::api::Gl;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
@@ -123,7 +124,7 @@ fn perspective_or_flat(
 /// The atlas of the window, and in it the program's own picture.
 struct Window {
     session: Arc<Session>,
-    primary: Option<[i32; 4]>,
+    primary: Option<LowerLeftRect>,
     class: DrawClass,
     shown: Views,
 }

@@ -1,6 +1,7 @@
 //! A context becomes current with a window.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::framebuffer::target::attach;
@@ -18,7 +19,7 @@ impl Context {
         for objects in std::mem::take(&mut self.drawable.left_behind) {
             objects.destroy(self.driver.gl);
         }
-        let first = self.drawable.window.is_none() && window.is_some() && self.app.viewport == [0; 4];
+        let first = self.drawable.window.is_none() && window.is_some() && self.app.viewport == LowerLeftRect::default();
         if self.drawable.window != window {
             self.change_window(window);
         }
@@ -32,8 +33,7 @@ impl Context {
             window.resize(size);
         }
         if first {
-            let (width, height) = window.size();
-            self.app.viewport = [0, 0, width as i32, height as i32];
+            self.app.viewport = LowerLeftRect::of_size(window.size());
             self.app.scissor = self.app.viewport;
             if !window.double_buffered(self.driver.gl, &self.driver.profile) {
                 self.app.draw_buffer = api::GL_FRONT;
@@ -59,12 +59,14 @@ impl Context {
             self.compat.projection.clear();
             self.frame.cameras.clear();
         }
-        if self.app.viewport == [0; 4] {
+        if self.app.viewport == LowerLeftRect::default() {
+            let (mut viewport, mut scissor) = ([0; 4], [0; 4]);
             // SAFETY: each writes four integers.
             unsafe {
-                self.driver.gl.get_integerv(api::GL_VIEWPORT, self.app.viewport.as_mut_ptr());
-                self.driver.gl.get_integerv(api::GL_SCISSOR_BOX, self.app.scissor.as_mut_ptr());
+                self.driver.gl.get_integerv(api::GL_VIEWPORT, viewport.as_mut_ptr());
+                self.driver.gl.get_integerv(api::GL_SCISSOR_BOX, scissor.as_mut_ptr());
             }
+            (self.app.viewport, self.app.scissor) = (viewport.into(), scissor.into());
         }
     }
 

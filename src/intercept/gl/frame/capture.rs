@@ -1,6 +1,7 @@
 //! Corrected pictures that do not go to the window: captures at an output's own resolution.
 
 use crate::backend::gl::Target;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::framebuffer::reading::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::state::drawable::Drawable;
@@ -11,12 +12,11 @@ use crate::runtime::report::Picture;
 pub fn picture(driver: &Driver, drawable: &Drawable, index: usize, name: &str) -> Option<Picture> {
     let gl = driver.gl;
     let target = drawable.target.as_ref()?;
-    let (width, height) = target.session.plan().passes.get(index)?.size;
-    let whole = [0, 0, width as i32, height as i32];
-    let canvas = OwnFramebuffer::new(gl, whole[2], whole[3]);
+    let whole = LowerLeftRect::of_size(target.session.plan().passes.get(index)?.size);
+    let canvas = OwnFramebuffer::new(gl, whole.width, whole.height);
     // The outputs are presented in order; those before this one go nowhere.
     let mut targets = vec![Target { framebuffer: canvas.framebuffer, viewport: [0, 0, 0, 0] }; index];
-    targets.push(Target { framebuffer: canvas.framebuffer, viewport: whole });
+    targets.push(Target { framebuffer: canvas.framebuffer, viewport: whole.to_array() });
     target.backend().present(gl, target.texture(), &targets);
     let picture = read_pixels::read_back(gl, canvas.framebuffer, name, whole);
     canvas.destroy(gl);

@@ -1,6 +1,7 @@
 //! The end of a frame: correct it into the window, count, capture.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
@@ -256,8 +257,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
     let gl = ctx.driver.gl;
     let Some(target) = &ctx.drawable.target else {
         let Some(window) = &ctx.drawable.window else { return Vec::new() };
-        let (width, height) = window.size();
-        return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
+        return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
     };
     let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
     if settings.offscreen {

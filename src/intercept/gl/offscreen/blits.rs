@@ -1,6 +1,7 @@
 //! Copies between framebuffers, and from them into textures, where one side is once per view.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::{drop_errors, take_error};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::displayed;
@@ -140,7 +141,7 @@ fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
 /// What a side is for a view: its framebuffer, and where its picture is there.
 struct Region {
     framebuffer: u32,
-    rect: [i32; 4],
+    rect: LowerLeftRect,
     /// Width and height of the picture in the program's pixels.
     size: [i32; 2],
     samples: i32,
@@ -177,7 +178,7 @@ impl Region {
 
     /// Corners of the program's, in the framebuffer.
     fn corners(&self, corners: Corners) -> Corners {
-        let [x, y, width, height] = self.rect;
+        let LowerLeftRect { x, y, width, height } = self.rect;
         let scale = |value: i32, size: i32, full: i32| {
             let scaled = i64::from(value) * i64::from(size);
             (scaled as f64 / f64::from(full.max(1))).round() as i32
@@ -327,9 +328,9 @@ fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
     Some(framebuffer)
 }
 
-/// The program copies a rectangle (x, y, width, height) of its read framebuffer into a texture. `true`: it was done for
+/// The program copies a rectangle of its read framebuffer into a texture. `true`: it was done for
 /// each view, and the texture itself is not to be touched.
-pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2], source: [i32; 4]) -> bool {
+pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2], source: LowerLeftRect) -> bool {
     let from = read_side(ctx);
     let Some(index) = image_of(&ctx.view_copies, texture, level).filter(|_| possible(ctx) && from != Side::Single)
     else {
@@ -339,17 +340,15 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
     if image.view_copy.is_none() {
         return false;
     }
-    let (mask, [x, y, width, height]) = (image.mask, source);
-    let corners = |x: i32, y: i32| [x, y, x + width, y + height];
-    let to = (Side::Image(index), corners(offset[0], offset[1]));
-    copy_views(ctx, (from, corners(x, y)), to, mask, api::GL_NEAREST);
+    let (mask, [x, y]) = (image.mask, offset);
+    let to = (Side::Image(index), LowerLeftRect { x, y, ..source }.corners());
+    copy_views(ctx, (from, source.corners()), to, mask, api::GL_NEAREST);
     from != Side::Window || copy_count(ctx) == views(ctx)
 }
 
 /// The program has copied a rectangle of its read framebuffer into a texture itself.
-pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [i32; 4]) {
-    let [x, y, width, height] = source;
-    let whole = fills_window(&ctx.drawable, [x, y, x + width, y + height]);
+pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: LowerLeftRect) {
+    let whole = fills_window(&ctx.drawable, source.corners());
     let from_window = ctx.reads_redirected() && whole && window_has_scene(&ctx.frame, &ctx.view_copies);
     let sources = colours_of_read(ctx);
     if !possible(ctx) || (!from_window && sources.iter().all(Option::is_none)) {

@@ -1,6 +1,7 @@
 //! Flat draws to the window that show what was drawn off screen: each view is filled with its own picture.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::blits::{End, resample, window_format};
 use crate::intercept::gl::offscreen::target::each_view;
@@ -108,7 +109,7 @@ fn canvas_format(ctx: &Context) -> u32 {
 fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let Some(target) = &ctx.drawable.target else { return };
     let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(&ctx.drawable));
-    let whole = [0, 0, target.size().0 as i32, target.size().1 as i32];
+    let whole = LowerLeftRect::of_size(target.size());
     // This draw is counted already.
     let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts.draws_seen);
     let view_now = Cell::new(0);
@@ -117,9 +118,9 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), &ctx.drawable.target) else {
             return;
         };
-        let (canvas, [x, y, width, height]) = (canvas.framebuffer(), target.session.tile(view).0);
-        let tile = End { corners: [x, y, x + width, y + height], samples, format };
-        let picture = End { corners: whole, samples: 0, format: canvas_format(ctx) };
+        let (canvas, tile) = (canvas.framebuffer(), target.session.tile(view).0);
+        let tile = End { corners: tile.corners(), samples, format };
+        let picture = End { corners: whole.corners(), samples: 0, format: canvas_format(ctx) };
         let (from, to) =
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
         // SAFETY: framebuffers of ours; the read binding is put back.

@@ -106,7 +106,7 @@ fn draw_through(
 /// Remembers what a draw says about the framebuffer at `index`.
 fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
     let Some(window) = ctx.session().map(Session::window) else { return };
-    let [_, _, width, height] = ctx.app.viewport;
+    let [width, height] = ctx.app.viewport.size();
     let alike =
         duplicate_mode() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
     let ViewCopies { framebuffers, images, learnt, .. } = &mut ctx.view_copies;

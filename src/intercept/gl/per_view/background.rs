@@ -2,6 +2,7 @@
 //! panel would be. A flat clip position is a point of the panel, seen with the panel's opening as a
 //! lens.
 
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::classify;
 
@@ -11,8 +12,6 @@ pub fn is_behind(ctx: &mut Context) -> bool {
         return false;
     }
     let Some(target) = &ctx.drawable.target else { return false };
-    let (width, height) = target.size();
-    let [x, y, across, up] = ctx.app.scissor.map(i64::from);
-    let whole = x <= 0 && y <= 0 && x + across >= width.into() && y + up >= height.into();
+    let whole = ctx.app.scissor.contains(LowerLeftRect::of_size(target.size()));
     (whole || !ctx.app.scissor_test) && ctx.frame.background.prepare(&target.session, &ctx.compat.projection.matrix)
 }

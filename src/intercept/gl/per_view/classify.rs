@@ -43,6 +43,6 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
 
 /// Whether the viewport is the program's main one; pictures within the picture are flat.
 pub fn main_viewport(app: &AppState, frame: &Frame) -> bool {
-    let [_, _, width, height] = app.viewport.map(f64::from);
+    let [width, height] = app.viewport.size().map(f64::from);
     viewport::is_main(width, height, frame.main_area() as f64)
 }

@@ -2,6 +2,7 @@
 
 use crate::backend::gl::KnownState;
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
@@ -34,7 +35,7 @@ impl PanelBlend {
 pub fn clear_panel(ctx: &mut Context) {
     if let Some(panel) = ctx.drawable.target.as_ref().and_then(|t| t.panel()) {
         // The gutter goes with it, or the filter would mix the clear colour into its borders.
-        ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
+        ctx.set_scissor(Some(LowerLeftRect::new(panel.x - 1, panel.y - 1, panel.width + 2, panel.height + 2)));
         clear_transparent(ctx.driver.gl, &ctx.driver.known_state);
     }
 }

@@ -42,7 +42,7 @@ pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> 
     let Some(lens) = ctx.frame.lens else { return 1.0 };
     let seen = Some((lens, ctx.app.viewport, off_screen));
     if ctx.queries.seen != seen {
-        let [_, _, width, height] = ctx.app.viewport.map(f64::from);
+        let [width, height] = ctx.app.viewport.size().map(f64::from);
         let own = width * height;
         ctx.queries.worth = weight(own, session.samples(&lens, own, off_screen));
         ctx.queries.seen = seen;

@@ -1,6 +1,7 @@
 //! Queries of the program, as parts with weights.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::scene::query_weights::Quantity;
 use crate::runtime::session::Intrinsics;
 use std::collections::HashMap;
@@ -16,7 +17,7 @@ pub struct Queries {
     /// Objects of ours that were never anything.
     pub(in crate::intercept::gl) fresh: Vec<u32>,
     /// The lens and viewport for which `worth` was computed.
-    pub(in crate::intercept::gl) seen: Option<(Intrinsics, [i32; 4], bool)>,
+    pub(in crate::intercept::gl) seen: Option<(Intrinsics, LowerLeftRect, bool)>,
     /// How many samples of the program's own picture one of the views' is worth.
     pub(in crate::intercept::gl) worth: f64,
     /// The context has results of 64 bits.

@@ -231,12 +231,12 @@ mod tests {
         let some = cleared(&layout, &part);
         assert!(!some.whole && some.pictures.is_empty());
         let AtlasRect { x, y, .. } = layout.panel;
-        assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200].into()));
+        assert_eq!(some.panel, Some(AtlasRect { x: x + 20, y: y + 30, width: 200, height: 200 }));
         let layout =
             AtlasLayout::new(&rig, (200, 200), 16384, true, VertexProcessing::DivisionStatistics).expect("a plan");
         assert_eq!(
             cleared(&layout, &part).pictures,
-            [AtlasRect::from([20, 30, 200, 200])],
+            [AtlasRect { x: 20, y: 30, width: 200, height: 200 }],
             "the program's own picture"
         );
     }

@@ -190,7 +190,7 @@ mod tests {
     fn a_scissor_is_cut_at_the_window_and_moved() {
         let scissor =
             |x, y, width, height| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } };
-        let tile = AtlasRect::from([1000, 10, 200, 100]);
+        let tile = AtlasRect { x: 1000, y: 10, width: 200, height: 100 };
         assert_eq!(cut_to_tile(&scissor(20, 30, 50, 40), tile, (200, 100)), scissor(1020, 40, 50, 40));
         assert_eq!(cut_to_tile(&scissor(150, 0, 5000, u32::MAX), tile, (200, 100)), scissor(1150, 10, 50, 100));
         assert_eq!(cut_to_tile(&scissor(300, 0, 10, 10), tile, (200, 100)).extent.width, 0);
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn an_upside_down_viewport_stays_so() {
         let given = vk::Viewport { x: 0.0, y: 90.0, width: 50.0, height: -90.0, min_depth: 0.25, max_depth: 1.0 };
-        let filled = fill_tile(&given, AtlasRect::from([100, 200, 30, 40]));
+        let filled = fill_tile(&given, AtlasRect { x: 100, y: 200, width: 30, height: 40 });
         assert_eq!((filled.y, filled.height, filled.min_depth), (240.0, -40.0, 0.25));
     }
 }

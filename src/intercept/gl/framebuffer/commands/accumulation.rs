@@ -2,28 +2,25 @@
 
 use crate::backend::gl::accumulation::{Accumulation, Operation};
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::per_view::window_space::intersect;
 use crate::intercept::log;
 
 /// Where in the atlas an operation on the program's window counts: all of it, or the parts of its own pictures that lie
 /// within its scissor. A scissor around most of the window is taken for the whole, as for clears.
-fn parts(ctx: &Context) -> Vec<[i32; 4]> {
+fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     let Some(target) = &ctx.drawable.target else { return Vec::new() };
-    let (width, height) = target.size();
-    let window = [0, 0, width as i32, height as i32];
-    let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
-    let most = |[_, _, w, h]: [i32; 4]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height);
-    if part.is_none_or(most) {
-        let (width, height) = target.session.plan().views.atlas;
-        return vec![[0, 0, width as i32, height as i32]];
+    let window = target.size();
+    let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
+    if part.is_none_or(|part| part.is_most_of(window)) {
+        return vec![LowerLeftRect::of_size(target.session.plan().views.atlas)];
     }
     let tiles = target.flat_tiles().into_iter().flatten();
-    tiles.map(|(tile, _)| intersect(ctx.app.scissor, tile)).collect()
+    tiles.map(|(tile, _)| ctx.app.scissor.moved_into(tile)).collect()
 }
 
 /// Runs `work` with the buffer, which is made when it is first needed.

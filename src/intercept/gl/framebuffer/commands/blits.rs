@@ -1,18 +1,19 @@
 //! `glBlitFramebuffer` from and to the window.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
-use crate::intercept::gl::offscreen::{blits, view_copies};
+use crate::intercept::gl::offscreen::blits::{self, Corners};
+use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 
 /// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
-#[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
-pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
+pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
     if blits::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
@@ -27,15 +28,14 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
     }
     if ctx.reads_redirected() {
         let [x0, y0, x1, y1] = source;
-        let part = [x0.min(x1), y0.min(y1), (x0 - x1).abs(), (y0 - y1).abs()];
-        let origin = read_back::prepare(ctx, part, mask & api::GL_COLOR_BUFFER_BIT != 0);
-        source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
+        let part = LowerLeftRect::new(x0.min(x1), y0.min(y1), (x0 - x1).abs(), (y0 - y1).abs());
+        let [x, y] = read_back::prepare(ctx, part, mask & api::GL_COLOR_BUFFER_BIT != 0);
+        source = [x0 + x, y0 + y, x1 + x, y1 + y];
     }
-    let issue = |d: [i32; 4]| {
+    let issue = |[u0, v0, u1, v1]: Corners| {
+        let [x0, y0, x1, y1] = source;
         // SAFETY: the program's own call, moved to a tile.
-        unsafe {
-            gl.blit_framebuffer(source[0], source[1], source[2], source[3], d[0], d[1], d[2], d[3], mask, filter)
-        };
+        unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, filter) };
     };
     if !ctx.redirected() {
         view_copies::leave(ctx);
@@ -49,7 +49,7 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;
-        issue([x0 + tile[0], y0 + tile[1], x1 + tile[0], y1 + tile[1]]);
+        issue([x0 + tile.x, y0 + tile.y, x1 + tile.x, y1 + tile.y]);
     }
     read_back::finish(ctx);
 }

@@ -1,6 +1,7 @@
 //! Clears of the window: of all views, or of the program's own pictures.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
@@ -11,7 +12,7 @@ use crate::intercept::gl::framebuffer::target::unsampled_areas::{self, Cleared};
 use crate::intercept::gl::offscreen::{displayed, view_copies};
 use crate::intercept::gl::per_view::culling::cleared_views;
 use crate::intercept::gl::per_view::panel::clear_panel;
-use crate::intercept::gl::per_view::window_space::{intersect, own_window_space};
+use crate::intercept::gl::per_view::window_space::own_window_space;
 
 /// A clear of the program: of everything that is its picture. `true`: of every view.
 pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
@@ -28,11 +29,10 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     ctx.note_drawn();
     displayed::window_changed(&mut ctx.view_copies);
     let Some(target) = &ctx.drawable.target else { return false };
-    let (width, height) = target.size();
-    let window = [0, 0, width as i32, height as i32];
-    let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
+    let window = target.size();
+    let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
     // A scissor around (most of) the window is how many programs say "my viewport".
-    let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
+    let whole = part.is_none_or(|part| part.is_most_of(window));
     let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);
     if whole && (part.is_none() || !own_pictures) {
         ctx.set_scissor(None);

@@ -1,6 +1,7 @@
 //! The samplers of a program, and images that stop being what they were.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
@@ -48,7 +49,7 @@ fn copied(
     texture: u32,
     level: i32,
     offset: [i32; 2],
-    source: [i32; 4],
+    source: LowerLeftRect,
     issue: impl FnOnce(&mut Context),
 ) {
     if texture != 0 && blits::into_texture(ctx, texture, level, offset, source) {
@@ -126,29 +127,29 @@ hooks! {
             if texture != 0 && !view_copies::is_alike(ctx, texture, level, [w, h]) {
                 view_copies::forget_texture(ctx, texture);
             }
-            copied(ctx, texture, level, [0, 0], [x, y, w, h], |ctx| {
+            copied(ctx, texture, level, [0, 0], LowerLeftRect::new(x, y, w, h), |ctx| {
                 // SAFETY: the program's own call, moved to where its picture is.
-                read_back::read(ctx, [x, y, w, h], true, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
+                read_back::read(ctx, LowerLeftRect::new(x, y, w, h), true, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
             });
         });
     "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
             let texture = sampling::bound(gl, target);
-            copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
+            copied(ctx, texture, level, [dx, dy], LowerLeftRect::new(x, y, w, h), |ctx| {
                 // SAFETY: as above.
-                read_back::copy_part(ctx, [x, y, w, h], |[x, y, w, h], [u, v]| unsafe {
-                    gl.copy_tex_sub_image2_d(target, level, dx + u, dy + v, x, y, w, h);
+                read_back::copy_part(ctx, LowerLeftRect::new(x, y, w, h), |r, [u, v]| unsafe {
+                    gl.copy_tex_sub_image2_d(target, level, dx + u, dy + v, r.x, r.y, r.width, r.height);
                 });
             });
         });
     "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
-            copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
+            copied(ctx, texture, level, [dx, dy], LowerLeftRect::new(x, y, w, h), |ctx| {
                 // SAFETY: as above.
-                read_back::copy_part(ctx, [x, y, w, h], |[x, y, w, h], [u, v]| unsafe {
-                    gl.copy_texture_sub_image2_d(texture, level, dx + u, dy + v, x, y, w, h);
+                read_back::copy_part(ctx, LowerLeftRect::new(x, y, w, h), |r, [u, v]| unsafe {
+                    gl.copy_texture_sub_image2_d(texture, level, dx + u, dy + v, r.x, r.y, r.width, r.height);
                 });
             });
         });

@@ -1,7 +1,7 @@
 //! The program's own picture, resampled from the views for its first read.
 
 use crate::backend::gl::{GlBackend, Target, api};
-use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
+use crate::correct::{Batch, LowerLeftRect, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
@@ -25,8 +25,7 @@ pub fn fill_primary(ctx: &mut Context) {
     }
     if let (Some(tile), Some(directions)) = (target.primary(), directions) {
         let plan = own_picture(&ctx.frame, &target.session, directions);
-        let (width, height) = plan.views.atlas;
-        target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
+        target.resolve(ctx, Some(LowerLeftRect::of_size(plan.views.atlas)));
         if !target.lenses.is_empty() {
             // Pictures of outputs are no views that a pass could sample.
             first_read_color::fill(&ctx.driver, &target, directions);
@@ -109,12 +108,13 @@ pub(in crate::intercept::gl) fn copy(
     plan: &Plan,
     atlas: u32,
     framebuffer: u32,
-    tile: [i32; 4],
+    tile: LowerLeftRect,
 ) -> Result<()> {
     let gl = ctx.driver.gl;
     let mut backend = GlBackend::new(gl, ctx.driver.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
     backend.prepare(gl, plan, plan.views.panel.is_some())?;
-    let [x, y, width, height] = tile;
+    let LowerLeftRect { width, height, .. } = tile;
+    let [x0, y0, x1, y1] = tile.corners();
     let canvas = OwnFramebuffer::new(gl, width, height);
     backend.present(gl, atlas, &[Target { framebuffer: canvas.framebuffer, viewport: [0, 0, width, height] }]);
     // SAFETY: copies between framebuffers of ours; bindings and scissor test are put back.
@@ -126,18 +126,7 @@ pub(in crate::intercept::gl) fn copy(
         gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, canvas.framebuffer);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-        gl.blit_framebuffer(
-            0,
-            0,
-            width,
-            height,
-            x,
-            y,
-            x + width,
-            y + height,
-            api::GL_COLOR_BUFFER_BIT,
-            api::GL_NEAREST,
-        );
+        gl.blit_framebuffer(0, 0, width, height, x0, y0, x1, y1, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
         if scissor {

@@ -1,8 +1,9 @@
 //! Colours of the program's own picture for a read that comes before anything was drawn to it, where views are pictures of
 //! outputs: each pixel takes that of the texel that shows its direction, with the flat panel over it.
 
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::reading::first_read_depth::{self, Content, all_of, find};
+use crate::intercept::gl::framebuffer::reading::first_read_depth::{self, Content, find};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
 use glam::{DMat3, DVec3};
@@ -10,9 +11,15 @@ use glam::{DMat3, DVec3};
 /// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes. The
 /// views must be drawn and, where they have several samples, resolved. What no output shows is black.
 pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
-    let Some([x, y, width, height]) = target.primary() else { return };
+    let Some(primary) = target.primary() else { return };
+    let [width, height] = primary.size();
     let views = &target.session.plan().views;
-    let atlas = first_read_depth::read(driver.gl, target.readable_framebuffer(), all_of(views.atlas), Content::Color);
+    let atlas = first_read_depth::read(
+        driver.gl,
+        target.readable_framebuffer(),
+        LowerLeftRect::of_size(views.atlas),
+        Content::Color,
+    );
     let texel = |(column, line): (u32, u32)| {
         let value = atlas.get(line as usize * views.atlas.0 as usize + column as usize).copied().unwrap_or(0);
         value.to_ne_bytes().map(u16::from)
@@ -34,24 +41,25 @@ pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     };
     let pixels: Vec<u32> =
         (0..height).flat_map(|line| (0..width).map(move |column| (column, line))).map(|(c, l)| pixel(c, l)).collect();
-    first_read_depth::write(driver.gl, target, [x, y, width, height], Content::Color, &pixels);
+    first_read_depth::write(driver.gl, target, primary, Content::Color, &pixels);
 }
 
 /// Fills the primary tile before a scene was drawn. The views hold what the program cleared, all the same; over it lies the
 /// panel, with its own depth.
 pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
     let (gl, session) = (ctx.driver.gl, &target.session);
-    let Some([x, y, width, height]) = target.primary() else { return };
-    let (atlas, (columns, lines)) = (target.readable_framebuffer(), session.plan().views.atlas);
-    target.resolve(ctx, Some([0, 0, columns as i32, lines as i32]));
-    let [left, bottom, across, up] = session.tile(0).0;
-    let centre = [left + across / 2, bottom + up / 2, 1, 1];
+    let Some(primary) = target.primary() else { return };
+    let [width, height] = primary.size();
+    let atlas = target.readable_framebuffer();
+    target.resolve(ctx, Some(LowerLeftRect::of_size(session.plan().views.atlas)));
+    let tile = session.tile(0).0;
+    let centre = LowerLeftRect::new(tile.x + tile.width / 2, tile.y + tile.height / 2, 1, 1);
     let [cleared] = first_read_depth::read(gl, atlas, centre, Content::Color)[..] else { return };
     let under = cleared.to_ne_bytes().map(u16::from);
     let count = width as usize * height as usize;
     let colours = match session.panel() {
         // The panel is premultiplied, and as large as the window.
-        Some(tile @ [_, _, w, h]) if [w, h] == [width, height] => {
+        Some(tile) if tile.size() == primary.size() => {
             let over = |flat: u32| {
                 let flat = flat.to_ne_bytes().map(u16::from);
                 u32::from_ne_bytes(std::array::from_fn(|i| {
@@ -62,10 +70,10 @@ pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
         }
         _ => vec![cleared; count],
     };
-    first_read_depth::write(gl, target, [x, y, width, height], Content::Color, &colours);
+    first_read_depth::write(gl, target, primary, Content::Color, &colours);
     // OpenGL ES lets nobody read depth, the program neither.
     if session.panel().is_none() && !ctx.driver.profile.es {
         let [depth] = first_read_depth::read(gl, atlas, centre, Content::DepthStencil)[..] else { return };
-        first_read_depth::write(gl, target, [x, y, width, height], Content::DepthStencil, &vec![depth; count]);
+        first_read_depth::write(gl, target, primary, Content::DepthStencil, &vec![depth; count]);
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
@@ -22,13 +23,15 @@ const EMPTY: u32 = DEEPEST << 8;
 /// far as −1 along the program's. The views must be drawn and, where they have several samples, resolved.
 pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directions: DMat3) {
     // OpenGL ES lets nobody read depth, the program neither.
-    let (Some(lens), Some([x, y, width, height]), false) = (frame.lens, target.primary(), driver.profile.es) else {
+    let (Some(lens), Some(primary), false) = (frame.lens, target.primary(), driver.profile.es) else {
         return;
     };
+    let [width, height] = primary.size();
     let gl = driver.gl;
     let plan = target.session.plan();
     let Some(depths) = Depths::of(gl) else { return };
-    let mut atlas = read(gl, target.readable_framebuffer(), all_of(plan.views.atlas), Content::DepthStencil);
+    let mut atlas =
+        read(gl, target.readable_framebuffer(), LowerLeftRect::of_size(plan.views.atlas), Content::DepthStencil);
     if !target.closed().is_empty() {
         let row = plan.views.atlas.0 as usize;
         for tile in correct::cached_unsampled_areas(plan, cache::of_process()).concat() {
@@ -54,7 +57,7 @@ pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directi
         .flat_map(|line| (0..width).map(move |column| (column, line)))
         .map(|(column, line)| texel(column, line).unwrap_or(EMPTY))
         .collect();
-    write(gl, target, [x, y, width, height], Content::DepthStencil, &pixels);
+    write(gl, target, primary, Content::DepthStencil, &pixels);
 }
 
 /// What a tile is filled with.
@@ -142,13 +145,9 @@ impl Depths {
     }
 }
 
-/// The rectangle of all that has this size.
-pub fn all_of((width, height): (u32, u32)) -> [i32; 4] {
-    [0, 0, width as i32, height as i32]
-}
-
 /// What a rectangle of a framebuffer of ours holds. Bindings and pixel storage are put back.
-pub fn read(gl: &Gl, framebuffer: u32, [x, y, width, height]: [i32; 4], content: Content) -> Vec<u32> {
+pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) -> Vec<u32> {
+    let LowerLeftRect { x, y, width, height } = rect;
     let mut texels = vec![EMPTY; width as usize * height as usize];
     let ([format, kind, _], _) = content.names();
     read_pixels::while_reading(gl, framebuffer, || {
@@ -159,7 +158,9 @@ pub fn read(gl: &Gl, framebuffer: u32, [x, y, width, height]: [i32; 4], content:
 }
 
 /// Puts content into a tile of the window's picture. Everything that is touched is put back.
-pub fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 4], content: Content, pixels: &[u32]) {
+pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content: Content, pixels: &[u32]) {
+    let [width, height] = tile.size();
+    let [x0, y0, x1, y1] = tile.corners();
     let texture = crate::backend::gl::own_names::texture(gl);
     let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {
@@ -182,7 +183,7 @@ pub fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 
         gl.framebuffer_texture2_d(api::GL_READ_FRAMEBUFFER, attachment, api::GL_TEXTURE_2D, texture, 0);
         gl.read_buffer(if content == Content::Color { attachment } else { api::GL_NONE });
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window.framebuffer());
-        gl.blit_framebuffer(0, 0, width, height, x, y, x + width, y + height, bits, api::GL_NEAREST);
+        gl.blit_framebuffer(0, 0, width, height, x0, y0, x1, y1, bits, api::GL_NEAREST);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
         gl.delete_framebuffers(1, &own);

@@ -3,6 +3,7 @@
 //! Beside that picture lie others. What a program reads of pixels outside of its window stays as it was.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
@@ -11,13 +12,12 @@ use crate::intercept::gl::framebuffer::reading::first_read;
 use crate::intercept::gl::framebuffer::reading::resolve::make_ready;
 use crate::intercept::gl::framebuffer::target::enlarge::enlarge;
 use crate::intercept::gl::offscreen::view_copies;
-use crate::intercept::gl::per_view::window_space::intersect;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use std::ffi::c_void;
 
-/// Binds what the program's reads of `part` (x, y, width, height) of its window come from; the origin of its picture there.
+/// Binds what the program's reads of `part` of its window come from; the origin of its picture there.
 /// `alpha`: the read takes alpha, too.
-pub fn prepare(ctx: &mut Context, part: [i32; 4], alpha: bool) -> [i32; 2] {
+pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] {
     let own_picture = |t: &DefaultFramebuffer| {
         t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
     };
@@ -26,13 +26,13 @@ pub fn prepare(ctx: &mut Context, part: [i32; 4], alpha: bool) -> [i32; 2] {
         first_read::fill_primary(&mut OwnCalls::begin(ctx));
     }
     let Some(tile) = ctx.drawable.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
-    make_ready(ctx, intersect(part, tile), alpha);
+    make_ready(ctx, part.moved_into(tile), alpha);
     let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some()) else {
-        return [tile[0], tile[1]];
+        return tile.origin();
     };
     // SAFETY: a framebuffer of ours; `finish` puts the program's back.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
-    [tile[0], tile[1]]
+    tile.origin()
 }
 
 /// Puts back the read framebuffer that [`prepare`] replaced.
@@ -46,8 +46,8 @@ pub fn finish(ctx: &mut Context) {
 }
 
 /// Runs a read of the program, with its rectangle's origin moved to where its picture is.
-pub fn read<R>(ctx: &mut Context, part: [i32; 4], alpha: bool, issue: impl FnOnce(i32, i32) -> R) -> R {
-    let [x, y, ..] = part;
+pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl FnOnce(i32, i32) -> R) -> R {
+    let [x, y] = part.origin();
     if !ctx.reads_redirected() {
         view_copies::before_reading_framebuffer(ctx);
         return issue(x, y);
@@ -59,18 +59,17 @@ pub fn read<R>(ctx: &mut Context, part: [i32; 4], alpha: bool, issue: impl FnOnc
 }
 
 /// The part of a rectangle that lies in the window, if that is not all of it. Sizes below 0 are errors, for the driver to say.
-fn cut(ctx: &Context, part: [i32; 4]) -> Option<[i32; 4]> {
-    let (width, height) = ctx.drawable.target.as_ref().filter(|_| ctx.reads_redirected())?.size();
-    let inside = intersect(part, [0, 0, width as i32, height as i32]);
-    (inside != part && part[2] >= 0 && part[3] >= 0).then_some(inside)
+fn cut(ctx: &Context, part: LowerLeftRect) -> Option<LowerLeftRect> {
+    let window = ctx.drawable.target.as_ref().filter(|_| ctx.reads_redirected())?.size();
+    let inside = part.moved_into(LowerLeftRect::of_size(window));
+    (inside != part && part.width >= 0 && part.height >= 0).then_some(inside)
 }
 
 /// Runs a copy into a part of a texture; `issue` gets the rectangle and how far inside of the part it begins.
-pub fn copy_part(ctx: &mut Context, part: [i32; 4], issue: impl FnOnce([i32; 4], [i32; 2])) {
+pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl FnOnce(LowerLeftRect, [i32; 2])) {
     let inside = cut(ctx, part).unwrap_or(part);
-    let [_, _, w, h] = inside;
-    let moved = [inside[0] - part[0], inside[1] - part[1]];
-    read(ctx, inside, true, |x, y| issue([x, y, w, h], moved));
+    let moved = [inside.x - part.x, inside.y - part.y];
+    read(ctx, inside, true, |x, y| issue(LowerLeftRect { x, y, ..inside }, moved));
 }
 
 /// Whether pixels of this format have alpha.
@@ -91,13 +90,13 @@ fn has_alpha(format: u32) -> bool {
 }
 
 /// `glReadPixels`: memory for pixels outside of the window stays as it is.
-fn read_pixels_part(ctx: &mut Context, part: [i32; 4], format: u32, issue: impl FnOnce([i32; 4])) {
+fn read_pixels_part(ctx: &mut Context, part: LowerLeftRect, format: u32, issue: impl FnOnce(LowerLeftRect)) {
     const STORE: [u32; 3] = [api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_PIXELS, api::GL_PACK_SKIP_ROWS];
     let gl = ctx.driver.gl;
     // OpenGL ES 2 has no rows with gaps.
     let gaps = !ctx.driver.profile.es || ctx.driver.profile.version >= 30;
     let Some(inside) = cut(ctx, part).filter(|_| gaps) else {
-        return read(ctx, part, has_alpha(format), |x, y| issue([x, y, part[2], part[3]]));
+        return read(ctx, part, has_alpha(format), |x, y| issue(LowerLeftRect { x, y, ..part }));
     };
     let mut before = [0; 3];
     // SAFETY: numbers that the version has; put back below.
@@ -105,13 +104,13 @@ fn read_pixels_part(ctx: &mut Context, part: [i32; 4], format: u32, issue: impl 
         for (value, name) in before.iter_mut().zip(STORE) {
             gl.get_integerv(name, value);
         }
-        let row = if before[0] == 0 { part[2] } else { before[0] };
-        let now = [row, before[1] + inside[0] - part[0], before[2] + inside[1] - part[1]];
+        let row = if before[0] == 0 { part.width } else { before[0] };
+        let now = [row, before[1] + inside.x - part.x, before[2] + inside.y - part.y];
         for (value, name) in now.iter().zip(STORE) {
             gl.pixel_storei(name, *value);
         }
     }
-    read(ctx, inside, has_alpha(format), |x, y| issue([x, y, inside[2], inside[3]]));
+    read(ctx, inside, has_alpha(format), |x, y| issue(LowerLeftRect { x, y, ..inside }));
     for (value, name) in before.iter().zip(STORE) {
         // SAFETY: as above.
         unsafe { gl.pixel_storei(name, *value) };
@@ -119,7 +118,7 @@ fn read_pixels_part(ctx: &mut Context, part: [i32; 4], format: u32, issue: impl 
 }
 
 /// Runs a copy into a texture, which may be a part of a display list.
-fn copy(ctx: &mut Context, part: [i32; 4], issue: impl Fn(&Gl, [i32; 4], [i32; 2]) + Send + Sync + 'static) {
+fn copy(ctx: &mut Context, part: LowerLeftRect, issue: impl Fn(&Gl, LowerLeftRect, [i32; 2]) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
         let gl = ctx.driver.gl;
         copy_part(ctx, part, |part, moved| issue(gl, part, moved));
@@ -128,19 +127,20 @@ fn copy(ctx: &mut Context, part: [i32; 4], issue: impl Fn(&Gl, [i32; 4], [i32; 2
 
 hooks! {
     "glReadPixels" read_pixels(x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *mut c_void) = |ctx, gl|
-        read_pixels_part(ctx, [x, y, w, h], format, |[x, y, w, h]| gl.read_pixels(x, y, w, h, format, kind, pixels));
+        read_pixels_part(ctx, LowerLeftRect::new(x, y, w, h), format, |r| gl.read_pixels(r.x, r.y, r.width, r.height, format, kind, pixels));
     "glReadnPixels" readn_pixels(x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, size: i32, pixels: *mut c_void) = |ctx, gl|
-        read_pixels_part(ctx, [x, y, w, h], format, |[x, y, w, h]| gl.readn_pixels(x, y, w, h, format, kind, size, pixels));
+        read_pixels_part(ctx, LowerLeftRect::new(x, y, w, h), format, |r| gl.readn_pixels(r.x, r.y, r.width, r.height, format, kind, size, pixels));
     "glCopyTexImage1D" copy_tex_image1_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, border: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
             // SAFETY: the program's own call, moved to where its picture is.
-            read(ctx, [x, y, w, 1], true, |x, y| unsafe { gl.copy_tex_image1_d(target, level, format, x, y, w, border) });
+            read(ctx, LowerLeftRect::new(x, y, w, 1), true, |x, y| unsafe { gl.copy_tex_image1_d(target, level, format, x, y, w, border) });
         });
     "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, _gl|
-        copy(ctx, [x, y, w, 1], move |gl, [x, y, w, h], [u, _]| {
-            if h > 0 { gl.copy_tex_sub_image1_d(target, level, dx + u, x, y, w) }
+        copy(ctx, LowerLeftRect::new(x, y, w, 1), move |gl, r, [u, _]| {
+            if r.height > 0 { gl.copy_tex_sub_image1_d(target, level, dx + u, r.x, r.y, r.width) }
         });
     "glCopyTexSubImage3D" copy_tex_sub_image3_d(target: u32, level: i32, dx: i32, dy: i32, dz: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
-        copy(ctx, [x, y, w, h], move |gl, [x, y, w, h], [u, v]| gl.copy_tex_sub_image3_d(target, level, dx + u, dy + v, dz, x, y, w, h));
+        copy(ctx, LowerLeftRect::new(x, y, w, h), move |gl, r, [u, v]|
+            gl.copy_tex_sub_image3_d(target, level, dx + u, dy + v, dz, r.x, r.y, r.width, r.height));
 }

@@ -1,17 +1,18 @@
 //! The samples of the atlas, resolved for reads; and its alpha, for windows without one.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, Ready};
 
 /// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is needed and not done.
-pub fn make_ready(ctx: &mut Context, part: [i32; 4], alpha: bool) {
+pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
     let Some(target) = &ctx.drawable.target else { return };
     let opaque = alpha && target.config.alpha_bits == 0;
     let needed = opaque || target.resolved.is_some();
-    let holds = |ready: Ready| ready.contains(part) && (ready.opaque || !opaque);
-    if !needed || part[2] == 0 || part[3] == 0 || target.ready.get().is_some_and(holds) {
+    let holds = |ready: Ready| ready.part.contains(part) && (ready.opaque || !opaque);
+    if !needed || part.width == 0 || part.height == 0 || target.ready.get().is_some_and(holds) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
@@ -28,7 +29,7 @@ pub fn make_ready(ctx: &mut Context, part: [i32; 4], alpha: bool) {
 
 /// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
 /// the correction takes the colours only.
-fn make_opaque(ctx: &mut Context, part: [i32; 4]) {
+fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
     let gl = ctx.driver.gl;
     let Some(target) = ctx.drawable.target.as_ref() else { return };
     let framebuffer = target.readable().framebuffer();
@@ -52,11 +53,12 @@ fn make_opaque(ctx: &mut Context, part: [i32; 4]) {
 
 impl DefaultFramebuffer {
     /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
-    pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
+    pub fn resolve(&self, ctx: &Context, part: Option<LowerLeftRect>) {
         let Some(resolved) = &self.resolved else { return };
         self.ready.set(None);
         let gl = ctx.driver.gl;
-        let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
+        let (width, height) = self.surface.size();
+        let [x0, y0, x1, y1] = part.unwrap_or(LowerLeftRect::new(0, 0, width, height)).corners();
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
         let reads =
             if ctx.drawable.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
@@ -68,10 +70,10 @@ impl DefaultFramebuffer {
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer());
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
-            gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+            gl.blit_framebuffer(x0, y0, x1, y1, x0, y0, x1, y1, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
             if part.is_some() {
                 let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
-                gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
+                gl.blit_framebuffer(x0, y0, x1, y1, x0, y0, x1, y1, depth, api::GL_NEAREST);
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer));

@@ -1,6 +1,7 @@
 //! More tiles in the atlas: the panel and the program's own picture, from their first use on.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
@@ -79,16 +80,18 @@ unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer
     let mask = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
     // SAFETY: as promised.
     unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer()) };
+    let copy = |from: LowerLeftRect, to: LowerLeftRect| {
+        let ([x0, y0, x1, y1], [u, v]) = (from.corners(), to.origin());
+        let (right, top) = (u + from.width, v + from.height);
+        // SAFETY: both rectangles lie in their framebuffers.
+        unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u, v, right, top, mask, api::GL_NEAREST) };
+    };
     for (from, to) in from.into_iter().zip(to) {
-        if let (Some([x, y, w, h]), Some([u, v, _, _])) = (from, to) {
-            // SAFETY: both rectangles lie in their framebuffers.
-            unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+        if let (Some(from), Some(to)) = (from, to) {
+            copy(from, to);
         }
     }
-    if let (Some([x, y, w, h]), Some([u, v, _, _]), None) =
-        (old.session.panel(), new.session.primary(), old.session.primary())
-    {
-        // SAFETY: as above.
-        unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+    if let (Some(from), Some(to), None) = (old.session.panel(), new.session.primary(), old.session.primary()) {
+        copy(from, to);
     }
 }

@@ -4,7 +4,7 @@
 //! fixed-function pipeline's or those of a shader whose text says what it does with them (`shader::prover`). Everything else
 //! goes to every view. Views that got nothing are not corrected either ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
 
-use crate::correct::TexelSpan;
+use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
@@ -39,11 +39,11 @@ pub fn views(
     let mut seen = 0;
     for index in 0..count {
         let (tile, _) = session.tile(index);
-        let look = known.look(ctx, session, index, [tile[2], tile[3]]);
+        let look = known.look(ctx, session, index, tile.size());
         seen |= u64::from(!look.unseen) << index;
         let part = look.view.filter(|_| !look.unseen).and_then(|view| extent(&view, &known.placed));
         areas.push(match part {
-            _ if look.unseen => crate::correct::TexelSpan::NOTHING,
+            _ if look.unseen => TexelSpan::NOTHING,
             Some(part) => texels(part, tile, known.margin),
             None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
         });
@@ -61,9 +61,8 @@ pub fn views_off_screen(
 ) -> Views {
     let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
     let Some(session) = ctx.session() else { return Views::ALL };
-    let [_, _, width, height] = ctx.app.viewport;
     let count = session.views().len().min(64);
-    let shows = |index: usize| !known.look(ctx, session, index, [width, height]).unseen;
+    let shows = |index: usize| !known.look(ctx, session, index, ctx.app.viewport.size()).unseen;
     let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
     Views { seen: at_least(&ctx.app, seen, count, changes), bounded: false }
 }
@@ -117,16 +116,18 @@ impl Known {
 
 /// The texels of the atlas within `margin` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the
 /// tile's, or so near to it that a wide line may reach them.
-fn texels([left, bottom, right, top]: [f64; 4], tile: [i32; 4], margin: f64) -> TexelSpan {
-    let along = |at: f64, axis: usize| {
-        let length = f64::from(tile[axis + 2]);
+fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, margin: f64) -> TexelSpan {
+    let along = |at: f64, start: i32, length: i32| {
+        let length = f64::from(length);
         let inside = (0.5 * (1.0 + at) * length).clamp(0.0, length);
-        f64::from(tile[axis]) + inside
+        f64::from(start) + inside
     };
+    let across = |at: f64| along(at, tile.x, tile.width);
+    let up = |at: f64| along(at, tile.y, tile.height);
     TexelSpan {
-        left: (along(left, 0) - margin).floor() as i32,
-        bottom: (along(bottom, 1) - margin).floor() as i32,
-        right: (along(right, 0) + margin).ceil() as i32,
-        top: (along(top, 1) + margin).ceil() as i32,
+        left: (across(left) - margin).floor() as i32,
+        bottom: (up(bottom) - margin).floor() as i32,
+        right: (across(right) + margin).ceil() as i32,
+        top: (up(top) + margin).ceil() as i32,
     }
 }

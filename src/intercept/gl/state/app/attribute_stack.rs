@@ -1,6 +1,7 @@
 //! What `glPushAttrib` keeps of the state that is followed.
 
 use crate::backend::gl::KnownState;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
@@ -19,8 +20,8 @@ pub struct Pushed {
 /// What it keeps of the app state.
 #[derive(Clone, Copy, Debug)]
 pub struct Saved {
-    pub(in crate::intercept::gl) viewport: [i32; 4],
-    pub(in crate::intercept::gl) scissor: [i32; 4],
+    pub(in crate::intercept::gl) viewport: LowerLeftRect,
+    pub(in crate::intercept::gl) scissor: LowerLeftRect,
     pub(in crate::intercept::gl) scissor_test: bool,
     pub(in crate::intercept::gl) draw_buffer: u32,
     pub(in crate::intercept::gl) read_buffer: u32,

@@ -5,6 +5,7 @@
 pub mod attribute_stack;
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
 
 /// What the program has set, as it would read it.
@@ -14,9 +15,9 @@ pub struct AppState {
     /// The program's read framebuffer.
     pub read_framebuffer: u32,
     /// `glViewport`.
-    pub viewport: [i32; 4],
+    pub viewport: LowerLeftRect,
     /// `glScissor`.
-    pub scissor: [i32; 4],
+    pub scissor: LowerLeftRect,
     /// `GL_SCISSOR_TEST`.
     pub scissor_test: bool,
     /// `glDrawBuffer` of its window.
@@ -42,8 +43,8 @@ impl Default for AppState {
         Self {
             draw_framebuffer: 0,
             read_framebuffer: 0,
-            viewport: [0; 4],
-            scissor: [0; 4],
+            viewport: LowerLeftRect::default(),
+            scissor: LowerLeftRect::default(),
             scissor_test: false,
             draw_buffer: api::GL_BACK,
             read_buffer: api::GL_BACK,

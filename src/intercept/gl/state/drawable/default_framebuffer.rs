@@ -3,8 +3,8 @@
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::Surface;
 use crate::backend::gl::{ClearedViews, GlBackend, Target};
-use crate::correct::TexelSpan;
 use crate::correct::projected::matrices::LensConstants;
+use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::error::Result;
 use crate::intercept::gl::state::drawable::cleared_views::Content;
 use crate::intercept::gl::state::drawable::window_config::Config;
@@ -13,20 +13,12 @@ use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// A rectangle (x, y, width, height) that is ready to be read.
+/// A rectangle that is ready to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Ready {
-    pub(in crate::intercept::gl) part: [i32; 4],
+    pub(in crate::intercept::gl) part: LowerLeftRect,
     /// Its alpha is that of a window without one.
     pub(in crate::intercept::gl) opaque: bool,
-}
-
-impl Ready {
-    /// Whether it holds all of another rectangle.
-    pub(in crate::intercept::gl) fn contains(&self, [x, y, width, height]: [i32; 4]) -> bool {
-        let [left, bottom, across, up] = self.part;
-        x >= left && y >= bottom && x + width <= left + across && y + height <= bottom + up
-    }
 }
 
 /// The atlas and what corrects it.
@@ -81,17 +73,17 @@ impl DefaultFramebuffer {
     }
 
     /// The tile of the flat panel.
-    pub fn panel(&self) -> Option<[i32; 4]> {
+    pub fn panel(&self) -> Option<LowerLeftRect> {
         self.session.panel()
     }
 
     /// The tile of the program's own picture.
-    pub fn primary(&self) -> Option<[i32; 4]> {
+    pub fn primary(&self) -> Option<LowerLeftRect> {
         self.session.primary()
     }
 
     /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
-    pub fn flat_tiles(&self) -> [Option<([i32; 4], bool)>; 3] {
+    pub fn flat_tiles(&self) -> [Option<(LowerLeftRect, bool)>; 3] {
         let own = (0..self.session.views().len()).map(|i| self.session.tile(i)).find(|(_, own_lens)| *own_lens);
         [own.map(|(tile, _)| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
     }

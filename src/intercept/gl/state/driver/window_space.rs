@@ -1,14 +1,15 @@
 //! Viewport and scissor of the driver.
 
 use crate::backend::gl::api;
+use crate::correct::LowerLeftRect;
 
 /// What is really set in the driver, where known; saves redundant calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DriverState {
     /// The real viewport.
-    pub viewport: Option<[i32; 4]>,
+    pub viewport: Option<LowerLeftRect>,
     /// The real scissor rectangle.
-    pub scissor: Option<[i32; 4]>,
+    pub scissor: Option<LowerLeftRect>,
     /// Whether the real scissor test is on.
     pub scissor_test: Option<bool>,
 }

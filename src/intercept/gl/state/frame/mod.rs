@@ -8,6 +8,7 @@ pub mod draw_count;
 pub mod front_buffer;
 pub mod statistics;
 
+use crate::correct::LowerLeftRect;
 use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::frame::background::Background;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
@@ -40,7 +41,7 @@ pub struct Frame {
 
 impl Frame {
     /// Notes a viewport that a scene is drawn to.
-    pub fn note_viewport(&mut self, [_, _, width, height]: [i32; 4]) {
+    pub fn note_viewport(&mut self, LowerLeftRect { width, height, .. }: LowerLeftRect) {
         let area = i64::from(width) * i64::from(height);
         self.viewport_area[0] = self.viewport_area[0].max(area);
     }

@@ -1,6 +1,7 @@
 //! Flat draws to the window that sample images that are followed.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::images::Set;
 
 /// Flat draws to the window that sample images which are followed.
@@ -12,7 +13,7 @@ pub struct Coverage(pub(in crate::intercept::gl) Vec<Kind>);
 pub(in crate::intercept::gl) struct Signature {
     pub(in crate::intercept::gl) program: u32,
     pub(in crate::intercept::gl) sampled: Set,
-    pub(in crate::intercept::gl) viewport: [i32; 4],
+    pub(in crate::intercept::gl) viewport: LowerLeftRect,
 }
 
 pub(in crate::intercept::gl) struct Kind {

@@ -4,6 +4,7 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::own_names;
 use crate::backend::gl::surface::greatest_texture;
+use crate::correct::LowerLeftRect;
 
 /// An image of the program's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -82,7 +83,7 @@ impl Pair {
     }
 }
 
-/// TileGrid of equal size, row by row from the bottom left.
+/// Tiles of equal size, row by row from the bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileGrid {
     columns: i32,
@@ -99,10 +100,10 @@ impl TileGrid {
         [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
     }
 
-    /// x, y, width and height of a tile.
-    pub fn tile(&self, index: usize) -> [i32; 4] {
+    /// A tile.
+    pub fn tile(&self, index: usize) -> LowerLeftRect {
         let (index, [width, height]) = (index as i32, self.size);
-        [index % self.columns * width, index / self.columns * height, width, height]
+        LowerLeftRect::new(index % self.columns * width, index / self.columns * height, width, height)
     }
 }
 
@@ -311,7 +312,7 @@ impl Image {
         let Some(pair) = self.pair(gl, context) else { return };
         let Some(view_copy) = &mut self.view_copy else { return };
         let from = view_copy.grid.tile(index);
-        copy(gl, (pair.ours, from), (pair.own, [0, 0, from[2], from[3]]), mask);
+        copy(gl, (pair.ours, from), (pair.own, LowerLeftRect { x: 0, y: 0, ..from }), mask);
         view_copy.holds = Some(index);
         if let (true, Name::Texture { name, target: api::GL_TEXTURE_2D, .. }) = (mipmapped, self.name) {
             with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, name, || {
@@ -327,7 +328,7 @@ impl Image {
         let Some(pair) = self.pair(gl, context) else { return };
         let Some(view_copy) = &mut self.view_copy else { return };
         let to = view_copy.grid.tile(index);
-        copy(gl, (pair.own, [0, 0, to[2], to[3]]), (pair.ours, to), mask);
+        copy(gl, (pair.own, LowerLeftRect { x: 0, y: 0, ..to }), (pair.ours, to), mask);
         view_copy.holds = Some(index);
     }
 
@@ -364,16 +365,16 @@ pub unsafe fn attach(gl: &Gl, point: u32, image: Name) {
     }
 }
 
-/// Copies between rectangles (x, y, width, height) of one size in two framebuffers; bindings are put back. The
+/// Copies between rectangles of one size in two framebuffers; bindings are put back. The
 /// scissor test must be off.
-fn copy(gl: &Gl, from: (u32, [i32; 4]), to: (u32, [i32; 4]), mask: u32) {
-    let ([x, y, width, height], [u, v, across, up]) = (from.1, to.1);
+fn copy(gl: &Gl, from: (u32, LowerLeftRect), to: (u32, LowerLeftRect), mask: u32) {
+    let ([x0, y0, x1, y1], [u0, v0, u1, v1]) = (from.1.corners(), to.1.corners());
     // SAFETY: framebuffers of ours, or bindings as the program made them, that are put back.
     unsafe {
         let bindings = Bindings::save(gl);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);
-        gl.blit_framebuffer(x, y, x + width, y + height, u, v, u + across, v + up, mask, api::GL_NEAREST);
+        gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, api::GL_NEAREST);
         bindings.restore(gl);
     }
 }
@@ -465,8 +466,9 @@ mod tests {
             let grid = TileGrid::new([7, 5], count);
             let [width, height] = grid.extent(count);
             let all: Vec<_> = (0..count).map(|index| grid.tile(index)).collect();
-            for (i, [x, y, w, h]) in all.iter().enumerate() {
-                assert!(x % 7 == 0 && y % 5 == 0 && x + w <= width && y + h <= height);
+            for (i, tile) in all.iter().enumerate() {
+                let [x, y, right, top] = tile.corners();
+                assert!(x % 7 == 0 && y % 5 == 0 && right <= width && top <= height);
                 assert!(!all[..i].contains(&all[i]));
             }
         }

@@ -1,7 +1,7 @@
 //! Places in an atlas and in a window. The origin is the top left corner, as in Vulkan.
 
-use crate::correct::Plan;
 use crate::correct::projected::matrices::LensConstants;
+use crate::correct::{LowerLeftRect, Plan};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::rig::Rig;
@@ -19,8 +19,9 @@ pub struct AtlasRect {
     pub(in crate::intercept::vk) height: i32,
 }
 
-impl From<[i32; 4]> for AtlasRect {
-    fn from([x, y, width, height]: [i32; 4]) -> Self {
+/// A tile of the session: as many texels below the top here as above the bottom there ([`upside_down`]).
+impl From<LowerLeftRect> for AtlasRect {
+    fn from(LowerLeftRect { x, y, width, height }: LowerLeftRect) -> Self {
         Self { x, y, width, height }
     }
 }
@@ -170,6 +171,7 @@ fn upside_down(plan: &Plan) -> Plan {
 #[cfg(test)]
 mod tests {
     use super::AtlasLayout;
+    use crate::correct::LowerLeftRect;
     use crate::intercept::vk::state::views::vertices::VertexProcessing;
 
     #[test]
@@ -198,8 +200,8 @@ mod tests {
         };
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);
-        assert_eq!(own("fisheye", true), Some([0, 0, 90, 42].into()));
-        assert_eq!(own("identity-captured", false), Some([0, 0, 90, 42].into()));
+        assert_eq!(own("fisheye", true), Some(LowerLeftRect::of_size((90, 42)).into()));
+        assert_eq!(own("identity-captured", false), Some(LowerLeftRect::of_size((90, 42)).into()));
         assert_eq!(layout("identity-captured", true).expect("a plan").primary, None, "a view shows it already");
     }
 }
