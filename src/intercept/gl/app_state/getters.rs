@@ -9,7 +9,7 @@ use crate::intercept::gl::context::hooks::hooks;
 fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let four = |rect: LowerLeftRect| Some((rect.to_array().map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
-    ctx.drawable.target.as_ref()?;
+    ctx.drawable.target()?;
     match name {
         api::GL_VIEWPORT => four(ctx.app.viewport),
         api::GL_SCISSOR_BOX => four(ctx.app.scissor),
@@ -22,7 +22,7 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
         // As many as that.
         api::GL_PROGRAM_BINARY_FORMATS => Some(([0.0; 4], 0)),
         _ if ctx.app.draw_framebuffer == 0 => {
-            let config = ctx.drawable.target.as_ref()?.config();
+            let config = ctx.drawable.target()?.config();
             match name {
                 api::GL_DOUBLEBUFFER => one(f64::from(u8::from(config.double_buffered))),
                 api::GL_STEREO => one(0.0),
@@ -55,7 +55,7 @@ macro_rules! getters {
             $( $name $method(name: u32, values: *mut $t) = |ctx, gl| {
                 if values.is_null() {
                     gl.$method(name, values);
-                } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.drawable.target.is_some() {
+                } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.drawable.target().is_some() {
                     let mut position = [0.0; 4];
                     gl.get_doublev(name, position.as_mut_ptr());
                     raster_position(ctx, &mut position);
@@ -71,7 +71,7 @@ macro_rules! getters {
                 }
             }; )*
             "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
-                if cap == api::GL_SCISSOR_TEST && ctx.drawable.target.is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
+                if cap == api::GL_SCISSOR_TEST && ctx.drawable.target().is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
             };
             "glGetError" get_error() -> u32 = |ctx, _gl| ctx.driver.error();
         }

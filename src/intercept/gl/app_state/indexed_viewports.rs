@@ -103,7 +103,7 @@ hooks! {
         known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glIsEnabledi" is_enabledi(cap: u32, index: u32) -> u8 = |ctx, gl| {
-        let ours = cap == api::GL_SCISSOR_TEST && index == 0 && ctx.drawable.target.is_some();
+        let ours = cap == api::GL_SCISSOR_TEST && index == 0 && ctx.drawable.target().is_some();
         if ours { u8::from(ctx.app.scissor_test) } else { gl.is_enabledi(cap, index) }
     };
     "glGetIntegeri_v" get_integeri_v(name: u32, index: u32, values: *mut i32) = |ctx, gl| {
@@ -128,7 +128,7 @@ hooks! {
 
 fn believed(ctx: &Context, name: u32, index: u32) -> Option<LowerLeftRect> {
     match name {
-        _ if index != 0 || ctx.drawable.target.is_none() => None,
+        _ if index != 0 || ctx.drawable.target().is_none() => None,
         api::GL_VIEWPORT => Some(ctx.app.viewport),
         api::GL_SCISSOR_BOX => Some(ctx.app.scissor),
         _ => None,

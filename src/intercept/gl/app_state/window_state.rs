@@ -38,7 +38,7 @@ pub fn pop_attributes(ctx: &mut Context) {
         ctx.compat.raster = raster;
     }
     ctx.app.restore(mask, &saved);
-    ctx.driver.window_space.forget(mask);
+    ctx.driver.forget_window_space(mask);
     if mask & api::GL_ENABLE_BIT != 0 && ctx.driver.profile.version >= 30 {
         ctx.app.discard = ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_RASTERIZER_DISCARD);
     }
@@ -53,7 +53,7 @@ pub fn pop_attributes(ctx: &mut Context) {
 /// A viewport of the program.
 pub fn set_program_viewport(ctx: &mut Context, rect: LowerLeftRect) {
     ctx.app.viewport = rect;
-    let new_size = ctx.drawable.target.as_ref().is_some_and(|t| t.size() != (rect.width as u32, rect.height as u32));
+    let new_size = ctx.drawable.target().is_some_and(|t| t.size() != (rect.width as u32, rect.height as u32));
     if new_size && !ctx.frame.begun && ctx.redirected() {
         // Perhaps the window has it already.
         follow_size(ctx);
@@ -67,9 +67,7 @@ pub fn set_program_viewport(ctx: &mut Context, rect: LowerLeftRect) {
 pub fn set_program_scissor(ctx: &mut Context, rect: LowerLeftRect) {
     ctx.app.scissor = rect;
     if !ctx.redirected() {
-        ctx.driver.window_space.scissor = Some(rect);
-        // SAFETY: the program's own command.
-        unsafe { ctx.driver.gl.scissor(rect.x, rect.y, rect.width, rect.height) };
+        ctx.driver.issue_scissor(rect);
     }
 }
 
@@ -80,15 +78,7 @@ pub fn set_scissor_test(ctx: &mut Context, on: bool) {
     } else {
         ctx.app.scissor_test = on;
         if !ctx.redirected() {
-            ctx.driver.window_space.scissor_test = Some(on);
-            // SAFETY: the program's own command.
-            unsafe {
-                if on {
-                    ctx.driver.gl.enable(api::GL_SCISSOR_TEST)
-                } else {
-                    ctx.driver.gl.disable(api::GL_SCISSOR_TEST)
-                }
-            };
+            ctx.driver.issue_scissor_test(on);
         }
     }
 }

@@ -46,7 +46,7 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         } else {
             ctx.compat.raster.origin = flat_window_space(ctx);
         }
-    } else if ctx.drawable.target.is_some() {
+    } else if ctx.drawable.target().is_some() {
         // In a framebuffer of the program's own, or for picking, there are no tiles.
         ctx.set_viewport(ctx.app.viewport);
     }
@@ -107,7 +107,7 @@ pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
 /// Prepares the flat tile; its origin in the atlas.
 fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     want_panel(ctx);
-    let tile = ctx.drawable.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
+    let tile = ctx.drawable.target().and_then(|t| t.flat_tiles().into_iter().flatten().next());
     match tile {
         Some((tile, _)) => {
             own_window_space(ctx, tile);
@@ -145,7 +145,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     // Within what is pushed here.
     let repeats = Repeats::new(changes, ctx, 1);
     ctx.compat.projection.refresh(gl, ctx.drawable.session());
-    let Some(mut target) = ctx.drawable.target.take() else { return };
+    let Some(mut target) = ctx.drawable.take_target() else { return };
     let before = raster_position(gl);
     // What is current, the raster position with it, is put back; a full stack has no place left for it.
     let keeps = ctx.app.can_push(0);
@@ -160,7 +160,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     let after = raster_position(gl);
     position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
     ctx.compat.raster.scene = Some(position);
-    ctx.drawable.target = Some(target);
+    ctx.drawable.put_target(target);
 }
 
 /// Draws at a position of the scene in each view, and in the program's own picture.
@@ -201,7 +201,7 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.driver.gl;
     want_panel(ctx);
     ctx.frame.counts.panel_draws += 1;
-    let Some(tiles) = ctx.drawable.target.as_ref().map(|t| t.flat_tiles()) else { return };
+    let Some(tiles) = ctx.drawable.target().map(|t| t.flat_tiles()) else { return };
     let repeats = Repeats::new(changes, ctx, 0);
     let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {

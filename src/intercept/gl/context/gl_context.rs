@@ -101,18 +101,18 @@ impl Context {
 
     /// The program's draws go to its window, which is ours.
     pub fn redirected(&self) -> bool {
-        self.drawable.target.is_some() && self.app.draw_framebuffer == 0
+        self.drawable.target().is_some() && self.app.draw_framebuffer == 0
     }
 
     /// The program's reads come from its window, which is ours.
     pub fn reads_redirected(&self) -> bool {
-        self.drawable.target.is_some() && self.app.read_framebuffer == 0 && !self.drawable.reads_elsewhere
+        self.drawable.target().is_some() && self.app.read_framebuffer == 0 && !self.drawable.reads_elsewhere
     }
 
     /// Something is drawn to the window.
     pub fn note_drawn(&mut self) {
         self.frame.begun = true;
-        if let Some(target) = &self.drawable.target {
+        if let Some(target) = self.drawable.target() {
             target.ready.set(None);
         }
     }
@@ -130,7 +130,7 @@ impl Context {
 
     /// Gives the program its own window back, for good.
     pub fn leave_alone(&mut self) {
-        if let Some(target) = self.drawable.target.take() {
+        if let Some(target) = self.drawable.take_target() {
             let [x, y, width, height] = self.app.viewport.to_array();
             // SAFETY: puts back what the program has set; the framebuffers are ours.
             unsafe {

@@ -81,7 +81,7 @@ fn draw_to_window(
         true => Views::ALL,
         false => select::views(ctx, class, bounds, changes),
     };
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let (session, primary) = (target.session.clone(), target.primary());
     if class != DrawClass::Background {
         ctx.frame.note_viewport(ctx.app.viewport);
@@ -156,7 +156,7 @@ impl Target for Window {
             ctx.frame.counts.primary_draws += 1;
             return;
         }
-        let Some(target) = &mut ctx.drawable.target else { return };
+        let Some(target) = ctx.drawable.target_mut() else { return };
         match ctx.draw.areas.get(view).filter(|_| self.shown.bounded()) {
             Some(area) => target.issued_within(view, *area),
             None => target.issued(view),
@@ -164,7 +164,7 @@ impl Target for Window {
     }
 
     fn left_out(&mut self, ctx: &mut Context, view: usize) {
-        if let Some(target) = &mut ctx.drawable.target {
+        if let Some(target) = ctx.drawable.target_mut() {
             target.culled(view);
         }
     }
@@ -174,7 +174,7 @@ impl Target for Window {
 fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
     want_panel(ctx);
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let tiles = target.flat_tiles();
     let repeats = Repeats::new(changes, ctx, 0);
     plain_program(ctx);

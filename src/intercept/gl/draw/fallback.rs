@@ -14,7 +14,7 @@ use crate::runtime::session::MatrixClass;
 /// Looks whether the next draw can be served where vertices are projected, and puts a program in the place of the
 /// fixed-function pipeline; gives the window views where not.
 pub fn look(ctx: &mut Context) {
-    let projects = ctx.drawable.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
+    let projects = ctx.drawable.target().is_some_and(|target| !target.lenses.is_empty());
     if !projects
         || ctx.app.picking
         || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices())
@@ -32,7 +32,7 @@ pub fn look(ctx: &mut Context) {
 
 /// The same for a draw of `class` whose primitives have to be divided. Whether the window has views now.
 pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
-    let divides = ctx.drawable.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
+    let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     let in_program = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
     if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Background) {
         return false;
@@ -62,7 +62,7 @@ pub fn use_views(ctx: &mut Context, reason: &str) {
     }
     ctx.projected.views_only = true;
     log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
-    let Some(target) = ctx.drawable.target.take() else { return };
+    let Some(target) = ctx.drawable.take_target() else { return };
     let extras = target.extras();
     view_copies::clear(ctx);
     target.destroy(ctx.driver.gl);

@@ -40,7 +40,7 @@ impl Context {
                 self.app.read_buffer = api::GL_FRONT;
             }
         }
-        if self.drawable.target.is_none() {
+        if self.drawable.target().is_none() {
             match contexts::take_picture(&self.share, &window) {
                 Some(picture) => attach::take_over(self, picture),
                 None => attach::attach(self, Extras::default()),
@@ -76,7 +76,7 @@ impl Context {
         let parked = self.drawable.parked.iter().position(|(parked, _)| parked == window);
         let target = match parked {
             Some(index) => Some(self.drawable.parked.remove(index).1),
-            None if self.drawable.window.as_ref() == Some(window) => self.drawable.target.take(),
+            None if self.drawable.window.as_ref() == Some(window) => self.drawable.take_target(),
             None => None,
         }?;
         self.drawable.left_behind.push(target.own_objects());
@@ -86,7 +86,7 @@ impl Context {
     /// Another window, or none: what stood for the old one is kept for when the program comes back to it.
     fn change_window(&mut self, window: Option<Window>) {
         let old = std::mem::replace(&mut self.drawable.window, window);
-        if let (Some(old), Some(target)) = (old, self.drawable.target.take()) {
+        if let (Some(old), Some(target)) = (old, self.drawable.take_target()) {
             if self.drawable.parked.len() >= MOST_PARKED {
                 self.drawable.parked.remove(0).1.destroy(self.driver.gl);
             }

@@ -144,7 +144,7 @@ pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
         others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
             // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
             let other = unsafe { &*(entry.context as *const Context) };
-            other.drawable.target.as_ref().map(|target| target.session.clone())
+            other.drawable.target().map(|target| target.session.clone())
         })
     })
 }

@@ -11,7 +11,7 @@ use crate::runtime::report::Picture;
 /// Output `index` at its own resolution, read back.
 pub fn picture(driver: &Driver, drawable: &Drawable, index: usize, name: &str) -> Option<Picture> {
     let gl = driver.gl;
-    let target = drawable.target.as_ref()?;
+    let target = drawable.target()?;
     let whole = LowerLeftRect::of_size(target.session.plan().passes.get(index)?.size);
     let canvas = OwnFramebuffer::new(gl, whole.width, whole.height);
     // The outputs are presented in order; those before this one go nowhere.

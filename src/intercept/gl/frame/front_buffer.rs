@@ -24,7 +24,7 @@ pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
             | api::GL_LEFT
             | api::GL_RIGHT
     );
-    drawable.target.as_ref().is_some_and(|t| front || !t.config().double_buffered)
+    drawable.target().is_some_and(|t| front || !t.config().double_buffered)
 }
 
 /// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left out.

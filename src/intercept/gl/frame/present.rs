@@ -29,7 +29,7 @@ fn is_current(window: &Window) -> bool {
 pub fn corrects(window: &Window) -> bool {
     is_current(window)
         && !ending::has_begun()
-        && current().is_some_and(|c| !c.switched_off && c.drawable.target.is_some())
+        && current().is_some_and(|c| !c.switched_off && c.drawable.target().is_some())
 }
 
 /// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer.
@@ -55,7 +55,7 @@ fn before_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
     let show = || {
         frame(ctx);
-        if ctx.drawable.target.as_ref().is_some_and(|t| !t.config().double_buffered) {
+        if ctx.drawable.target().is_some_and(|t| !t.config().double_buffered) {
             // SAFETY: a swap of a window with one buffer is a flush.
             in_window(ctx, |gl| unsafe { gl.flush() });
         }
@@ -75,7 +75,7 @@ fn after_swap() {
 
 /// A program that draws to the front buffer wants to see it: that is a frame, without a swap.
 pub fn show_front(ctx: &mut Context) {
-    let double = ctx.drawable.target.as_ref().is_some_and(|t| t.config().double_buffered);
+    let double = ctx.drawable.target().is_some_and(|t| t.config().double_buffered);
     if double {
         // SAFETY: state of the window's own framebuffer, which the program never sees.
         in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
@@ -121,7 +121,7 @@ pub fn at_end() {
 
 /// Runs `run` with the window's own framebuffer bound for drawing.
 fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let bound = if ctx.app.draw_framebuffer == 0 { target.framebuffer() } else { ctx.app.draw_framebuffer };
     // SAFETY: the binding is put back.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
@@ -136,7 +136,7 @@ fn correct(ctx: &mut Context) {
 }
 
 fn correct_now(ctx: &mut Context) {
-    let Some(target) = ctx.drawable.target.take() else { return };
+    let Some(target) = ctx.drawable.take_target() else { return };
     target.resolve(ctx, None);
     let cleared = target.views_cleared();
     let (texture, outputs) = (target.texture(), target.outputs());
@@ -145,7 +145,7 @@ fn correct_now(ctx: &mut Context) {
         target.backend().present_changed(ctx.driver.gl, texture, outputs, cleared.as_ref(), &ctx.driver.known_state);
     ctx.driver.note_error(pending);
     let failed = target.backend().errors() > errors;
-    ctx.drawable.target = Some(target);
+    ctx.drawable.put_target(target);
     ctx.frame.failed_corrections = if failed { ctx.frame.failed_corrections + 1 } else { 0 };
     if ctx.frame.failed_corrections >= MOST_FAILED_CORRECTIONS {
         log::once("this window keeps its own picture: the driver reports an error for each correction");
@@ -217,17 +217,17 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         duplicated_framebuffers,
         single_framebuffers,
         projection_found: ctx.frame.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
-        batches_left_out: ctx.drawable.target.as_ref().map_or(0, |t| t.backend().left_out()),
+        batches_left_out: ctx.drawable.target().map_or(0, |t| t.backend().left_out()),
         coarse_primitives: (!ctx.projected.uncounted).then(|| {
             ctx.projected.fixed_function.coarse
                 + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
         }),
-        outputs_narrowed: ctx.drawable.target.as_ref().map_or(0, |t| t.backend().narrowed()),
+        outputs_narrowed: ctx.drawable.target().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.frame.counts.linked,
         own_errors: ctx.frame.counts.errors,
         ..report::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
     };
-    if let Some(target) = &ctx.drawable.target {
+    if let Some(target) = ctx.drawable.target() {
         statistics.own_errors += target.backend().errors();
         report::add_plan(&mut statistics, &target.session);
         statistics.views = target
@@ -255,7 +255,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
 /// The outputs of the frame that was just corrected.
 fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
     let gl = ctx.driver.gl;
-    let Some(target) = &ctx.drawable.target else {
+    let Some(target) = ctx.drawable.target() else {
         let Some(window) = &ctx.drawable.window else { return Vec::new() };
         return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
     };
@@ -271,7 +271,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
 
 /// Every view, the panel and the program's own picture.
 fn view_pictures(driver: &Driver, drawable: &Drawable) -> Vec<Picture> {
-    let Some(target) = &drawable.target else { return Vec::new() };
+    let Some(target) = drawable.target() else { return Vec::new() };
     let session = &target.session;
     let mut pictures = Vec::new();
     for (i, view) in session.views().iter().enumerate() {

@@ -55,7 +55,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
 
 /// Whether a copy covers (nearly) all of the window.
 fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
-    let Some(target) = &drawable.target else { return false };
+    let Some(target) = drawable.target() else { return false };
     let (width, height) = target.size();
     let inside = |a: i32, b: i32, size: u32| i64::from(a.max(b).min(size as i32) - a.min(b).max(0)).max(0);
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
@@ -152,7 +152,7 @@ impl Region {
     fn of(ctx: &mut Context, side: Side, view: usize, reads: bool) -> Option<Self> {
         match side {
             Side::Window => {
-                let target = ctx.drawable.target.as_ref()?;
+                let target = ctx.drawable.target()?;
                 let several = target.config().samples > 0;
                 let framebuffer = if reads && several { target.readable_framebuffer() } else { target.framebuffer() };
                 let (rect, size) = (target.session.tile(view).0, [target.size().0 as i32, target.size().1 as i32]);
@@ -209,7 +209,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         _ => {}
     }
     if from.0 == Side::Window
-        && let Some(target) = &ctx.drawable.target
+        && let Some(target) = ctx.drawable.target()
     {
         target.resolve(ctx, None);
     }
@@ -288,7 +288,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     // SAFETY: between framebuffers of ours and those that were bound, which are put back.
     unsafe {
         let bindings = Bindings::save(gl);
-        let scissor = ctx.driver.window_space.scissor.filter(|_| ctx.driver.window_space.scissor_test == Some(true));
+        let scissor = ctx.driver.scissor();
         ctx.set_scissor(None);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved);
         issue(from.corners, [0, 0, w, h], colour, api::GL_NEAREST);
@@ -310,11 +310,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
 
 /// The format of the window's colours.
 pub(in crate::intercept::gl) fn window_format(drawable: &Drawable) -> u32 {
-    if drawable.target.as_ref().is_some_and(|target| target.config().srgb) {
-        api::GL_SRGB8_ALPHA8
-    } else {
-        api::GL_RGBA8
-    }
+    if drawable.target().is_some_and(|target| target.config().srgb) { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 }
 }
 
 /// A framebuffer of ours of this size and format; it is kept.

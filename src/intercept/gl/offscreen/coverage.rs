@@ -61,7 +61,7 @@ fn can_measure(driver: &Driver, queries: &Queries) -> bool {
 
 /// Without a measurement: what has the window's shape and is not small is taken for its picture.
 fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool {
-    let Some(target) = &drawable.target else { return false };
+    let Some(target) = drawable.target() else { return false };
     let images = view_copies.images.iter().enumerate().take(64);
     images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
         crate::intercept::scene::viewport::has_shape_of_window(
@@ -74,7 +74,7 @@ fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool 
 
 /// Issues the draw that is measured, in a tile of the window's size.
 pub fn measure(ctx: &mut Context, what: &Measure, issue: impl FnOnce(&mut Context)) {
-    let Some(target) = &ctx.drawable.target else { return issue(ctx) };
+    let Some(target) = ctx.drawable.target() else { return issue(ctx) };
     let (width, height) = target.size();
     let all = i64::from(width) * i64::from(height) * i64::from(target.config().samples.max(1));
     let gl = ctx.driver.gl;

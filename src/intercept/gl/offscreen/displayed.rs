@@ -71,7 +71,7 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
     }
     each_view(ctx, changes, views(ctx), Views::ALL, issue, |ctx, view| {
         supply(ctx, sampled, view);
-        if let Some(target) = &mut ctx.drawable.target {
+        if let Some(target) = ctx.drawable.target_mut() {
             let (tile, _) = target.session.tile(view);
             target.issued(view);
             ctx.set_scissor(None);
@@ -84,7 +84,7 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
 /// Makes the canvases, once. `false` where there can be none: in OpenGL ES a picture with one sample is not copied
 /// to a window with several.
 fn make_canvases(ctx: &mut Context) -> bool {
-    let Some(target) = &ctx.drawable.target else { return false };
+    let Some(target) = ctx.drawable.target() else { return false };
     if ctx.driver.profile.es && target.config().samples > 0 {
         return false;
     }
@@ -107,7 +107,7 @@ fn canvas_format(ctx: &Context) -> u32 {
 }
 
 fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(&ctx.drawable));
     let whole = LowerLeftRect::of_size(target.size());
     // This draw is counted already.
@@ -115,7 +115,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
     let view_now = Cell::new(0);
     // Copies between a canvas and a view's tile; the canvas stays bound for drawing.
     let copy = |ctx: &mut Context, view: usize, to_view: bool| {
-        let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), &ctx.drawable.target) else {
+        let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), ctx.drawable.target()) else {
             return;
         };
         let (canvas, tile) = (canvas.framebuffer(), target.session.tile(view).0);
@@ -143,7 +143,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         if !current {
             copy(ctx, view, false);
         }
-        if let Some(target) = &mut ctx.drawable.target {
+        if let Some(target) = ctx.drawable.target_mut() {
             target.issued(view);
         }
         if let Some(canvas) = ctx.view_copies.displayed.canvases.get(view) {

@@ -11,7 +11,7 @@ pub fn is_behind(ctx: &mut Context) -> bool {
     if !ctx.frame.background.order.is_behind() || !classify::main_viewport(&ctx.app, &ctx.frame) {
         return false;
     }
-    let Some(target) = &ctx.drawable.target else { return false };
+    let Some(target) = ctx.drawable.target() else { return false };
     let whole = ctx.app.scissor.contains(LowerLeftRect::of_size(target.size()));
     (whole || !ctx.app.scissor_test) && ctx.frame.background.prepare(&target.session, &ctx.compat.projection.matrix)
 }

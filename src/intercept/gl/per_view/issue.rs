@@ -116,7 +116,7 @@ fn load_view(
 
 /// Sends the rows and the lens of a view to the program that draws.
 fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Option<(Arc<Variant>, InUse)> {
-    let lens = ctx.drawable.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
+    let lens = ctx.drawable.target().and_then(|target| target.lenses.get(view)).copied();
     programs::upload_view(ctx, rows, lens.as_ref());
     let division = ctx.session().and_then(|session| session.division(view));
     projected_vertices::begin_view(ctx, rows, lens.as_ref(), division)

@@ -33,7 +33,7 @@ impl PanelBlend {
 
 /// The panel is a pane of glass: what is cleared away is seen through.
 pub fn clear_panel(ctx: &mut Context) {
-    if let Some(panel) = ctx.drawable.target.as_ref().and_then(|t| t.panel()) {
+    if let Some(panel) = ctx.drawable.target().and_then(|t| t.panel()) {
         // The gutter goes with it, or the filter would mix the clear colour into its borders.
         ctx.set_scissor(Some(LowerLeftRect::new(panel.x - 1, panel.y - 1, panel.width + 2, panel.height + 2)));
         clear_transparent(ctx.driver.gl, &ctx.driver.known_state);

@@ -13,7 +13,7 @@ use crate::intercept::log;
 /// Where in the atlas an operation on the program's window counts: all of it, or the parts of its own pictures that lie
 /// within its scissor. A scissor around most of the window is taken for the whole, as for clears.
 fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
-    let Some(target) = &ctx.drawable.target else { return Vec::new() };
+    let Some(target) = ctx.drawable.target() else { return Vec::new() };
     let window = target.size();
     let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
     if part.is_none_or(|part| part.is_most_of(window)) {
@@ -28,7 +28,7 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     take_error(&mut ctx.driver);
     let gl = ctx.driver.gl;
-    let atlas = ctx.drawable.target.as_ref().map(|t| t.session.plan().views.atlas);
+    let atlas = ctx.drawable.target().map(|t| t.session.plan().views.atlas);
     let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));
     // The tiles moved: what was accumulated is lost, for a frame.
     if let Some(old) = ctx.drawable.accumulation.take_if(|old| old.size() != size) {
@@ -50,7 +50,7 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
 
 /// Whether the window has such a buffer, which is then ours.
 fn is_ours(ctx: &Context) -> bool {
-    ctx.redirected() && ctx.drawable.target.as_ref().is_some_and(|t| t.config().accumulation_bits > 0)
+    ctx.redirected() && ctx.drawable.target().is_some_and(|t| t.config().accumulation_bits > 0)
 }
 
 fn accumulate(ctx: &mut Context, name: u32, value: f32) {
@@ -77,10 +77,10 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
     ctx.note_drawn();
     let parts = parts(ctx);
     with(ctx, |ctx, buffer| {
-        if let Some(target) = ctx.drawable.target.as_mut().filter(|_| operation == Operation::Return) {
+        if let Some(target) = ctx.drawable.target_mut().filter(|_| operation == Operation::Return) {
             target.content.forget();
         }
-        let Some(target) = &ctx.drawable.target else { return };
+        let Some(target) = ctx.drawable.target() else { return };
         if operation != Operation::Return {
             target.resolve(ctx, None);
         }

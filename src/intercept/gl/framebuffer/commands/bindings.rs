@@ -8,7 +8,7 @@ use crate::intercept::gl::offscreen::view_copies;
 /// Binds what the program's framebuffer `name` stands for.
 pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let was_redirected = ctx.redirected();
-    let ours = ctx.drawable.target.as_ref().map_or(0, |t| t.framebuffer());
+    let ours = ctx.drawable.target().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
     let was_redirected = was_redirected || (draws && view_copies::rebound(&mut ctx.view_copies));
@@ -75,6 +75,6 @@ hooks! {
         }
     };
     "glIsFramebuffer" is_framebuffer(name: u32) -> u8 = |ctx, gl| {
-        if ctx.drawable.target.as_ref().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
+        if ctx.drawable.target().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
     };
 }

@@ -19,7 +19,7 @@ pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: 
         if ctx.redirected() {
             ctx.note_drawn();
             ctx.frame.background.note_scene();
-            if let Some(target) = &mut ctx.drawable.target {
+            if let Some(target) = ctx.drawable.target_mut() {
                 target.content.forget();
             }
             clear_panel(ctx);
@@ -45,7 +45,7 @@ pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: 
     }
     ctx.note_drawn();
     want_panel(ctx);
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;

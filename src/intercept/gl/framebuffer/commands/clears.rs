@@ -17,7 +17,7 @@ use crate::intercept::gl::per_view::window_space::own_window_space;
 /// A clear of the program: of everything that is its picture. `true`: of every view.
 pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
     let gl = ctx.driver.gl;
-    if let Some(target) = ctx.drawable.target.as_mut().filter(|_| cleared.color) {
+    if let Some(target) = ctx.drawable.target_mut().filter(|_| cleared.color) {
         target.content.forget();
     }
     if !ctx.redirected() || ctx.app.picking {
@@ -28,7 +28,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     }
     ctx.note_drawn();
     displayed::window_changed(&mut ctx.view_copies);
-    let Some(target) = &ctx.drawable.target else { return false };
+    let Some(target) = ctx.drawable.target() else { return false };
     let window = target.size();
     let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
     // A scissor around (most of) the window is how many programs say "my viewport".
@@ -55,7 +55,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     if !whole {
         want_panel(ctx);
     }
-    let Some(target) = &ctx.drawable.target else { return false };
+    let Some(target) = ctx.drawable.target() else { return false };
     for (tile, panel) in target.flat_tiles().into_iter().flatten() {
         if !(panel && whole) {
             own_window_space(ctx, tile);
@@ -89,9 +89,9 @@ unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
 
 /// A clear of all views but those with the program's own lens.
 fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
-    let views = ctx.drawable.target.as_ref().map_or(0, |t| t.session.views().len());
+    let views = ctx.drawable.target().map_or(0, |t| t.session.views().len());
     for view in 0..views {
-        let Some((tile, own_lens)) = ctx.drawable.target.as_ref().map(|t| t.session.tile(view)) else { return };
+        let Some((tile, own_lens)) = ctx.drawable.target().map(|t| t.session.tile(view)) else { return };
         if !own_lens {
             ctx.set_scissor(Some(tile));
             issue(gl);

@@ -36,14 +36,14 @@ pub(super) fn bound<R>(
 
 /// Whether `name` is the window, and the window is ours.
 pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
-    name == 0 && drawable.target.is_some()
+    name == 0 && drawable.target().is_some()
 }
 
 macro_rules! clears {
     ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {
             $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
-                if ctx.drawable.target.is_none() {
+                if ctx.drawable.target().is_none() {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
@@ -75,7 +75,7 @@ macro_rules! clears {
                 }
             };
             "glBlitNamedFramebuffer" blit_named_framebuffer(read: u32, draw: u32, x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) = |ctx, gl| {
-                if ctx.drawable.target.is_none() {
+                if ctx.drawable.target().is_none() {
                     gl.blit_named_framebuffer(read, draw, x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else {
                     bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
@@ -94,7 +94,7 @@ macro_rules! clears {
                 gl.named_framebuffer_renderbuffer(framebuffer, attachment, kind, renderbuffer);
             };
             "glCheckNamedFramebufferStatus" check_named_framebuffer_status(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
-                let framebuffer = if framebuffer == 0 { ctx.drawable.target.as_ref().map_or(0, |t| t.framebuffer()) } else { framebuffer };
+                let framebuffer = if framebuffer == 0 { ctx.drawable.target().map_or(0, |t| t.framebuffer()) } else { framebuffer };
                 gl.check_named_framebuffer_status(framebuffer, target)
             };
             "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {

@@ -32,7 +32,7 @@ hooks! {
         }
     };
     "glCheckNamedFramebufferStatusEXT" check_named_framebuffer_status_ext(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
-        let framebuffer = if framebuffer == 0 { ctx.drawable.target.as_ref().map_or(0, |t| t.framebuffer()) } else { framebuffer };
+        let framebuffer = if framebuffer == 0 { ctx.drawable.target().map_or(0, |t| t.framebuffer()) } else { framebuffer };
         gl.check_named_framebuffer_status_ext(framebuffer, target)
     };
     "glGetNamedFramebufferAttachmentParameterivEXT" get_named_framebuffer_attachment_parameteriv_ext(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {

@@ -14,7 +14,7 @@ fn is_window(ctx: &Context, target: u32) -> bool {
 /// and answers. Nothing that the program drew is there.
 fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R) -> R {
     let gl = ctx.driver.gl;
-    let Some(ours) = ctx.drawable.target.as_ref().filter(|_| is_window(ctx, target)).map(|t| t.framebuffer()) else {
+    let Some(ours) = ctx.drawable.target().filter(|_| is_window(ctx, target)).map(|t| t.framebuffer()) else {
         return run(gl);
     };
     let point = if target == api::GL_READ_FRAMEBUFFER { target } else { api::GL_DRAW_FRAMEBUFFER };

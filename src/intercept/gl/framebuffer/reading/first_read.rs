@@ -16,7 +16,7 @@ use glam::DMat3;
 /// Fills the tile of the program's own picture from the views, for a read that comes before
 /// anything was drawn to it.
 pub fn fill_primary(ctx: &mut Context) {
-    let Some(target) = ctx.drawable.target.take() else { return };
+    let Some(target) = ctx.drawable.take_target() else { return };
     take_error(&mut ctx.driver);
     let camera = &target.session.rig().camera;
     let directions = own_directions(&ctx.frame, camera);
@@ -34,7 +34,7 @@ pub fn fill_primary(ctx: &mut Context) {
         }
         first_read_depth::fill(&ctx.driver, &ctx.frame, &target, directions);
     }
-    ctx.drawable.target = Some(target);
+    ctx.drawable.put_target(target);
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 

@@ -21,13 +21,13 @@ pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] 
     let own_picture = |t: &DefaultFramebuffer| {
         t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
     };
-    if ctx.drawable.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
+    if ctx.drawable.target().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
         first_read::fill_primary(&mut OwnCalls::begin(ctx));
     }
-    let Some(tile) = ctx.drawable.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
+    let Some(tile) = ctx.drawable.target().and_then(own_picture) else { return [0, 0] };
     make_ready(ctx, part.moved_into(tile), alpha);
-    let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some()) else {
+    let Some(target) = ctx.drawable.target().filter(|target| target.resolved.is_some()) else {
         return tile.origin();
     };
     // SAFETY: a framebuffer of ours; `finish` puts the program's back.
@@ -38,7 +38,7 @@ pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] 
 /// Puts back the read framebuffer that [`prepare`] replaced.
 pub fn finish(ctx: &mut Context) {
     if ctx.reads_redirected()
-        && let Some(target) = ctx.drawable.target.as_ref().filter(|target| target.resolved.is_some())
+        && let Some(target) = ctx.drawable.target().filter(|target| target.resolved.is_some())
     {
         // SAFETY: what the program's window stands for.
         unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
@@ -60,7 +60,7 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
 
 /// The part of a rectangle that lies in the window, if that is not all of it. Sizes below 0 are errors, for the driver to say.
 fn cut(ctx: &Context, part: LowerLeftRect) -> Option<LowerLeftRect> {
-    let window = ctx.drawable.target.as_ref().filter(|_| ctx.reads_redirected())?.size();
+    let window = ctx.drawable.target().filter(|_| ctx.reads_redirected())?.size();
     let inside = part.moved_into(LowerLeftRect::of_size(window));
     (inside != part && part.width >= 0 && part.height >= 0).then_some(inside)
 }

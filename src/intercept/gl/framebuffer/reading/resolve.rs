@@ -8,7 +8,7 @@ use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuf
 
 /// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is needed and not done.
 pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let opaque = alpha && target.config.alpha_bits == 0;
     let needed = opaque || target.resolved.is_some();
     let holds = |ready: Ready| ready.part.contains(part) && (ready.opaque || !opaque);
@@ -16,13 +16,13 @@ pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
-    if let Some(target) = &ctx.drawable.target {
+    if let Some(target) = ctx.drawable.target() {
         target.resolve(ctx, Some(part));
     }
     if opaque {
         make_opaque(ctx, part);
     }
-    if let Some(target) = &ctx.drawable.target {
+    if let Some(target) = ctx.drawable.target() {
         target.ready.set(Some(Ready { part, opaque }));
     }
 }
@@ -31,7 +31,7 @@ pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
 /// the correction takes the colours only.
 fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
     let gl = ctx.driver.gl;
-    let Some(target) = ctx.drawable.target.as_ref() else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let framebuffer = target.readable().framebuffer();
     ctx.set_scissor(Some(part));
     let mut bound = 0;

@@ -10,7 +10,6 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
-use crate::intercept::gl::state::driver::window_space::DriverState;
 use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
 
@@ -36,7 +35,7 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
 /// Puts a new one, which is cleared, in place of the window's framebuffer.
 fn put(ctx: &mut Context, target: DefaultFramebuffer) {
     ctx.frame.counts.linked += target.backend.linked();
-    ctx.drawable.target = Some(Box::new(target));
+    ctx.drawable.put_target(Box::new(target));
     adopt(ctx);
     let gl = ctx.driver.gl;
     // SAFETY: state of ours and of our framebuffer.
@@ -49,12 +48,12 @@ fn put(ctx: &mut Context, target: DefaultFramebuffer) {
 /// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or made, everything stays.
 pub fn follow_rig(ctx: &mut Context) {
     let version = live::version();
-    if ctx.drawable.target.as_ref().is_none_or(|target| target.version == version) {
+    if ctx.drawable.target().is_none_or(|target| target.version == version) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
-    let Some(mut old) = ctx.drawable.target.take() else { return };
+    let Some(mut old) = ctx.drawable.take_target() else { return };
     take_error(&mut ctx.driver);
     let extras = ctx.frame.draw_count.extras(old.extras());
     match DefaultFramebuffer::new(ctx, &window, settings, extras) {
@@ -66,7 +65,7 @@ pub fn follow_rig(ctx: &mut Context) {
         Err(error) => {
             log::once(&format!("the rig stays as it was: {error}"));
             old.version = version;
-            ctx.drawable.target = Some(old);
+            ctx.drawable.put_target(old);
         }
     }
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
@@ -77,9 +76,9 @@ pub fn follow_size(ctx: &mut Context) {
     let Some(window) = ctx.drawable.window.clone() else { return };
     let Look { size, occluded } = window.look();
     ctx.drawable.occluded = occluded;
-    if ctx.drawable.target.as_ref().is_some_and(|t| t.size() != size) {
+    if ctx.drawable.target().is_some_and(|t| t.size() != size) {
         let mut extras = Extras::default();
-        if let Some(old) = ctx.drawable.target.take() {
+        if let Some(old) = ctx.drawable.take_target() {
             extras = old.extras();
             view_copies::clear(ctx);
             old.destroy(ctx.driver.gl);
@@ -93,7 +92,7 @@ pub fn follow_size(ctx: &mut Context) {
 pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
     take_error(&mut ctx.driver);
     if target.config == Config::of_window(ctx.driver.gl, &ctx.driver.profile, window) {
-        ctx.drawable.target = Some(target);
+        ctx.drawable.put_target(target);
         adopt(ctx);
     } else {
         target.destroy(ctx.driver.gl);
@@ -106,7 +105,7 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
     take_error(&mut ctx.driver);
     match target.rehome(ctx.driver.gl) {
         Ok(()) => {
-            ctx.drawable.target = Some(target);
+            ctx.drawable.put_target(target);
             adopt(ctx);
             ctx.frame.begun = true;
         }
@@ -122,12 +121,12 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
 /// Makes the rest of the context fit a new target.
 pub fn adopt(ctx: &mut Context) {
     view_copies::leave(ctx);
-    ctx.driver.window_space = DriverState::default();
+    ctx.driver.forget_window_space(u32::MAX);
     ctx.compat.projection.clear();
     ctx.queries.forget_views();
     ctx.frame.cameras.clear();
     ctx.frame.background.clear();
-    let Some(target) = &ctx.drawable.target else { return };
+    let Some(target) = ctx.drawable.target() else { return };
     let framebuffer = target.framebuffer();
     // SAFETY: binds our framebuffer where the program's window is bound.
     unsafe {
@@ -145,7 +144,7 @@ pub fn adopt(ctx: &mut Context) {
 
 /// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
 pub fn plan_for(ctx: &mut Context, draws: u32) {
-    let Some(old) = ctx.drawable.target.take() else { return };
+    let Some(old) = ctx.drawable.take_target() else { return };
     let extras = Extras { draws: Some(draws), ..old.extras() };
     let same = |new: &Session| new.views() == old.session.views();
     match old.session.with(extras) {
@@ -154,10 +153,10 @@ pub fn plan_for(ctx: &mut Context, draws: u32) {
             old.destroy(ctx.driver.gl);
             attach(ctx, extras);
         }
-        Ok(_) => ctx.drawable.target = Some(old),
+        Ok(_) => ctx.drawable.put_target(old),
         Err(error) => {
             log::once(&format!("the views stay as they are: {error}"));
-            ctx.drawable.target = Some(old);
+            ctx.drawable.put_target(old);
         }
     }
 }

@@ -14,8 +14,7 @@ use crate::runtime::session::Extras;
 pub fn want_panel(ctx: &mut Context) {
     let needed = ctx
         .drawable
-        .target
-        .as_ref()
+        .target()
         .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
     if needed {
         enlarge(ctx, |extras| extras.panel = true);
@@ -28,18 +27,18 @@ pub fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
 }
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
-    let Some(old) = ctx.drawable.target.take() else { return };
+    let Some(old) = ctx.drawable.take_target() else { return };
     take_error(&mut ctx.driver);
     let mut extras = old.extras();
     add(&mut extras);
     match old.enlarged(ctx, extras) {
         Ok(new) => {
             ctx.frame.counts.linked += new.backend.linked();
-            ctx.drawable.target = Some(Box::new(new));
+            ctx.drawable.put_target(Box::new(new));
             let gl = ctx.driver.gl;
             adopt(ctx);
             ctx.set_scissor(None);
-            if let Some(new) = &ctx.drawable.target {
+            if let Some(new) = ctx.drawable.target() {
                 // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
                 unsafe {
                     gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
@@ -54,7 +53,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
         }
         Err(error) => {
             log::once(&format!("flat drawing is left out: {error}"));
-            ctx.drawable.target = Some(old);
+            ctx.drawable.put_target(old);
         }
     }
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);

@@ -93,13 +93,13 @@ fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
 /// The program cleared all of its window's depth to `cleared`.
 pub fn close(ctx: &mut Context, cleared: f32) {
     // Feedback that cannot be paused would record our rectangles.
-    if ctx.drawable.target.as_ref().is_none_or(|t| t.closed().is_empty())
+    if ctx.drawable.target().is_none_or(|t| t.closed().is_empty())
         || ctx.app.feedback && !ctx.driver.gl.has_pause_transform_feedback()
     {
         return;
     }
     take_error(&mut ctx.driver);
-    if let Some(target) = &ctx.drawable.target {
+    if let Some(target) = ctx.drawable.target() {
         let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
         ctx.frame.counts.closings += u64::from(texels > 0);
     }

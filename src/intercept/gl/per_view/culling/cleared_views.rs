@@ -8,12 +8,12 @@ use crate::intercept::gl::context::gl_context::Context;
 pub fn note_clear(ctx: &mut Context) {
     let unconditional = ctx.queries.condition.is_none() && !ctx.app.discard && ctx.app.draw_buffer != api::GL_NONE;
     let (gl, state) = (ctx.driver.gl, &ctx.driver.known_state);
-    let srgb = ctx.drawable.target.as_ref().is_some_and(|t| t.config().srgb);
+    let srgb = ctx.drawable.target().is_some_and(|t| t.config().srgb);
     // OpenGL ES converts wherever the window can.
     let converts = srgb && (ctx.driver.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
     let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
     let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
-    if let Some(target) = &mut ctx.drawable.target {
+    if let Some(target) = ctx.drawable.target_mut() {
         target.content.clear(if known { stored([red, green, blue]) } else { None });
     }
 }

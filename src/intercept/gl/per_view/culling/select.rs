@@ -33,7 +33,7 @@ pub fn views(
     let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
     let mut areas = std::mem::take(&mut ctx.draw.areas);
     areas.clear();
-    let Some(target) = &ctx.drawable.target else { return Views::ALL };
+    let Some(target) = ctx.drawable.target() else { return Views::ALL };
     let session = &target.session;
     let count = session.views().len().min(64);
     let mut seen = 0;

@@ -93,7 +93,7 @@ pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
 
 /// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
-    let divides = ctx.drawable.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
+    let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     divides && !ctx.app.picking && !ctx.app.feedback && ctx.shaders.program.is_none() && mode != api::GL_POINTS
 }
 

@@ -20,7 +20,7 @@ pub struct Drawable {
     /// The window that it draws to.
     pub(in crate::intercept::gl) window: Option<Window>,
     /// What stands in for the window's framebuffer; `None` = the window's own.
-    pub(in crate::intercept::gl) target: Option<Box<DefaultFramebuffer>>,
+    target: Option<Box<DefaultFramebuffer>>,
     /// The plan of a window that another context of the group draws, for a context without one: what it draws off
     /// screen may be shown there.
     pub(in crate::intercept::gl) lent: Option<Arc<Session>>,
@@ -37,6 +37,26 @@ pub struct Drawable {
 }
 
 impl Drawable {
+    /// What stands in for the window's framebuffer; `None` = the window's own.
+    pub fn target(&self) -> Option<&DefaultFramebuffer> {
+        self.target.as_deref()
+    }
+
+    /// The same, to be changed.
+    pub fn target_mut(&mut self) -> Option<&mut DefaultFramebuffer> {
+        self.target.as_deref_mut()
+    }
+
+    /// Takes it out, to be worked on beside the context, or to be given away.
+    pub fn take_target(&mut self) -> Option<Box<DefaultFramebuffer>> {
+        self.target.take()
+    }
+
+    /// Puts it in place of the window's framebuffer.
+    pub fn put_target(&mut self, target: Box<DefaultFramebuffer>) {
+        self.target = Some(target);
+    }
+
     /// The plan of the window that is drawn, or for which is drawn.
     pub fn session(&self) -> Option<&Session> {
         self.target.as_ref().map(|target| &*target.session).or(self.lent.as_deref())

@@ -7,6 +7,7 @@ pub mod window_space;
 
 use crate::backend::gl::KnownState;
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::driver::profile::{Profile, is_endless, profile};
 use crate::intercept::gl::state::driver::window_space::DriverState;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,7 +21,7 @@ pub struct Driver {
     /// Which OpenGL.
     pub(in crate::intercept::gl) profile: Profile,
     /// Viewport and scissor that are really set.
-    pub(in crate::intercept::gl) window_space: DriverState,
+    window_space: DriverState,
     /// State that need not be asked for.
     pub(in crate::intercept::gl) known_state: KnownState,
     /// An error of the program's that was taken out of the driver.
@@ -60,5 +61,58 @@ impl Driver {
             api::GL_NO_ERROR => later,
             error => error,
         }
+    }
+
+    /// Sets the viewport, if it is another one.
+    pub fn set_viewport(&mut self, rect: LowerLeftRect) {
+        if self.window_space.viewport != Some(rect) {
+            // SAFETY: a plain state command.
+            unsafe { self.gl.viewport(rect.x, rect.y, rect.width, rect.height) };
+            self.window_space.viewport = Some(rect);
+        }
+    }
+
+    /// Sets the scissor rectangle, if it is another one; the test stays as it is.
+    pub fn set_scissor(&mut self, rect: LowerLeftRect) {
+        if self.window_space.scissor != Some(rect) {
+            self.issue_scissor(rect);
+        }
+    }
+
+    /// Sets the scissor rectangles of all viewports, as the program's own command does.
+    pub fn issue_scissor(&mut self, rect: LowerLeftRect) {
+        // SAFETY: a plain state command.
+        unsafe { self.gl.scissor(rect.x, rect.y, rect.width.max(0), rect.height.max(0)) };
+        self.window_space.scissor = Some(rect);
+    }
+
+    /// Switches the scissor test, if it is not so already.
+    pub fn set_scissor_test(&mut self, on: bool) {
+        if self.window_space.scissor_test != Some(on) {
+            self.issue_scissor_test(on);
+        }
+    }
+
+    /// Switches the scissor test of all viewports, as the program's own command does.
+    pub fn issue_scissor_test(&mut self, on: bool) {
+        // SAFETY: a plain state command.
+        unsafe {
+            if on {
+                self.gl.enable(api::GL_SCISSOR_TEST);
+            } else {
+                self.gl.disable(api::GL_SCISSOR_TEST);
+            }
+        }
+        self.window_space.scissor_test = Some(on);
+    }
+
+    /// The scissor rectangle, where the test is known to be on.
+    pub fn scissor(&self) -> Option<LowerLeftRect> {
+        self.window_space.scissor.filter(|_| self.window_space.scissor_test == Some(true))
+    }
+
+    /// Viewport and scissor may be others now, as far as they are in the groups of `mask` (of `glPopAttrib`).
+    pub fn forget_window_space(&mut self, mask: u32) {
+        self.window_space.forget(mask);
     }
 }

@@ -6,17 +6,14 @@ use crate::correct::LowerLeftRect;
 /// What is really set in the driver, where known; saves redundant calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DriverState {
-    /// The real viewport.
-    pub viewport: Option<LowerLeftRect>,
-    /// The real scissor rectangle.
-    pub scissor: Option<LowerLeftRect>,
-    /// Whether the real scissor test is on.
-    pub scissor_test: Option<bool>,
+    pub(super) viewport: Option<LowerLeftRect>,
+    pub(super) scissor: Option<LowerLeftRect>,
+    pub(super) scissor_test: Option<bool>,
 }
 
 impl DriverState {
-    /// What the groups of `glPopAttrib`'s mask may have changed is not known.
-    pub fn forget(&mut self, mask: u32) {
+    /// What the groups of `mask` (of `glPopAttrib`) may have changed is not known.
+    pub(super) fn forget(&mut self, mask: u32) {
         if mask & api::GL_VIEWPORT_BIT != 0 {
             self.viewport = None;
         }
