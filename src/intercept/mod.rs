@@ -11,7 +11,6 @@ pub mod last_frame;
 pub mod lens;
 pub mod live;
 pub mod log;
-pub mod obstacle;
 pub mod scene;
 pub mod settings;
 pub mod vk;

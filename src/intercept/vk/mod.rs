@@ -44,7 +44,7 @@
 //!
 //! What cannot be followed is shown flat on the panel, with the [`Obstacle`] in the log.
 //!
-//! [`Obstacle`]: crate::intercept::obstacle::Obstacle
+//! [`Obstacle`]: crate::intercept::scene::obstacle::Obstacle
 
 pub mod commands;
 pub mod descriptors;

@@ -5,6 +5,7 @@ use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
@@ -13,9 +14,13 @@ pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
     let mut single: BTreeMap<String, u64> = BTreeMap::new();
     let mut duplicated = 0;
     for framebuffer in &ctx.view_copies.framebuffers {
-        match reason(ctx, framebuffer) {
+        match obstacle(ctx, framebuffer) {
             None => duplicated += 1,
-            Some(reason) => *single.entry(reason.to_owned()).or_default() += 1,
+            Some(obstacle) => {
+                if let Some(reason) = obstacle.reason() {
+                    *single.entry(reason.to_owned()).or_default() += 1;
+                }
+            }
         }
     }
     (duplicated, single)
@@ -32,21 +37,28 @@ pub fn counts(ctx: &Context) -> impl Iterator<Item = [u64; 2]> + '_ {
 }
 
 /// Why a framebuffer is drawn once only.
-fn reason(ctx: &Context, framebuffer: &Framebuffer) -> Option<&'static str> {
+fn obstacle(ctx: &Context, framebuffer: &Framebuffer) -> Option<Obstacle> {
     if ctx.view_copies.has_view_copies(framebuffer) {
         return None;
     }
     let any = |test: fn(&Image) -> bool| framebuffer.colours().filter_map(|name| ctx.view_copies.image(name)).any(test);
-    Some(match framebuffer.single {
-        Some(reason) => reason,
-        None if duplicate_mode() == Duplicate::Never => "duplicate is \"never\"",
-        None if !possible(ctx) => "the rig shows the program's own picture",
-        None if framebuffer.colours().next().is_none() => "it has no colours, as a shadow map",
-        None if any(|image| image.refused) => "the driver gives no copies of it",
-        None if any(|image| image.other_shape && !image.scene) => {
-            "its picture has another shape than the window, as a shadow map or a mirror"
-        }
-        None if !any(|image| image.scene || !image.reads.is_empty()) => "nothing in perspective is drawn into it",
-        None => "it was not seen to fill the window",
-    })
+    if let Some(obstacle) = &framebuffer.obstacle {
+        return Some(obstacle.clone());
+    }
+    let reason = if duplicate_mode() == Duplicate::Never {
+        "duplicate is \"never\""
+    } else if !possible(ctx) {
+        "the rig shows the program's own picture"
+    } else if framebuffer.colours().next().is_none() {
+        "it has no colours, as a shadow map"
+    } else if any(|image| image.refused) {
+        "the driver gives no copies of it"
+    } else if any(|image| image.other_shape && !image.scene) {
+        "its picture has another shape than the window, as a shadow map or a mirror"
+    } else if !any(|image| image.scene || !image.reads.is_empty()) {
+        "nothing in perspective is drawn into it"
+    } else {
+        "it was not seen to fill the window"
+    };
+    Some(reason.into())
 }

@@ -339,7 +339,7 @@ pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
         drop_errors(ctx.driver.gl);
     }
     if !complete {
-        ctx.view_copies.framebuffers[index].single = Some("the driver gives no copies of it");
+        ctx.view_copies.framebuffers[index].obstacle = Some("the driver gives no copies of it".into());
         log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
     }
     complete

@@ -1,6 +1,6 @@
 //! Render passes and framebuffers: their attachments, and framebuffers over an atlas.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use crate::intercept::vk::state::hooks::hooks;

@@ -1,7 +1,7 @@
 //! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
 
 use crate::backend::vk::COLOR;
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::conditional_render;
 use crate::intercept::vk::commands::panel_clears::{clear_panel, clear_pending};
 use crate::intercept::vk::offscreen::view_copies;

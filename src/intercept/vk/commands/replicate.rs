@@ -9,7 +9,7 @@
 //! Whether the draw is of the scene or flat is decided when the command buffer is submitted
 //! (`submit::draw_groups`); until then all tiles that may show it get the draw.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::indirect;
 use crate::intercept::vk::commands::panel_clears::clear_pending;
 use crate::intercept::vk::commands::rebind::rebind;

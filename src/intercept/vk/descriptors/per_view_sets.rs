@@ -1,7 +1,7 @@
 //! Copies of the program's descriptor sets, one per view: with the view copy in place of an image
 //! of the scene, and the atlas copy in place of an attachment that shaders read.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::SetLayout;
 use crate::intercept::vk::state::descriptors::set_contents::{Contents, CopiedDescriptor, Copies, DescriptorSlot};
 use crate::intercept::vk::state::device::Device;

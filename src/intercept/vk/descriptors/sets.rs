@@ -1,6 +1,6 @@
 //! Hooks of descriptor sets, their layouts and update templates.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::descriptors::per_view_sets::ProgramSet;
 use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies};
 use crate::intercept::vk::state::descriptors::{

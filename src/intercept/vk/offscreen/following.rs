@@ -6,7 +6,7 @@
 //! destroys its image, and are used again if their size comes back: a barrier that is recorded
 //! somewhere may name them.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;

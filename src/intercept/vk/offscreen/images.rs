@@ -3,7 +3,7 @@
 //! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the
 //! window. Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::own_image::OwnImage;

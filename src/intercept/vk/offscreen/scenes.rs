@@ -1,6 +1,6 @@
 //! Images that hold a scene on its way to the window: their atlases and view copies.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;

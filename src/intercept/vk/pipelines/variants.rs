@@ -2,7 +2,7 @@
 //! libraries has variants that are linked from theirs.
 
 use crate::intercept::log;
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
 use crate::intercept::vk::pipelines::dividing_stage;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};

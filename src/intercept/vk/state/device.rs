@@ -1,6 +1,6 @@
 //! Devices: what Cupola knows of each, in parts.
 
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::Descriptors;
 use crate::intercept::vk::state::driver::entry_points::NextLayer;
 use crate::intercept::vk::state::driver::instance::dispatch_key;

@@ -1,7 +1,7 @@
 //! Whether draws are issued for each view, and why not.
 
 use crate::intercept::log;
-use crate::intercept::obstacle::Obstacle;
+use crate::intercept::scene::obstacle::Obstacle;
 use std::sync::OnceLock;
 
 /// The reasons for which a device's draws are not issued for each view.

@@ -3,6 +3,7 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Image, Name};
+use crate::intercept::scene::obstacle::Obstacle;
 
 /// The most colour attachments that are followed.
 pub const COLOURS: usize = 8;
@@ -23,7 +24,7 @@ pub struct Framebuffer {
     /// Nothing was changed since `attachments` were asked for.
     pub known: bool,
     /// Why it cannot be drawn once per view, whatever is drawn.
-    pub single: Option<&'static str>,
+    pub obstacle: Option<Obstacle>,
     /// The framebuffer of ours with the view copies of what is attached; 0 = none.
     pub view_copy: u32,
 }
@@ -31,7 +32,7 @@ pub struct Framebuffer {
 impl Framebuffer {
     /// One of which nothing is known.
     pub fn new(name: u32) -> Self {
-        Self { name, attachments: [None; COLOURS + 2], known: false, single: None, view_copy: 0 }
+        Self { name, attachments: [None; COLOURS + 2], known: false, obstacle: None, view_copy: 0 }
     }
 
     /// The images that are attached.
@@ -48,17 +49,17 @@ impl Framebuffer {
     /// are new to `images`. Errors may be left.
     pub fn examine(&mut self, gl: &Gl, images: &mut Vec<Image>) {
         self.known = true;
-        self.single = None;
+        self.obstacle = None;
         let mut attachments = [None; COLOURS + 2];
         let mut size = None;
         for (index, attachment) in attachments.iter_mut().enumerate() {
             match look(gl, point(index)) {
                 Attached::Nothing => {}
-                Attached::Other(reason) => self.single = self.single.or(Some(reason)),
+                Attached::Other(reason) => self.obstacle = self.obstacle.take().or(Some(reason.into())),
                 Attached::Image(image) => {
                     *attachment = Some(image.name);
                     if size.is_some_and(|size| size != image.size) {
-                        self.single = Some("its attachments have several sizes");
+                        self.obstacle = Some("its attachments have several sizes".into());
                     }
                     size = Some(image.size);
                     if !images.iter().any(|known| known.name == image.name) {

@@ -84,7 +84,7 @@ impl ViewCopies {
     /// Any of the colours of a framebuffer is to be drawn once per view.
     pub(in crate::intercept::gl) fn has_view_copies(&self, framebuffer: &Framebuffer) -> bool {
         framebuffer.known
-            && framebuffer.single.is_none()
+            && framebuffer.obstacle.is_none()
             && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.view_copy.is_some()))
     }
 
