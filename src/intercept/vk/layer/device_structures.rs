@@ -4,23 +4,26 @@ use crate::intercept::vk::layer::chain_links::LAYER_INFO_LENGTH;
 use ash::vk;
 
 macro_rules! lengths {
-    ($kind:ident; $($structure:ident,)*) => {
-        $(
-            if $kind == <vk::$structure<'_> as vk::TaggedStructure>::STRUCTURE_TYPE {
-                return Some(size_of::<vk::$structure<'_>>());
-            }
-        )*
+    ($($structure:ident,)*) => {
+        &[$((
+            <vk::$structure<'static> as vk::TaggedStructure>::STRUCTURE_TYPE,
+            size_of::<vk::$structure<'static>>(),
+        ),)*]
     };
 }
 
 /// Length of a structure that may come before the features with which a device is made: those
 /// that Vulkan's registry names and the loader's own.
-#[rustfmt::skip]
 pub fn length_for_device(kind: vk::StructureType) -> Option<usize> {
     if kind == vk::StructureType::LOADER_DEVICE_CREATE_INFO {
         return Some(LAYER_INFO_LENGTH);
     }
-    lengths! { kind;
+    LENGTHS.iter().find(|(own, _)| *own == kind).map(|(_, length)| *length)
+}
+
+/// Those of the registry.
+#[rustfmt::skip]
+const LENGTHS: &[(vk::StructureType, usize)] = lengths! {
     PhysicalDeviceFeatures2,
     DeviceDeviceMemoryReportCreateInfoEXT, DeviceDiagnosticsConfigCreateInfoNV, DeviceGroupDeviceCreateInfo,
     DeviceMemoryOverallocationCreateInfoAMD, DevicePrivateDataCreateInfo, DeviceQueueShaderCoreControlCreateInfoARM,
@@ -112,6 +115,4 @@ pub fn length_for_device(kind: vk::StructureType) -> Option<usize> {
     PhysicalDeviceWorkgroupMemoryExplicitLayoutFeaturesKHR, PhysicalDeviceYcbcr2Plane444FormatsFeaturesEXT,
     PhysicalDeviceYcbcrDegammaFeaturesQCOM, PhysicalDeviceYcbcrImageArraysFeaturesEXT,
     PhysicalDeviceZeroInitializeWorkgroupMemoryFeatures,
-    }
-    None
-}
+};
