@@ -253,7 +253,7 @@ mod tests {
         // The first counts y from the top, the second from the bottom.
         for (nodes, note, top) in [(STRAIGHT, "s follows x", 0.8), (TRANSPOSED, "t follows x", 0.8)] {
             let mesh = read("a.ol", text("", nodes).as_bytes()).unwrap();
-            assert!(mesh.notes.iter().any(|told| told.contains(note)), "{:?}", mesh.notes);
+            assert!(mesh.notes.iter().any(|text| text.contains(note)), "{:?}", mesh.notes);
             let at = |x: f64, y: f64| mesh.value.grid.sample(DVec2::new(x, y), (200, 100)).unwrap();
             assert!(at(0.0, 0.0).value.distance(DVec3::new(0.1, top, 0.0)) < 1e-12, "{:?}", at(0.0, 0.0));
             assert!(at(200.0, 100.0).value.distance(DVec3::new(0.9, 0.2, 0.0)) < 1e-12);

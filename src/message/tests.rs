@@ -29,11 +29,14 @@ fn messages_reach_the_receiver_that_is_set_and_no_other() {
     let expected = [(Level::Warn, "a test of messages, 1"), (Level::Debug, "a test of messages, 2")];
     assert_eq!(*heard.lock().expect("not poisoned"), expected.map(|(level, text)| (level, text.to_owned())));
 
-    // A panic that the fence stops is told, with its words.
+    // A panic that the fence stops is a message, with its words.
     heard.lock().expect("not poisoned").clear();
     assert_eq!(crate::fence::guard(|| panic!("a test of messages panics")), None::<()>);
-    let told = std::mem::take(&mut *heard.lock().expect("not poisoned"));
-    assert!(matches!(&told[..], [(Level::Error, text)] if text.contains("a test of messages panics")), "{told:?}");
+    let messages = std::mem::take(&mut *heard.lock().expect("not poisoned"));
+    assert!(
+        matches!(&messages[..], [(Level::Error, text)] if text.contains("a test of messages panics")),
+        "{messages:?}"
+    );
 
     set_receiver(None).expect("no other logger");
     log::error!("a test of messages after the receiver");

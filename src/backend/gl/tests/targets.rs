@@ -92,7 +92,7 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
                 };
                 let texture = atlas.texture(gl, GL_RGBA8);
                 let color = color.map(|color| color.map(|c| f32::from(c) / 255.0));
-                let show = |owned: bool, blank: Option<&ClearedViews<'_>>| {
+                let show = |owned: bool, cleared: Option<&ClearedViews<'_>>| {
                     let mut backend = GlBackend::new(gl, context.is_gles).expect("a backend");
                     backend.prepare(gl, &plan, false).expect("shaders");
                     let canvas = Canvas::new(gl, size);
@@ -100,19 +100,19 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
                     if owned {
                         backend.own_framebuffer(&targets, size);
                     }
-                    backend.present_changed(gl, texture, &targets, blank, &KnownState::default());
+                    backend.present_changed(gl, texture, &targets, cleared, &KnownState::default());
                     backend.destroy(gl);
                     assert_eq!(backend.errors(), 0);
                     canvas.read(gl)
                 };
                 let plain = show(false, None);
-                let blank = color.map(|color| ClearedViews { views: u64::MAX, color, touched: &[] });
-                for blank in [None, blank.as_ref()] {
-                    let owned = show(true, blank);
+                let cleared = color.map(|color| ClearedViews { views: u64::MAX, color, touched: &[] });
+                for cleared in [None, cleared.as_ref()] {
+                    let owned = show(true, cleared);
                     let inside = |x: u32| viewports.iter().any(|v| (v[0]..v[0] + v[2]).contains(&(x as i32)));
                     for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
                         let expected = if inside(x) { plain.at(x, y) } else { [0, 0, 0, 255] };
-                        assert_eq!(owned.at(x, y), expected, "{x}, {y} of {size:?} with {color:?}, {blank:?}");
+                        assert_eq!(owned.at(x, y), expected, "{x}, {y} of {size:?} with {color:?}, {cleared:?}");
                     }
                 }
             }

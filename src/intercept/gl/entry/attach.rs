@@ -28,7 +28,7 @@ impl Context {
             self.borrow();
             return;
         };
-        self.drawable.lent = None;
+        self.drawable.borrowed_session = None;
         if let Some(size) = settings().and_then(|s| s.window_size) {
             window.resize(size);
         }
@@ -53,9 +53,9 @@ impl Context {
 
     /// A context without a window draws for that of another in its group.
     fn borrow(&mut self) {
-        let lent = contexts::lend_session(&self.share);
-        if self.drawable.lent.as_ref().map(Arc::as_ptr) != lent.as_ref().map(Arc::as_ptr) {
-            self.drawable.lent = lent;
+        let borrowed = contexts::lend_session(&self.share);
+        if self.drawable.borrowed_session.as_ref().map(Arc::as_ptr) != borrowed.as_ref().map(Arc::as_ptr) {
+            self.drawable.borrowed_session = borrowed;
             self.compat.projection.clear();
             self.frame.cameras.clear();
         }
@@ -73,9 +73,9 @@ impl Context {
     /// Gives away what stands for `window`. Its objects that belong to this context alone are deleted when it is
     /// current again.
     pub fn give_picture(&mut self, window: &Window) -> Option<Box<DefaultFramebuffer>> {
-        let parked = self.drawable.parked.iter().position(|(parked, _)| parked == window);
-        let target = match parked {
-            Some(index) => Some(self.drawable.parked.remove(index).1),
+        let position = self.drawable.other_windows.iter().position(|(other, _)| other == window);
+        let target = match position {
+            Some(index) => Some(self.drawable.other_windows.remove(index).1),
             None if self.drawable.window.as_ref() == Some(window) => self.drawable.take_target(),
             None => None,
         }?;
@@ -87,10 +87,10 @@ impl Context {
     fn change_window(&mut self, window: Option<Window>) {
         let old = std::mem::replace(&mut self.drawable.window, window);
         if let (Some(old), Some(target)) = (old, self.drawable.take_target()) {
-            if self.drawable.parked.len() >= MOST_PARKED {
-                self.drawable.parked.remove(0).1.destroy(self.driver.gl);
+            if self.drawable.other_windows.len() >= MOST_OTHER_WINDOWS {
+                self.drawable.other_windows.remove(0).1.destroy(self.driver.gl);
             }
-            self.drawable.parked.push((old, target));
+            self.drawable.other_windows.push((old, target));
             // SAFETY: the program's window is bound in place of ours.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
@@ -105,9 +105,9 @@ impl Context {
         self.frame.begun = false;
         self.drawable.occluded = false;
         if let Some(index) =
-            self.drawable.parked.iter().position(|(parked, _)| Some(parked) == self.drawable.window.as_ref())
+            self.drawable.other_windows.iter().position(|(other, _)| Some(other) == self.drawable.window.as_ref())
         {
-            let (window, target) = self.drawable.parked.remove(index);
+            let (window, target) = self.drawable.other_windows.remove(index);
             attach::resume(self, &window, target);
             attach::follow_size(self);
         }
@@ -115,4 +115,4 @@ impl Context {
 }
 
 /// Windows that a context has left keep what stands in for them, but not more than these.
-pub(in crate::intercept::gl) const MOST_PARKED: usize = 4;
+pub(in crate::intercept::gl) const MOST_OTHER_WINDOWS: usize = 4;

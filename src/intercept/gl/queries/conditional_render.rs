@@ -10,7 +10,7 @@ use crate::intercept::gl::state::queries::Queries;
 
 fn begin(driver: &mut Driver, queries: &mut Queries, query: u32, mode: u32) {
     let object = scaling::condition(driver.gl, queries, query);
-    // Whether the driver takes it is told by its error only.
+    // Only its error says whether the driver takes it.
     take_error(driver);
     // SAFETY: the program's own call; an object of ours in place of its query saw the same.
     let error = unsafe {

@@ -1,4 +1,4 @@
-//! What a program is told of its queries: its own names, and the sums of their parts.
+//! Answers to a program about its queries: its own names, and the sums of their parts.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::{hooks, list_recording};

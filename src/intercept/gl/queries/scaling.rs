@@ -2,7 +2,7 @@
 //!
 //! OpenGL cannot pause a query. So what must not be counted as it is (our own work, a picture that shows the same
 //! once more, the repetitions of a draw) is kept apart by ending the object that counts and going on with one
-//! of ours. What the program is told is the sum of these parts, each times its weight:
+//! of ours. The program gets the sum of these parts, each times its weight:
 //!
 //! - samples: all views together, scaled so that what fills the program's own picture counts as many as that has.
 //!   What only a view beside that picture shows is counted too, or the program would leave it out on the dome.
@@ -60,7 +60,7 @@ pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32
     }
     take_error(driver);
     begin_real(gl, target, index, name);
-    // SAFETY: asks for the error flag. Whether the driver takes the query is told by that only.
+    // SAFETY: asks for the error flag. Only that says whether the driver takes the query.
     match unsafe { gl.get_error() } {
         api::GL_NO_ERROR => {
             if let Some(old) = queries.split.remove(&name) {

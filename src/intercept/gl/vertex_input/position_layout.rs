@@ -70,8 +70,8 @@ fn generic(ctx: &mut Context, location: u32) -> Option<Layout> {
     let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
     width(format.kind)?;
     // Where attributes have bindings, OpenGL's answers have no room for an address.
-    let told = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.driver.profile);
-    let usable = told && divisor == 0 && !format.integer;
+    let has_source = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.driver.profile);
+    let usable = has_source && divisor == 0 && !format.integer;
     usable.then_some(Layout::at(source, format.components, format.kind, format.normalised))
 }
 

@@ -40,13 +40,13 @@ pub enum Sets {
     Material,
 }
 
-/// Units of texture coordinates, and generic attributes, that are told apart.
+/// Units of texture coordinates, and generic attributes, that are followed.
 const NUMBERED: u64 = 27;
 const COLOR: u64 = 1;
 const NORMAL: u64 = 1 << 1;
 const TEXTURE: u64 = 1 << 2;
 
-/// What is not told apart.
+/// What is not followed one by one.
 const OTHER: u64 = 1 << 63;
 
 impl Sets {

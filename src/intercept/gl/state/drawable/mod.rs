@@ -23,9 +23,9 @@ pub struct Drawable {
     target: Option<Box<DefaultFramebuffer>>,
     /// The plan of a window that another context of the group draws, for a context without one: what it draws off
     /// screen may be shown there.
-    pub(in crate::intercept::gl) lent: Option<Arc<Session>>,
+    pub(in crate::intercept::gl) borrowed_session: Option<Arc<Session>>,
     /// What stands in for other windows that it drew to lately.
-    pub(in crate::intercept::gl) parked: Vec<(Window, Box<DefaultFramebuffer>)>,
+    pub(in crate::intercept::gl) other_windows: Vec<(Window, Box<DefaultFramebuffer>)>,
     /// Objects of pictures that were given to other contexts.
     pub(in crate::intercept::gl) left_behind: Vec<OwnObjects>,
     /// The program reads from another drawable than it draws to.
@@ -59,7 +59,7 @@ impl Drawable {
 
     /// The plan of the window that is drawn, or for which is drawn.
     pub fn session(&self) -> Option<&Session> {
-        self.target.as_ref().map(|target| &*target.session).or(self.lent.as_deref())
+        self.target.as_ref().map(|target| &*target.session).or(self.borrowed_session.as_deref())
     }
 
     /// What reads of the program's framebuffer 0 are bound to.

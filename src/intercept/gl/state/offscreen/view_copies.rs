@@ -19,7 +19,7 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) bound: bool,
     /// Something was learnt in this frame.
     pub(in crate::intercept::gl) learnt: bool,
-    /// Twins have one more tile, which is drawn with the program's own lens: it reads its pictures back.
+    /// View copies have one more tile, which is drawn with the program's own lens: it reads its pictures back.
     pub(in crate::intercept::gl) own_picture: bool,
     /// Canvases for copies to another size, each of another size or format.
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
@@ -27,7 +27,7 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
-    /// Twins deleted so far: framebuffers that stand for the program's may have had them.
+    /// View copies deleted so far: framebuffers that stand for the program's may have had them.
     pub(in crate::intercept::gl) deleted: u64,
     /// Framebuffers of other contexts that they are to delete.
     pub(in crate::intercept::gl) left: Vec<Pair>,

@@ -52,7 +52,7 @@ impl Counter {
     /// Puts back what was bound before.
     pub fn end(&self, gl: &Gl, before: &Before) {
         let (target, buffer) = (api::GL_ATOMIC_COUNTER_BUFFER, before.buffer as u32);
-        // SAFETY: as the queries of `begin` told.
+        // SAFETY: as the queries of `begin` said.
         unsafe {
             if before.size > 0 {
                 gl.bind_buffer_range(target, self.binding, buffer, before.start as isize, before.size as isize);

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 #[derive(Default)]
 pub struct Buffers {
     list: HashMap<u32, Buffer>,
-    /// Names that OpenGL has told as those of buffers, not deleted since.
+    /// Names that OpenGL has given as those of buffers, not deleted since.
     pub(in crate::intercept::gl) objects: HashSet<u32>,
     /// Grows with every change of a buffer.
     version: u64,
@@ -51,7 +51,7 @@ impl Buffers {
         self.objects.contains(&name)
     }
 
-    /// OpenGL has told that a buffer of this name is bound.
+    /// OpenGL has said that a buffer of this name is bound.
     pub fn note_object(&mut self, name: u32) {
         if self.objects.len() < MOST {
             self.objects.insert(name);

@@ -35,7 +35,7 @@ pub struct Framebuffer {
     pub(in crate::intercept::vk) attachments: Option<Vec<vk::ImageView>>,
     /// Properties of attachments that are given later.
     pub(in crate::intercept::vk) given_later: Vec<LaterAttachment>,
-    /// Twins, by the atlas' size; with given attachments there is one.
+    /// Copies with the atlas attached, by the atlas' size; with given attachments there is one.
     pub(in crate::intercept::vk) atlas_copies: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
 }
 

@@ -41,7 +41,7 @@ pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) format: vk::Format,
     pub(in crate::intercept::vk) components: vk::ComponentMapping,
     pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
-    /// Twins, by the image that they are views of.
+    /// Atlas copies, by the image that they are views of.
     pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,
 }
 
