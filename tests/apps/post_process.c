@@ -1,10 +1,14 @@
 /*
  * Direction test in a core 3.3 context: the scene is drawn off screen, a second pass changes its colours into
  * another framebuffer, a third changes them back while it fills the window. A shadow map is drawn besides.
+ * --mode matrices: the passes that fill the picture hold the camera's matrices, too, as passes of engines do: one in
+ * its fragment shader, the other in a block that every shader has.
  */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/shader.h"
+
+#include <string.h>
 
 static const char vertex[] = "#version 330 core\n"
                              "layout(location = 0) in vec3 position;\n"
@@ -31,7 +35,26 @@ static const char undo_fragment[] = "#version 330 core\n"
                                     "out vec4 result;\n"
                                     "void main() { result = vec4(texture(picture, place).gbr, 1.0); }\n";
 
+static const char matrix_fragment[] = "#version 330 core\n"
+                                      "in vec2 place;\n"
+                                      "uniform sampler2D picture;\n"
+                                      "uniform mat4 projection;\n"
+                                      "out vec4 result;\n"
+                                      "void main() {\n"
+                                      "    vec4 seen = projection * vec4(place, -5.0, 1.0);\n"
+                                      "    result = vec4(texture(picture, place).brg + min(seen.w, 0.0), 1.0);\n"
+                                      "}\n";
+static const char block_vertex[] = "#version 330 core\n"
+                                   "layout(std140) uniform Matrices { mat4 view, projection; };\n"
+                                   "out vec2 place;\n"
+                                   "vec4 seen_from_camera(vec4 p) { return projection * view * p; }\n"
+                                   "void main() {\n"
+                                   "    place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;\n"
+                                   "    gl_Position = vec4(place * 2.0 - 1.0, 0.0, 1.0);\n"
+                                   "}\n";
+
 static mesh cube;
+static GLuint block;
 static GLuint scene, change, undo, framebuffers[3], textures[3], depths[2], empty;
 static GLint location;
 
@@ -56,9 +79,20 @@ static void setup(app *a)
     const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     const shader_source changes[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, screen_fragment}};
     const shader_source undoes[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, undo_fragment}};
+    const shader_source changes_by_matrix[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, matrix_fragment}};
+    const shader_source undoes_with_block[] = {{GL_VERTEX_SHADER, block_vertex}, {GL_FRAGMENT_SHADER, undo_fragment}};
+    const bool matrices = a->mode != NULL && strcmp(a->mode, "matrices") == 0;
     scene = program_build(stages, 2);
-    change = program_build(changes, 2);
-    undo = program_build(undoes, 2);
+    change = program_build(matrices ? changes_by_matrix : changes, 2);
+    undo = program_build(matrices ? undoes_with_block : undoes, 2);
+    if (matrices) {
+        const matrix4 both[2] = {a->modelview, a->projection};
+        glGenBuffers(1, &block);
+        glBindBufferBase(GL_UNIFORM_BUFFER, 0, block);
+        glBufferData(GL_UNIFORM_BUFFER, sizeof both, both, GL_STATIC_DRAW);
+        glUseProgram(change);
+        glUniformMatrix4fv(glGetUniformLocation(change, "projection"), 1, GL_FALSE, a->projection.m);
+    }
     location = glGetUniformLocation(scene, "MVP");
     cube = mesh_cube();
     glGenVertexArrays(1, &empty);

@@ -11,6 +11,7 @@ tests! {
     a_multisampled_window_of_a_program_with_its_own_fbo,
     an_own_fbo_that_is_read_back,
     a_program_with_post_processing,
+    passes_that_hold_the_camera_s_matrices,
     a_toolkit_s_two_contexts,
     duplication_can_be_switched_off_and_forced,
     samples_that_are_resolved,
@@ -97,6 +98,16 @@ fn a_program_with_post_processing() {
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(2), "{statistics:#}");
     let single = statistics["single_framebuffers"].as_object().map_or(0, serde_json::Map::len);
     assert_eq!(single, 1, "{statistics:#}");
+}
+
+/// Matrices that do not flow into a pass's positions make no scene of it.
+fn passes_that_hold_the_camera_s_matrices() {
+    let mode = ["--mode", "matrices"];
+    fisheye("post_process", &mode);
+    let run = Run { extra: &mode, ..Run::new("post_process") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let statistics = finished.expect_success().statistics();
+    assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(2), "{statistics:#}");
 }
 
 /// A context without a window draws the scene, another one composes the window of it.

@@ -6,6 +6,7 @@
 //! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
 //! these in the linked program.
 
+pub mod dependence;
 pub mod introspection;
 pub mod patch;
 pub mod position;

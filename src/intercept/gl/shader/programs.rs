@@ -8,10 +8,11 @@ use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::{samplers, uniforms};
+use crate::intercept::gl::shader::{dependence, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::programs::{Lens, Position, Program};
+use crate::intercept::gl::state::shader::uniforms::PositionNames;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
 use crate::lock::Lock;
@@ -101,7 +102,8 @@ pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(&ctx.share, name) else { return };
-    let (uniforms, _) = uniforms::read(ctx.driver.gl, &ctx.driver.profile, name, projection::UNIFORM);
+    let (uniforms, _) =
+        uniforms::read(ctx.driver.gl, &ctx.driver.profile, name, projection::UNIFORM, old.position_names.as_ref());
     *old.uniforms.locked() = uniforms;
 }
 
@@ -219,15 +221,16 @@ fn link(ctx: &mut Context, program: u32) {
         log::once("a program's shaders could not be patched; what it draws appears flat");
     }
     let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
-    let fixed_matrices = shaders
-        .iter()
-        .filter(|s| s.1 != api::GL_FRAGMENT_SHADER)
-        .filter_map(|s| sources.get(&s.0))
-        .any(|source| words.iter().any(|word| patch::mentions(source, word)));
+    let position_names = dependence::position_names(&sources, &shaders);
+    let mut before = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
+    let fixed_matrices = match &position_names {
+        Some(names) => words.iter().any(|word| names.contain(word)),
+        None => before.any(|source| words.iter().any(|word| patch::mentions(source, word))),
+    };
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
     let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
     let texts = if methods::asked_for() { texts.collect() } else { Vec::new() };
-    let mut record = read_program(gl, &ctx.driver.profile, program, linked, stages, fixed_matrices);
+    let mut record = read_program(gl, &ctx.driver.profile, program, linked, stages, fixed_matrices, position_names);
     record.texts = texts;
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.reads_frag_coord = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
@@ -281,7 +284,7 @@ pub fn of_own_text(driver: &Driver, patched: &str, own: Arc<str>, flat: bool) ->
         unsafe { gl.delete_program(name) };
         return None;
     }
-    let record = read_program(gl, &driver.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
+    let record = read_program(gl, &driver.profile, name, true, api::GL_VERTEX_SHADER_BIT, true, None);
     Some(Program { flat, texts: vec![(api::GL_VERTEX_SHADER, own)], ..record })
 }
 
@@ -334,7 +337,15 @@ fn captures_position(gl: &Gl, program: u32) -> bool {
     })
 }
 
-fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u32, fixed_matrices: bool) -> Program {
+fn read_program(
+    gl: &Gl,
+    profile: &Profile,
+    name: u32,
+    patched: bool,
+    stages: u32,
+    fixed_matrices: bool,
+    position_names: Option<PositionNames>,
+) -> Program {
     let ours = CString::new(projection::UNIFORM).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
@@ -342,7 +353,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
     let half = CString::new(format!("{}[{}]", projection::UNIFORM, projection::ROWS)).unwrap_or_default();
     // SAFETY: as above.
     let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
-    let (uniforms, own_uniform) = uniforms::read(gl, profile, name, projection::UNIFORM);
+    let (uniforms, own_uniform) = uniforms::read(gl, profile, name, projection::UNIFORM, position_names.as_ref());
     Program {
         name,
         location,
@@ -354,6 +365,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         position: None,
         subroutines: false,
         reads_frag_coord: false,
+        position_names,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),
         texts: Vec::new(),

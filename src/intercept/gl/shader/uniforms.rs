@@ -5,7 +5,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::{program_pipelines, programs};
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::programs::Program;
-use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation, Uniforms};
+use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation, PositionNames, Uniforms};
 use crate::intercept::lens::{rank, transposed};
 use crate::lock::Lock;
 use std::ffi::{CStr, c_char};
@@ -13,8 +13,15 @@ use std::ffi::{CStr, c_char};
 /// Of longer arrays of matrices, which are bones or instances, only the first is looked at.
 const LONGEST: i32 = 8;
 
-/// The 4×4 matrices of a linked program, and the index of the uniform called `ours`.
-pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, Option<u32>) {
+/// The 4×4 matrices of a linked program that may flow into its position, all if that is not known, and the index of the
+/// uniform called `ours`.
+pub fn read(
+    gl: &Gl,
+    profile: &Profile,
+    program: u32,
+    ours: &str,
+    position: Option<&PositionNames>,
+) -> (Uniforms, Option<u32>) {
     let mut uniforms = Uniforms { generation: u64::MAX, ..Uniforms::default() };
     let mut own_uniform = None;
     let mut count = 0;
@@ -32,7 +39,8 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, 
         if shown.strip_suffix("[0]").unwrap_or(&shown) == ours {
             own_uniform = Some(index);
         }
-        if kind != api::GL_FLOAT_MAT4 || shown.starts_with("gl_") {
+        let flows = position.is_none_or(|names| names.contain(&shown));
+        if kind != api::GL_FLOAT_MAT4 || shown.starts_with("gl_") || !flows {
             continue;
         }
         // SAFETY: a NUL-terminated name.

@@ -6,7 +6,7 @@
 //! once, unconditionally and in `main`; of conditional compilation all branches are looked at.
 
 mod declarations;
-mod tokens;
+pub(in crate::intercept::gl::shader) mod tokens;
 
 use declarations::{Declarations, Function, Global, behind};
 use std::cell::Cell;

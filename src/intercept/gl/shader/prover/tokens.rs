@@ -87,7 +87,7 @@ impl<'a> Tokens<'a> {
     }
 }
 
-fn words<'a>(line: &'a str, found: &mut Vec<&'a str>) {
+pub fn words<'a>(line: &'a str, found: &mut Vec<&'a str>) {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let mut rest = line.trim_start();
     while let Some(first) = rest.chars().next() {

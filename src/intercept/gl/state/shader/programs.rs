@@ -1,7 +1,7 @@
 //! Linked programs.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
-use crate::intercept::gl::state::shader::uniforms::Uniforms;
+use crate::intercept::gl::state::shader::uniforms::{PositionNames, Uniforms};
 use crate::intercept::gl::state::shader::variants::Variants;
 use crate::runtime::session::Intrinsics;
 use std::collections::{HashMap, HashSet};
@@ -90,6 +90,8 @@ pub struct Program {
     pub(in crate::intercept::gl) subroutines: bool,
     /// Its fragments ask where on the screen they are.
     pub reads_frag_coord: bool,
+    /// What flows into its position; `None` = unknown, so that anything may.
+    pub position_names: Option<PositionNames>,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     pub(in crate::intercept::gl) uploaded: Mutex<Uploaded>,

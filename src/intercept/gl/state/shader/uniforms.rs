@@ -4,15 +4,39 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::Lens;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::lens::{self, transposed};
+use std::collections::HashSet;
 
 /// The 4×4 matrices of a program.
 #[derive(Default)]
 pub struct Uniforms {
+    /// Those that may flow into the position.
     pub(in crate::intercept::gl) matrices: Vec<Matrix>,
     pub(in crate::intercept::gl) lens: Option<Lens>,
     pub(in crate::intercept::gl) generation: u64,
     /// A block's buffer is mapped for good: the program may write to it at any time, and no call tells.
     pub(in crate::intercept::gl) live: bool,
+}
+
+/// Names in shaders that may flow into a position.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PositionNames(HashSet<String>);
+
+impl PositionNames {
+    /// These and no others.
+    pub fn new(names: HashSet<String>) -> Self {
+        Self(names)
+    }
+
+    /// Adds more names.
+    pub fn add<'a>(&mut self, names: impl Iterator<Item = &'a str>) {
+        self.0.extend(names.map(str::to_owned));
+    }
+
+    /// Whether the uniform that OpenGL calls `name` (`block.member`, `array[0]`) may flow into the position.
+    pub fn contain(&self, name: &str) -> bool {
+        let member = name.rsplit('.').next().unwrap_or(name);
+        self.0.contains(member.split('[').next().unwrap_or(member))
+    }
 }
 
 pub(in crate::intercept::gl) struct Matrix {
