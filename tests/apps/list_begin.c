@@ -3,6 +3,7 @@
 #include "common/probe.h"
 
 enum { BEGIN, VERTICES, END, NESTED, DEEP, WHOLE, BEGIN_AND_VERTICES, AT_ONCE, LISTS };
+enum { COLUMNS = 8 };
 
 static GLuint lists;
 
@@ -51,7 +52,8 @@ static int places;
 static void next(int red, int green, int blue)
 {
     glLoadIdentity();
-    glTranslatef((float)(5 + 30 * places++), 5.0f, 0.0f);
+    glTranslatef((float)(5 + 30 * (places % COLUMNS)), (float)(5 + 30 * (places / COLUMNS)), 0.0f);
+    places++;
     glColor3f((float)red, (float)green, (float)blue);
 }
 
@@ -116,7 +118,7 @@ static void draw(app *a)
     static const int colours[][3] = {{1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1},
                                      {1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}};
     for (int i = 0; i < places; i++)
-        probe(a, 15 + 30 * i, 15, colours[i][0], colours[i][1], colours[i][2], "lists");
+        probe(a, 15 + 30 * (i % COLUMNS), 15 + 30 * (i / COLUMNS), colours[i][0], colours[i][1], colours[i][2], "lists");
 }
 
 int main(int argc, char **argv)
