@@ -183,7 +183,7 @@ fn scenes<'a>(extra: &'a [&'a str]) -> Run<'a> {
 
 /// A scene that reaches the window through pictures of the program's own is drawn for each view, however it is shown.
 fn scenes_that_are_drawn_off_screen() {
-    for way in ["post", "chain", "passes", "blit", "resolve"] {
+    for way in ["post", "matrices", "chain", "passes", "blit", "resolve"] {
         let extra = ["--way", way];
         let run = scenes(&extra);
         let Some(finished) = run.vulkan_under("fisheye") else { return };

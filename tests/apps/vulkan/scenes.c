@@ -1,7 +1,7 @@
 /*
  * The direction test's cube on its way to the window (--way): drawn to it and read back (read), with a part that is drawn
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
- * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
+ * by one whose shader has the camera's matrix (matrices), by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
  * (half) or with its depths (depths), or what a compute shader makes of it (compute). Or with the newest of what there is to
  * present (newest), pipelines that are linked (library, parts, and with
  * sets that are independent of each other: independent), a pass with a mask of views (multiview). --picture writes
@@ -19,6 +19,7 @@
 #include "cube_push.h"
 #include "screen_both.h"
 #include "screen_frag.h"
+#include "screen_matrices.h"
 #include "screen_place.h"
 #include "screen_vert.h"
 
@@ -29,10 +30,11 @@
 typedef enum {
     READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
     /* Off screen: */
-    POST, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE,
+    POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE,
     WAYS
 } way_kind;
 static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "independent", "multiview", "post",
+                                       "matrices",
                                        "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute"};
 
 static struct {
@@ -60,7 +62,7 @@ static block read_back;
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
-                    "  [--way read|part|clear|newest|library|parts|independent|multiview|post|chain|place|blit|resolve|passes|half|depths|\n"
+                    "  [--way read|part|clear|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
                     "         compute]\n");
     exit(2);
 }
@@ -117,7 +119,8 @@ static void make_pipelines(void)
                                        .deep = true};
     if (w.has.libraries)
         cube_parts.libraries = options.way == LIBRARY ? 2 : options.way == PARTS || options.way == INDEPENDENT ? 4 : 0;
-    pipeline_description screen_parts = {.vertex = SHADER(screen_vert),
+    const bool matrices = options.way == MATRICES;
+    pipeline_description screen_parts = {.vertex = matrices ? SHADER(screen_matrices) : SHADER(screen_vert),
                                          .fragment = place ? SHADER(screen_place) : SHADER(screen_frag),
                                          .layout = screen_layout,
                                          .color = w.format,
@@ -250,10 +253,11 @@ static void make_layouts(void)
                                          .pPushConstantRanges = &range};
     expect(vkCreatePipelineLayout(w.device, &layout, NULL, &cube_layout), "vkCreatePipelineLayout");
     layout.flags = 0;
-    layout.pushConstantRangeCount = 0;
+    layout.pushConstantRangeCount = options.way == MATRICES;
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &set_layout;
     expect(vkCreatePipelineLayout(w.device, &layout, NULL, &screen_layout), "vkCreatePipelineLayout");
+    layout.pushConstantRangeCount = 0;
     layout.pSetLayouts = &compute_set_layout;
     expect(vkCreatePipelineLayout(w.device, &layout, NULL, &compute_layout), "vkCreatePipelineLayout");
 }
@@ -341,6 +345,10 @@ static void draw_screen(const linked_pipeline *by, VkDescriptorSet set, VkExtent
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, by->whole);
     set_window(size);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, screen_layout, 0, 1, &set, 0, NULL);
+    if (options.way == MATRICES) {
+        const matrix4 matrix = direction_matrix(&options.direction, w.extent, false);
+        vkCmdPushConstants(commands, screen_layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
+    }
     vkCmdDraw(commands, 3, 1, 0, 0);
 }
 

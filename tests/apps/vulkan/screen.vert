@@ -1,9 +1,16 @@
 #version 450
-/* One triangle over all of the picture. */
+/* One triangle over all of the picture. MATRICES: as in engines that give every shader the camera's matrices. */
+#ifdef MATRICES
+layout(push_constant) uniform Camera { mat4 projection; } camera;
+layout(location = 1) out vec4 seen;
+#endif
 layout(location = 0) out vec2 at;
 
 void main()
 {
     at = vec2(gl_VertexIndex << 1 & 2, gl_VertexIndex & 2);
+#ifdef MATRICES
+    seen = camera.projection * vec4(at, -5.0, 1.0);
+#endif
     gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
 }

@@ -80,8 +80,12 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     // SAFETY: as promised; shaders of ours are destroyed when the pipelines are made.
     unsafe {
         let asks_place = fragments.filter_map(|s| words_of(device, s)).any(|words| spirv::asks_place(&words));
-        for stage in parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT) {
-            matrices.extend(words_of(device, stage).iter().flat_map(|words| spirv::matrices(words)));
+        let before = || parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
+        // The stages' bits are in their order.
+        let last = before().map(|stage| stage.stage).max();
+        for stage in before() {
+            let of_position = Some(stage.stage) == last;
+            matrices.extend(words_of(device, stage).iter().flat_map(|words| spirv::matrices(words, of_position)));
         }
         matrices.sort_by_key(|matrix| matrix.rank);
         let mut stages = parts.stages.clone();

@@ -1,6 +1,7 @@
 //! Shaders of the program: where their matrices are, and the epilogue that re-projects what they
 //! draw.
 
+mod dependence;
 mod divide;
 mod functions;
 mod module;

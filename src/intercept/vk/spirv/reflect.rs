@@ -1,6 +1,7 @@
 //! Places of a shader's 4×4 matrices.
 
 use crate::intercept::lens;
+use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
 
@@ -40,10 +41,11 @@ const MOST: usize = 16;
 const DEEPEST: usize = 4;
 
 /// The matrices in a shader's uniform blocks, storage blocks and push constants, the likeliest
-/// first; of arrays the first element.
-pub fn matrices(words: &[u32]) -> Vec<Matrix> {
+/// first; of arrays the first element. `of_position`: only those that may flow into the shader's `Position`.
+pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);
+    let loads = if of_position { PositionLoads::of(&all, &declared) } else { None };
     let mut found = Vec::new();
     for instruction in all.iter().take_while(|i| !i.is(Op::Function)).filter(|i| i.is(Op::Variable)) {
         let variable = instruction.operand(1);
@@ -60,7 +62,8 @@ pub fn matrices(words: &[u32]) -> Vec<Matrix> {
             pointee = array.operand(1);
         }
         let name = declared.name(variable, None);
-        members(&declared, pointee, &Within { memory, offset: 0, name, depth: 0 }, &mut found);
+        let flows = |path: &[u32]| loads.as_ref().is_none_or(|loads| loads.contain(variable, path));
+        members(&declared, pointee, &Within { memory, offset: 0, name, path: Vec::new() }, &flows, &mut found);
     }
     found.sort_by_key(|matrix| matrix.rank);
     found.truncate(MOST);
@@ -80,12 +83,21 @@ struct Within<'a> {
     offset: u32,
     /// The name around: what members without one go by.
     name: &'a str,
-    depth: usize,
+    /// The members that lead here.
+    path: Vec<u32>,
 }
 
-fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, found: &mut Vec<Matrix>) {
-    let Some(block) = declared.get(id, Op::TypeStruct).filter(|_| within.depth < DEEPEST) else { return };
+fn members(
+    declared: &Declarations<'_>,
+    id: u32,
+    within: &Within<'_>,
+    flows: &dyn Fn(&[u32]) -> bool,
+    found: &mut Vec<Matrix>,
+) {
+    let Some(block) = declared.get(id, Op::TypeStruct).filter(|_| within.path.len() < DEEPEST) else { return };
     for (member, &kind) in block.rest(1).iter().enumerate() {
+        let mut path = within.path.clone();
+        path.push(member as u32);
         let member = Some(member as u32);
         let offset = declared.number(id, member, Decoration::Offset).unwrap_or(0);
         let Some(offset) = within.offset.checked_add(offset) else { continue };
@@ -97,7 +109,7 @@ fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, found: &mu
         let own = declared.name(id, member);
         let name = if own.is_empty() { within.name } else { own };
         if let Some(matrix) = declared.get(kind, Op::TypeMatrix) {
-            if matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1)) {
+            if matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1)) && flows(&path) {
                 found.push(Matrix {
                     memory: within.memory,
                     offset,
@@ -107,8 +119,7 @@ fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, found: &mu
                 });
             }
         } else {
-            let inner = Within { memory: within.memory, offset, name, depth: within.depth + 1 };
-            members(declared, kind, &inner, found);
+            members(declared, kind, &Within { memory: within.memory, offset, name, path }, flows, found);
         }
     }
 }

@@ -127,7 +127,7 @@ fn damaged_modules_do_no_harm() {
             damaged[at] ^= 1 << random.below(32);
         }
         let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1, true);
-        let _ = matrices(&damaged);
+        let _ = matrices(&damaged, true);
     }
 }
 
@@ -228,11 +228,84 @@ fn matrices_are_found_in_nested_blocks() {
     put(Op::Variable, &[9, 10, uniform]);
     put(Op::TypePointer, &[11, push, 6]);
     put(Op::Variable, &[11, 12, push]);
-    let found = matrices(&words);
+    let found = matrices(&words, false);
     let places: Vec<_> = found.iter().map(|m| (m.memory, m.offset, m.row_major, m.rank)).collect();
     assert_eq!(
         places,
         [(Memory::Buffer { set: 2, binding: 7 }, 96, true, 0), (Memory::Push, 64, true, 0)],
         "the first element of the array, and the push constant"
     );
+}
+
+/// Two matrices in a block. `through`: the matrix of this number goes through a function's parameter into the position,
+/// the other one into an output of the program's own.
+fn two_matrices(through: u32) -> Vec<u32> {
+    let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 60, 0];
+    let mut put = |op: Op, operands: &[u32]| {
+        words.push((operands.len() as u32 + 1) << 16 | op as u32);
+        words.extend(operands);
+    };
+    let (uniform, output, local) =
+        (StorageClass::Uniform as u32, StorageClass::Output as u32, StorageClass::Function as u32);
+    put(Op::MemberDecorate, &[25, 0, Decoration::Offset as u32, 0]);
+    put(Op::MemberDecorate, &[25, 1, Decoration::Offset as u32, 64]);
+    put(Op::Decorate, &[28, Decoration::BuiltIn as u32, spirv::BuiltIn::Position as u32]);
+    put(Op::TypeVoid, &[20]);
+    put(Op::TypeFunction, &[21, 20]);
+    put(Op::TypeFloat, &[22, 32]);
+    put(Op::TypeVector, &[23, 22, 4]);
+    put(Op::TypeMatrix, &[24, 23, 4]);
+    put(Op::TypeStruct, &[25, 24, 24]);
+    put(Op::TypePointer, &[26, uniform, 25]);
+    put(Op::TypePointer, &[27, output, 23]);
+    put(Op::Variable, &[27, 28, output]);
+    put(Op::Variable, &[27, 29, output]);
+    put(Op::Variable, &[26, 30, uniform]);
+    put(Op::TypeInt, &[31, 32, 0]);
+    put(Op::Constant, &[31, 32, 0]);
+    put(Op::Constant, &[31, 33, 1]);
+    put(Op::TypePointer, &[34, uniform, 24]);
+    put(Op::TypePointer, &[35, local, 23]);
+    put(Op::TypeFunction, &[36, 23, 24]);
+    put(Op::Constant, &[22, 37, 0]);
+    put(Op::ConstantComposite, &[23, 38, 37, 37, 37, 37]);
+    // vec4 f(mat4 m) { return m * constant; }
+    put(Op::Function, &[23, 40, 0, 36]);
+    put(Op::FunctionParameter, &[24, 41]);
+    put(Op::Label, &[42]);
+    put(Op::MatrixTimesVector, &[23, 43, 41, 38]);
+    put(Op::ReturnValue, &[43]);
+    put(Op::FunctionEnd, &[]);
+    put(Op::Function, &[20, 44, 0, 21]);
+    put(Op::Label, &[45]);
+    put(Op::Variable, &[35, 46, local]);
+    put(Op::AccessChain, &[34, 47, 30, 32 + through]);
+    put(Op::Load, &[24, 48, 47]);
+    put(Op::FunctionCall, &[23, 49, 40, 48]);
+    put(Op::Store, &[46, 49]);
+    put(Op::Load, &[23, 50, 46]);
+    put(Op::Store, &[28, 50]);
+    put(Op::AccessChain, &[34, 51, 30, 33 - through]);
+    put(Op::Load, &[24, 52, 51]);
+    put(Op::MatrixTimesVector, &[23, 53, 52, 38]);
+    put(Op::Store, &[29, 53]);
+    put(Op::Return, &[]);
+    put(Op::FunctionEnd, &[]);
+    words
+}
+
+#[test]
+fn only_matrices_of_the_position_are_found_where_it_is_asked_for() {
+    let offsets = |words: &[u32], of_position| -> HashSet<u32> {
+        matrices(words, of_position).iter().map(|matrix| matrix.offset).collect()
+    };
+    for through in [0, 1] {
+        let words = two_matrices(through);
+        assert_eq!(offsets(&words, false), HashSet::from([0, 64]));
+        assert_eq!(offsets(&words, true), HashSet::from([64 * through]));
+    }
+    // A pointer that is not followed: all that the shader has may flow.
+    let mut words = two_matrices(0);
+    words.extend([(3 << 16) | Op::Store as u32, 59, 53]);
+    assert_eq!(offsets(&words, true), HashSet::from([0, 64]));
 }

@@ -1,0 +1,187 @@
+//! What flows into `Position`: only a matrix among it can be the lens.
+//!
+//! Followed are ids and variables of all functions, each variable as a whole but blocks that the program fills, whose
+//! members are told apart. In doubt something flows: all conditions, whichever function they are in, and all that a
+//! call is given.
+
+use crate::intercept::vk::spirv::module::{Declarations, Instruction};
+use spirv::{BuiltIn, Decoration, Op, StorageClass};
+use std::collections::{HashMap, HashSet};
+
+/// Members of the program's blocks that may flow into the position.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct PositionLoads(HashSet<(u32, Vec<u32>)>);
+
+impl PositionLoads {
+    /// Whether what is loaded includes the member at `path` of a variable, or a part of it. Elements of arrays count as
+    /// one.
+    pub fn contain(&self, variable: u32, path: &[u32]) -> bool {
+        self.0.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
+    }
+
+    /// Those of a module; `None` where it writes through pointers that are not followed, or has no position.
+    pub fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Option<Self> {
+        let mut flow = Flow { declared, into: HashMap::new(), chains: HashMap::new(), open: positions(all, declared) };
+        if flow.open.is_empty() {
+            return None;
+        }
+        flow.read(all)?;
+        Some(flow.loads())
+    }
+}
+
+/// Variables that hold a position, alone or in a block.
+fn positions(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Vec<u32> {
+    let is_position = |i: &&Instruction<'_>, at| i.rest(at) == [Decoration::BuiltIn as u32, BuiltIn::Position as u32];
+    let alone = all.iter().filter(|i| i.is(Op::Decorate) && is_position(i, 1)).map(|i| i.operand(0));
+    let blocks: HashSet<u32> = all
+        .iter()
+        .filter(|i| i.is(Op::MemberDecorate) && is_position(i, 2))
+        .map(|i| i.operand(0))
+        .chain(alone)
+        .collect();
+    let output = |variable: &&Instruction<'_>| {
+        let (class, mut pointee) = declared.pointee(variable.operand(1)).unwrap_or_default();
+        if let Some(array) = declared.get(pointee, Op::TypeArray) {
+            pointee = array.operand(1);
+        }
+        class == StorageClass::Output as u32 && (blocks.contains(&pointee) || blocks.contains(&variable.operand(1)))
+    };
+    let globals = all.iter().take_while(|i| !i.is(Op::Function)).filter(|i| i.is(Op::Variable));
+    globals.filter(output).map(|i| i.operand(1)).collect()
+}
+
+struct Flow<'a> {
+    declared: &'a Declarations<'a>,
+    /// From each id to those that may flow into it.
+    into: HashMap<u32, Vec<u32>>,
+    /// Access chains: what they start from, and their indices.
+    chains: HashMap<u32, (u32, Vec<u32>)>,
+    /// Ids that flow into the position and are to be followed.
+    open: Vec<u32>,
+}
+
+impl Flow<'_> {
+    fn add(&mut self, target: u32, sources: &[u32]) {
+        self.into.entry(target).or_default().extend(sources);
+    }
+
+    /// The variable, parameter or result that a pointer leads into, and the indices that lead there.
+    fn root(&self, mut pointer: u32) -> (u32, Vec<u32>) {
+        let mut path = Vec::new();
+        while let Some((base, indices)) = self.chains.get(&pointer) {
+            path.splice(0..0, indices.iter().copied());
+            pointer = *base;
+        }
+        (pointer, path)
+    }
+
+    fn read(&mut self, all: &[Instruction<'_>]) -> Option<()> {
+        let mut parameters: HashMap<u32, Vec<u32>> = HashMap::new();
+        let mut function = 0;
+        for i in all {
+            match Op::from_u32(i.opcode) {
+                Some(Op::Function) => function = i.operand(1),
+                Some(Op::FunctionParameter) => parameters.entry(function).or_default().push(i.operand(1)),
+                Some(Op::AccessChain | Op::InBoundsAccessChain | Op::CopyObject) if function != 0 => {
+                    self.chains.insert(i.operand(1), (i.operand(2), i.rest(3).to_vec()));
+                }
+                _ => {}
+            }
+        }
+        let mut followed: HashSet<u32> = parameters.values().flatten().copied().collect();
+        followed.extend(all.iter().filter(|i| i.is(Op::Variable)).map(|i| i.operand(1)));
+        for i in all.iter().skip_while(|i| !i.is(Op::Function)) {
+            match Op::from_u32(i.opcode)? {
+                Op::Function => function = i.operand(1),
+                Op::FunctionParameter | Op::Label | Op::FunctionEnd | Op::Line | Op::NoLine => {}
+                // In `chains`.
+                Op::AccessChain | Op::InBoundsAccessChain | Op::CopyObject => {}
+                Op::Branch | Op::SelectionMerge | Op::LoopMerge | Op::Return | Op::Kill | Op::Unreachable => {}
+                Op::BranchConditional | Op::Switch => self.open.push(i.operand(0)),
+                Op::ReturnValue => self.add(function, i.operands),
+                Op::Store | Op::CopyMemory => {
+                    let (root, path) = self.root(i.operand(0));
+                    if !followed.contains(&root) {
+                        return None;
+                    }
+                    self.add(root, &path);
+                    self.add(root, &i.operands[1..2.min(i.operands.len())]);
+                }
+                Op::CompositeExtract => self.add(i.operand(1), &i.operands[2..3.min(i.operands.len())]),
+                Op::CompositeInsert | Op::VectorShuffle => {
+                    self.add(i.operand(1), i.operands.get(2..4).unwrap_or_default());
+                }
+                Op::FunctionCall => {
+                    let (callee, arguments) = (i.operand(2), i.rest(3));
+                    self.add(i.operand(1), i.rest(2));
+                    for (parameter, argument) in parameters.get(&callee).into_iter().flatten().zip(arguments) {
+                        self.add(*parameter, &[*argument]);
+                        // The function may write to what it is given.
+                        let (root, _) = self.root(*argument);
+                        self.add(root, &[*parameter]);
+                    }
+                }
+                Op::Variable => self.add(i.operand(1), i.rest(3)),
+                Op::ExtInst => {
+                    self.add(i.operand(1), i.rest(4));
+                    // Some write to one of their operands.
+                    for operand in i.rest(4) {
+                        let (root, _) = self.root(*operand);
+                        if followed.contains(&root) {
+                            self.add(root, i.rest(4));
+                        }
+                    }
+                }
+                _ => self.add(i.operand(1), i.rest(2)),
+            }
+        }
+        Some(())
+    }
+
+    /// Follows all that flows into the position back to members of the program's blocks.
+    fn loads(mut self) -> PositionLoads {
+        let mut loads = PositionLoads::default();
+        let mut seen = HashSet::new();
+        while let Some(id) = self.open.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            let (root, path) = self.root(id);
+            let class = self.declared.pointee(root).map_or(u32::MAX, |pointee| pointee.0);
+            if [StorageClass::PushConstant, StorageClass::Uniform, StorageClass::StorageBuffer]
+                .iter()
+                .any(|block| *block as u32 == class)
+            {
+                loads.0.insert((root, self.members(root, &path)));
+            } else if root != id {
+                self.open.push(root);
+            }
+            self.open.extend(path);
+            self.open.extend(self.into.get(&id).into_iter().flatten());
+        }
+        loads
+    }
+
+    /// Those of `indices` that choose a member of a structure, from `variable` on; an index that is not known ends them.
+    fn members(&self, variable: u32, indices: &[u32]) -> Vec<u32> {
+        let mut kind = self.declared.pointee(variable).map_or(0, |pointee| pointee.1);
+        let mut path = Vec::new();
+        for index in indices {
+            if let Some(block) = self.declared.get(kind, Op::TypeStruct) {
+                let Some(member) = self.declared.get(*index, Op::Constant).map(|constant| constant.operand(2)) else {
+                    break;
+                };
+                path.push(member);
+                kind = block.operand(1 + member as usize);
+            } else if let Some(array) =
+                self.declared.get(kind, Op::TypeArray).or_else(|| self.declared.get(kind, Op::TypeRuntimeArray))
+            {
+                kind = array.operand(1);
+            } else {
+                break;
+            }
+        }
+        path
+    }
+}
