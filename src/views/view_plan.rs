@@ -103,7 +103,10 @@ impl Request {
             return invalid(format!("{} output sizes were given for {outputs} outputs", self.output_sizes.len()));
         }
         if let Some(index) = self.output_sizes.iter().position(|size| (size.0 == 0) != (size.1 == 0)) {
-            return invalid(format!("output {index} has no pixels"));
+            let (width, height) = self.output_sizes[index];
+            return invalid(format!(
+                "output {index} has {width} × {height} pixels; in a larger window, or with fewer outputs, it would have some"
+            ));
         }
         if (self.panel || self.primary) && (self.window.0 == 0 || self.window.1 == 0) {
             return invalid("the window has no pixels".to_owned());

@@ -35,6 +35,7 @@ mod steady;
 mod vertices;
 mod vkcube;
 mod vulkan;
+mod vulkan_faults;
 mod vulkan_others;
 mod vulkan_primitives;
 mod vulkan_queries;
@@ -62,6 +63,7 @@ harness::tests! {
     steady,
     vertices,
     vulkan,
+    vulkan_faults,
     vulkan_others,
     vulkan_primitives,
     vulkan_queries,

@@ -50,7 +50,7 @@ pub fn vendor() -> Option<&'static str> {
 }
 
 /// The library as it was built for these tests: cargo puts it beside the command only for `cargo build`.
-fn library() -> PathBuf {
+pub fn library() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")
 }
 
@@ -101,7 +101,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn arguments(&self, place: &Place) -> Vec<String> {
+    pub fn arguments(&self, place: &Place) -> Vec<String> {
         let mut arguments: Vec<String> = [
             ("--size", format!("{}x{}", self.size.0, self.size.1)),
             ("--fov", self.fov.to_string()),
@@ -345,7 +345,7 @@ fn vulkan_examples() -> Option<&'static Path> {
 }
 
 /// The folder of the built Vulkan test programs.
-fn vulkan_apps() -> Option<&'static Path> {
+pub fn vulkan_apps() -> Option<&'static Path> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
     available(BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", &[])))
 }
@@ -397,7 +397,7 @@ pub struct Finished {
 }
 
 impl Finished {
-    fn of(command: Command, program: &str, rig: &str) -> Option<Self> {
+    pub fn of(command: Command, program: &str, rig: &str) -> Option<Self> {
         Some(Self::on(display::get()?, command, program, rig))
     }
 

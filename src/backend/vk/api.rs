@@ -166,11 +166,17 @@ fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
     function.map_or(std::ptr::null(), |function| function as *const c_void)
 }
 
-/// Checks that `find` finds every function of a table.
-fn require(
+/// The function of Vulkan 1.0 for devices that `find` does not find, if there is one. What ash calls in its
+/// place ends the process.
+pub fn missing_of_device(find: impl Fn(&CStr) -> *const c_void) -> Option<String> {
+    first_missing(|find| _ = ash::DeviceFnV1_0::load(find), find)
+}
+
+/// The first function of a table that `find` does not find.
+fn first_missing(
     load: impl FnOnce(&mut dyn FnMut(&CStr) -> *const c_void),
     find: impl Fn(&CStr) -> *const c_void,
-) -> Result<()> {
+) -> Option<String> {
     let mut missing = None;
     load(&mut |name: &CStr| {
         let function = find(name);
@@ -179,7 +185,15 @@ fn require(
         }
         function
     });
-    missing.map_or(Ok(()), |name| {
+    missing
+}
+
+/// Checks that `find` finds every function of a table.
+fn require(
+    load: impl FnOnce(&mut dyn FnMut(&CStr) -> *const c_void),
+    find: impl Fn(&CStr) -> *const c_void,
+) -> Result<()> {
+    first_missing(load, find).map_or(Ok(()), |name| {
         let message = format!("vkGetInstanceProcAddr finds no {name}: is the instance the one that it belongs to?");
         Err(Error::new(ErrorKind::Graphics, message))
     })

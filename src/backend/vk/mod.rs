@@ -16,7 +16,7 @@ mod program;
 mod surface;
 mod timers;
 
-pub use api::{Api, refused};
+pub use api::{Api, missing_of_device, refused};
 pub use ash;
 pub use barrier::{COLOR, Use, barrier};
 pub use images::{SourceImage, TargetImage};

@@ -284,9 +284,14 @@ static void push_block(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
     push(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &write);
 }
 
+/* Number of the draw among those of a frame. */
+static int draw_number;
+
 static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
 {
-    const matrix4 matrix = flat ? flat_matrix() : direction_matrix(&options.direction, w.extent, options.flip);
+    matrix4 matrix = flat ? flat_matrix() : direction_matrix(&options.direction, w.extent, options.flip);
+    for (int i = 0; i < 16; i++)
+        matrix.m[i] *= 1.0f + (float)draw_number / 1048576.0f;
     const uint32_t offset = flat ? 2 * SLICE : SLICE;
     if (options.matrix == MATRIX_PUSH)
         vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
@@ -332,7 +337,8 @@ static void draw(VkCommandBuffer buffer, uint32_t index)
     }
     if (options.flat == 2)
         draw_one(buffer, index, true);
-    draw_one(buffer, index, false);
+    for (draw_number = 0; draw_number < options.draws; draw_number++)
+        draw_one(buffer, index, false);
     if (options.flat == 1)
         draw_one(buffer, index, true);
 }
@@ -471,13 +477,25 @@ static void follow_size(void)
         record(i);
 }
 
+/* A new swapchain, and everything that depends on its size. */
+static void follow_window(void)
+{
+    expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
+    free_framebuffers();
+    free_pipeline(&w, &pipeline);
+    free_pipeline(&w, &plain_pipeline);
+    window_make_swapchain(&w);
+    follow_size();
+}
+
 static void frame(void)
 {
     const uint32_t index = next_image(&w, &objects);
     fill_block(index);
     if (!options.once)
         record(index);
-    end_frame(&w, &objects, commands[index], index);
+    if (!end_frame(&w, &objects, commands[index], index) && options.follow)
+        follow_window();
 }
 
 static void open_all(void)
@@ -527,11 +545,7 @@ int main(int argc, char **argv)
             const uint32_t odd = (uint32_t)(number % 2 == 0 ? 0 : 31);
             expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
             window_ask_size(&w, options.direction.width + odd + (uint32_t)(number % 7), options.direction.height + odd);
-            free_framebuffers();
-            free_pipeline(&w, &pipeline);
-            free_pipeline(&w, &plain_pipeline);
-            window_make_swapchain(&w);
-            follow_size();
+            follow_window();
             if (options.memory != NULL)
                 write_memory(options.memory, getpid());
         }

@@ -57,7 +57,7 @@ bool end_frame(const vulkan_window *w, const frame_objects *objects, VkCommandBu
                                       .pSwapchains = &w->swapchain,
                                       .pImageIndices = &index};
     const VkResult presented = vkQueuePresentKHR(w->queue, &present);
-    if (presented != VK_SUBOPTIMAL_KHR)
+    if (presented != VK_SUBOPTIMAL_KHR && presented != VK_ERROR_OUT_OF_DATE_KHR)
         expect(presented, "vkQueuePresentKHR");
     expect(vkWaitForFences(w->device, 1, &objects->done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
     expect(vkResetFences(w->device, 1, &objects->done), "vkResetFences");

@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-vulkan_options options = {.direction = DIRECTION_DEFAULTS, .samples = 1};
+vulkan_options options = {.direction = DIRECTION_DEFAULTS, .samples = 1, .draws = 1};
 
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
                     "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed] [--once] [--srgb] [--flip]\n"
-                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--cells triangles|ball|behind|points]\n"
-                    "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE]\n");
+                    "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--cells triangles|ball|behind|points]\n"
+                    "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE] [--draws N]\n");
     exit(2);
 }
 
@@ -30,7 +30,8 @@ static bool is_flag(const char *option)
         bool *flag;
     } flags[] = {{"--once", &options.once},         {"--srgb", &options.srgb},         {"--flip", &options.flip},
                  {"--secondary", &options.secondary}, {"--indirect", &options.indirect}, {"--fixed", &options.fixed},
-                 {"--copy-window", &options.copy_window}, {"--columns", &options.columns}};
+                 {"--copy-window", &options.copy_window}, {"--columns", &options.columns},
+                 {"--follow", &options.follow}};
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (strcmp(option, flags[i].name) == 0) {
             *flags[i].flag = true;
@@ -58,6 +59,8 @@ void parse(int argc, char **argv)
             options.samples = atoi(value);
         else if (strcmp(option, "--resizes") == 0)
             options.resizes = atoi(value);
+        else if (strcmp(option, "--draws") == 0)
+            options.draws = atoi(value);
         else if (strcmp(option, "--pass") == 0)
             options.pass = (pass_kind)known(value, passes, 4);
         else if (strcmp(option, "--matrix") == 0)

@@ -13,11 +13,13 @@ typedef enum { STAGE_VERTEX, STAGE_GEOMETRY, STAGE_TESSELLATION } stage_kind;
 typedef struct {
     direction_options direction;
     int samples, resizes;
+    int draws; /* so often is the cube drawn in a frame, each time with another matrix that shows the same */
     pass_kind pass;
     matrix_kind matrix;
     stage_kind stage; /* the last one before rasterisation */
     cells_kind cells; /* how small the parts are that the cube is drawn in */
     bool once, srgb, columns, flip, secondary, indirect, fixed, copy_window;
+    bool follow; /* make a new swapchain where presenting says that it should be */
     int flat; /* 0: nothing, 1: over the cube, 2: before it */
     const char *memory;
 } vulkan_options;

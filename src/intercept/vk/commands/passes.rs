@@ -119,12 +119,10 @@ unsafe fn begin(
             for (view, layout) in views.iter().zip(leaves.iter().flatten()) {
                 device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
             }
-            plain(
-                device,
-                buffer,
-                framebuffer.as_ref().and_then(|framebuffer| framebuffer.target_now(&device.images)),
-                views,
-            );
+            // An imageless framebuffer has no target of its own.
+            let target = framebuffer.as_ref().and_then(|framebuffer| framebuffer.target_now(&device.images));
+            let target = target.or_else(|| views.iter().find_map(|view| device.images.target(*view)));
+            plain(device, buffer, target, views);
             return next(info);
         }
     };

@@ -10,10 +10,11 @@
 //! (`submit::draw_groups`); until then all tiles that may show it get the draw.
 
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::commands::indirect;
 use crate::intercept::vk::commands::panel_clears::clear_pending;
-use crate::intercept::vk::commands::rebind::rebind;
-use crate::intercept::vk::commands::tiles::{PerViewSet, ProgramWindow, TileDraws, is_main};
+use crate::intercept::vk::commands::rebind::{rebind, restore};
+use crate::intercept::vk::commands::tiles::{PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, move_to_tile};
 use crate::intercept::vk::offscreen::scene_graph;
 use crate::intercept::vk::pipelines::matrix_sources::source;
 use crate::intercept::vk::state::device::Device;
@@ -58,24 +59,53 @@ struct Selected {
 /// # Safety
 /// The command buffer is being recorded, within a pass that draws to an atlas.
 pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
-    let Some(variants) = &draw.pipeline.variants else {
-        // Its window space is not that of a tile.
-        draw.device.show_flat(draw.device.flatness.pipeline_obstacle());
-        return;
-    };
     // SAFETY: as promised.
     unsafe {
         rebind(draw.device, draw.buffer, recording, draw.pipeline);
         clear_pending(draw.device, draw.buffer, recording);
         let Some(layout) = recording.pass.as_ref().map(|pass| Arc::clone(&pass.target.layout)) else { return };
-        let Some(classified) = classify(draw, recording, variants, &layout) else { return };
+        let Some(variants) = &draw.pipeline.variants else {
+            draw.device.show_flat(draw.device.flatness.pipeline_obstacle());
+            return issue_flat(draw, recording, &layout);
+        };
+        let Some(classified) = classify(draw, recording, variants, &layout) else {
+            return issue_flat(draw, recording, &layout);
+        };
         let Classified { facts, program, sets } = classified;
-        let Some(selected) = select(draw, recording, &layout, facts) else { return };
+        let Some(selected) = select(draw, recording, &layout, facts) else {
+            return issue_flat(draw, recording, &layout);
+        };
         let Selected { constants, views, on_panel, indirect } = selected;
         let (device, buffer, pipeline, window) = (draw.device, draw.buffer, draw.pipeline, layout.window);
         let tiles = TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, indirect };
         issue(tiles, &layout, views, on_panel, sets, draw.issue);
     }
+}
+
+/// Issues a draw that cannot be followed once, by the program's own pipeline, where its picture is shown flat. The pass draws
+/// to the atlas already, and may have been recorded for many frames. A viewport that belongs to the pipeline cannot be
+/// moved there.
+///
+/// # Safety
+/// As for [`draw_to_views`].
+unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: &AtlasLayout) {
+    let (device, buffer, pipeline, place) = (draw.device, draw.buffer, draw.pipeline, layout.flat_place());
+    // SAFETY: as promised.
+    unsafe {
+        if (place.x, place.y) == (0, 0) {
+            restore(device, buffer, recording);
+        } else if pipeline.viewport.is_none() && pipeline.scissor.is_none() {
+            let program = ProgramWindow::of(recording, pipeline, layout);
+            restore(device, buffer, recording);
+            let scissor = cut_to_tile(&program.scissor, place, layout.window);
+            set_window(device, buffer, &move_to_tile(&program.viewport, place), &scissor, pipeline.with_count);
+            recording.graphics.disturbed = true;
+        } else {
+            return;
+        }
+    }
+    count_draw(recording, None, draw.size.vertices(), Some(1));
+    (draw.issue)();
 }
 
 /// Finds out what can be known of a draw while it is recorded; `None` where it cannot be followed.
@@ -167,7 +197,11 @@ fn select(
     if same.is_none() {
         let stride = device.slot_stride();
         let taken = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride);
-        let constants = taken.inspect_err(|_| device.show_flat("there is no memory for its views")).ok()?;
+        let constants = taken
+            .inspect_err(|error| {
+                device.show_flat(format!("there is no memory for the constants of {slots} tiles: {error}"))
+            })
+            .ok()?;
         recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
         recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
     }

@@ -110,7 +110,7 @@ impl TileDraws<'_> {
                 functions.cmd_bind_pipeline(buffer, graphics, by);
                 self.recording.graphics.current = by;
             }
-            set_window(device, buffer, &viewport, &scissor, self.variants.with_count);
+            set_window(device, buffer, &viewport, &scissor, self.pipeline.with_count);
             self.recording.graphics.disturbed = true;
             let chunk = self.recording.constants.chunks.get(self.constants.chunk);
             if let (Some(layout), Some(chunk)) = (&self.pipeline.layout, chunk) {
@@ -157,7 +157,7 @@ pub fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
 }
 
 /// A viewport moved to a tile.
-fn move_to_tile(viewport: &vk::Viewport, tile: AtlasRect) -> vk::Viewport {
+pub fn move_to_tile(viewport: &vk::Viewport, tile: AtlasRect) -> vk::Viewport {
     vk::Viewport { x: viewport.x + pixels(tile.x), y: viewport.y + pixels(tile.y), ..*viewport }
 }
 
@@ -168,7 +168,7 @@ fn fill_tile(viewport: &vk::Viewport, AtlasRect { x, y, width, height }: AtlasRe
 }
 
 /// A scissor moved to a tile and cut at the borders of the window that it stands for.
-fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) -> vk::Rect2D {
+pub fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) -> vk::Rect2D {
     let axis = |offset: i32, extent: u32, window: u32, tile: i32| {
         let end = i64::from(offset) + i64::from(extent);
         let end = end.clamp(0, i64::from(window)) as i32;

@@ -1,6 +1,6 @@
 //! Life of a device: `vkCreateDevice`, its queues, `vkDestroyDevice`.
 
-use crate::backend::vk::Api;
+use crate::backend::vk::{Api, missing_of_device};
 use crate::intercept::vk::layer::features::Enabled;
 use crate::intercept::vk::layer::{chain_links, features};
 use crate::intercept::vk::state::device::{DEVICES, Device, Role, get};
@@ -48,6 +48,11 @@ pub unsafe extern "system" fn create(
         let result = create(physical, &enabled.info, allocator, handle);
         if result == vk::Result::SUCCESS {
             let made = *handle;
+            let missing = missing_of_device(|name| address((link.get_device_proc_addr)(made, name.as_ptr())));
+            let active = active && missing.is_none();
+            if let Some(name) = missing {
+                log::once(&format!("Vulkan: a device's windows keep the program's own picture: there is no {name}"));
+            }
             let driver = driver(&parent, physical, made, link.get_device_proc_addr, callback);
             let state = Device {
                 next: NextLayer::load(&|name| (link.get_device_proc_addr)(made, name.as_ptr())),

@@ -23,6 +23,9 @@ pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants:
     Pipeline {
         own,
         layout: layout_of(device, parts, &linked),
+        with_count: parts.dynamic.contains(&vk::DynamicState::VIEWPORT_WITH_COUNT)
+            || parts.dynamic.contains(&vk::DynamicState::SCISSOR_WITH_COUNT)
+            || linked.iter().any(|library| library.with_count),
         variants,
         viewport: parts.viewport().or_else(|| linked.iter().find_map(|library| library.viewport)),
         scissor: parts.scissor().or_else(|| linked.iter().find_map(|library| library.scissor)),
@@ -121,9 +124,6 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
             follows,
             panel,
             matrices,
-            with_count: parts.dynamic.contains(&vk::DynamicState::VIEWPORT_WITH_COUNT)
-                || parts.dynamic.contains(&vk::DynamicState::SCISSOR_WITH_COUNT)
-                || libraries().any(|library| library.with_count),
             asks_place: asks_place || libraries().any(|library| library.asks_place),
             deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
                 || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)

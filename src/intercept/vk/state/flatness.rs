@@ -7,8 +7,8 @@ use std::sync::OnceLock;
 /// The reasons for which a device's draws are not issued for each view.
 #[derive(Default)]
 pub struct Flatness {
-    /// Why the program's picture is shown flat; empty as long as it is not.
-    reason: OnceLock<String>,
+    /// Text for the log and the statistics, where the program's picture is not made of views; empty where it is.
+    note: OnceLock<String>,
     /// Why some pipeline has no variants.
     pipeline: OnceLock<Obstacle>,
 }
@@ -16,23 +16,30 @@ pub struct Flatness {
 impl Flatness {
     /// Whether draws are issued for each view.
     pub fn draws_views(&self) -> bool {
-        self.reason.get().is_none()
+        self.note.get().is_none()
     }
 
     /// From now on the program's picture is shown flat; the log says why.
     pub fn show_flat(&self, why: &Obstacle) {
         let Some(reason) = why.reason() else { return };
-        if self.reason.set(reason.to_owned()).is_ok() {
-            log::once(&self.note().unwrap_or_default());
+        let note = format!(
+            "Vulkan: the program's picture is shown flat, on the panel; its draws are not issued for each view: {reason}"
+        );
+        if self.note.set(note.clone()).is_ok() {
+            log::once(&note);
         }
     }
 
-    /// Text for the log and the statistics, if the program is shown flat.
+    /// From now on windows have the program's own picture; the log says why.
+    pub fn show_own(&self, why: &str) {
+        let note = format!("Vulkan: the window has the program's own picture from now on: {why}");
+        log::once(&note);
+        let _ = self.note.set(note);
+    }
+
+    /// Text for the log and the statistics, if draws are not issued for each view.
     pub fn note(&self) -> Option<String> {
-        let why = self.reason.get()?;
-        Some(format!(
-            "Vulkan: the program's picture is shown flat, on the panel; its draws are not issued for each view: {why}"
-        ))
+        self.note.get().cloned()
     }
 
     /// Notes why a pipeline has no variants; that matters when it draws to a window.

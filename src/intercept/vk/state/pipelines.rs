@@ -57,6 +57,8 @@ pub struct Pipeline {
     pub(in crate::intercept::vk) own: vk::Pipeline,
     /// Its layout, if that has a set of ours.
     pub(in crate::intercept::vk) layout: Option<Arc<PipelineLayout>>,
+    /// Number of viewports and scissors is set by commands, too.
+    pub(in crate::intercept::vk) with_count: bool,
     /// Pipelines that draw in its place.
     pub(in crate::intercept::vk) variants: Option<Variants>,
     /// The program's viewport, unless it is set by commands.
@@ -75,8 +77,6 @@ pub struct Variants {
     pub(in crate::intercept::vk) panel: vk::Pipeline,
     /// Where its shaders' matrices are.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
-    /// Number of viewports and scissors is set by commands, too.
-    pub(in crate::intercept::vk) with_count: bool,
     /// Its fragment shader asks where on the screen it is.
     pub(in crate::intercept::vk) asks_place: bool,
     /// It tests depth.

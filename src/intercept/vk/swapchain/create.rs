@@ -14,6 +14,7 @@ use crate::lock::Lock;
 use crate::rig::{Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
 impl Swapchain {
@@ -124,7 +125,8 @@ pub unsafe extern "system" fn create(
     let next = |info: &vk::SwapchainCreateInfoKHR<'_>| unsafe {
         (device.driver.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain)
     };
-    let Some(settings) = settings::settings().filter(|_| device.role.active) else { return next(given) };
+    let looked_after = device.role.active && !device.swapchains.given_up.load(Ordering::Relaxed);
+    let Some(settings) = settings::settings().filter(|_| looked_after) else { return next(given) };
     if let Some(why) = obstacle(given) {
         log::once(&format!("Vulkan: a window keeps the program's own picture: {why}"));
         return next(given);
@@ -161,13 +163,18 @@ pub unsafe extern "system" fn create(
             build(&device, made, given, supported, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings)))
         }
     });
-    match built {
-        Some(Ok(built)) => {
-            let mut all = device.swapchains.all.locked();
-            all.insert(made, Arc::new(Mutex::new(built)));
-        }
+    match &built {
+        Some(Ok(_)) => {}
         Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
         None => log::once("Vulkan: a window keeps the program's own picture after a failure"),
+    }
+    let built = built.and_then(std::result::Result::ok).or_else(|| {
+        // Its frames are counted and captured nevertheless.
+        // SAFETY: as above.
+        crate::fence::guard(|| unsafe { build(&device, made, given, supported, None) })?.ok()
+    });
+    if let Some(built) = built {
+        device.swapchains.all.locked().insert(made, Arc::new(Mutex::new(built)));
     }
     vk::Result::SUCCESS
 }

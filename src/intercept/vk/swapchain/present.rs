@@ -38,7 +38,7 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     // SAFETY: the program presents on this queue, so that no other thread uses it.
     let prepared = crate::fence::guard(|| unsafe {
         outdated = follow_rig(&device, &changed);
-        prepare(&device, queue, &changed, frames, last, &mut ready);
+        outdated |= !prepare(&device, queue, &changed, frames, last, &mut ready);
     });
     if prepared.is_none() {
         log::once("Vulkan: a frame could not be corrected after a failure");
@@ -73,7 +73,8 @@ unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
 }
 
 /// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the
-/// place of the program's semaphores, where those were waited for here.
+/// place of the program's semaphores, where those were waited for here. Returns whether each image has a
+/// picture.
 ///
 /// # Safety
 /// As for [`present`].
@@ -84,10 +85,11 @@ unsafe fn prepare(
     frames: u64,
     last: bool,
     ready: &mut Option<Vec<vk::Semaphore>>,
-) {
+) -> bool {
     device.frame.locked().end();
     crate::intercept::vk::offscreen::scene_graph::decide(device);
-    let Some(settings) = settings::settings() else { return };
+    let Some(settings) = settings::settings() else { return true };
+    let mut complete = true;
     let pictures = settings.capture.is_some() || settings.capture_views.is_some();
     let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
     // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
@@ -103,10 +105,14 @@ unsafe fn prepare(
         let Some(managed) = device.swapchains.managed(*handle) else { continue };
         let mut managed = managed.locked();
         // SAFETY: as above.
-        if let Some(signal) = unsafe { make(device, queue, &mut managed, index as usize, waits) } {
-            ready.get_or_insert_default().push(signal);
-            // The first submission waits for everything; what follows on the queue comes after it.
-            waits = &[];
+        match unsafe { make(device, queue, &mut managed, index as usize, waits) } {
+            Made::Submitted(signal) => {
+                ready.get_or_insert_default().push(signal);
+                // The first submission waits for everything; what follows on the queue comes after it.
+                waits = &[];
+            }
+            Made::Lost => complete = false,
+            Made::AsItIs => {}
         }
         if !keep {
             continue;
@@ -131,31 +137,42 @@ unsafe fn prepare(
         kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
         device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
+    complete
 }
 
-/// Makes the window's picture: the corrected one, or after a failure the program's own.
+/// The picture of a window.
+enum Made {
+    /// Its commands were submitted; this says when it can be presented.
+    Submitted(vk::Semaphore),
+    /// The program draws to the real image.
+    AsItIs,
+    /// The driver refuses the commands.
+    Lost,
+}
+
+/// Makes the window's picture: the corrected one, or after a failure the program's own. If the driver
+/// refuses this as well, the program is asked for a new swapchain, which is left alone.
 ///
 /// # Safety
 /// As for [`present`].
-unsafe fn make(
-    device: &Device,
-    queue: Queue,
-    managed: &mut Swapchain,
-    index: usize,
-    waits: &[vk::Semaphore],
-) -> Option<vk::Semaphore> {
+unsafe fn make(device: &Device, queue: Queue, managed: &mut Swapchain, index: usize, waits: &[vk::Semaphore]) -> Made {
     loop {
-        let show = managed.show(index)?;
-        let stand_in = managed.stand_in.as_mut()?;
+        let show = managed.show(index);
+        let Some((show, stand_in)) = show.zip(managed.stand_in.as_mut()) else { return Made::AsItIs };
         // SAFETY: as promised.
         match unsafe { stand_in.submit(device, queue, index, show, waits) } {
-            Ok(signal) => return Some(signal),
+            Ok(signal) => return Made::Submitted(signal),
             Err(error) if managed.failed => {
-                log::once(&format!("Vulkan: a frame is lost: {}", error.message));
-                return None;
+                log::once(&format!(
+                    "Vulkan: frames are lost until the program makes a new swapchain: {}",
+                    error.message
+                ));
+                device.swapchains.given_up.store(true, Ordering::Relaxed);
+                return Made::Lost;
             }
             Err(error) => {
-                log::once(&format!("Vulkan: the window has the program's own picture from now on: {}", error.message));
+                // What is recorded from now on goes to that picture, and not to views.
+                device.flatness.show_own(&error.message);
                 managed.failed = true;
             }
         }

@@ -31,11 +31,6 @@ fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("the driver refuses {what}: {result}"))
 }
 
-/// Which of the [`StandIn::sources`] the correction of image `index` reads.
-fn source_of(index: usize, show: PictureSource) -> usize {
-    2 * index + usize::from(show == PictureSource::Panel)
-}
-
 fn missing(index: usize) -> Error {
     Error::new(ErrorKind::Internal, format!("the swapchain has no image {index}"))
 }
@@ -116,7 +111,8 @@ impl StandIn {
                     ready: vk::Semaphore::null(),
                     done: vk::Fence::null(),
                     commands: Default::default(),
-                    submitted: None,
+                    pending: false,
+                    timed: None,
                 });
                 let Some(slot) = self.slots.last_mut() else { continue };
                 for (view, components) in slot.views.iter_mut().zip([same, opaque]) {
@@ -125,7 +121,7 @@ impl StandIn {
                 let semaphore = vk::SemaphoreCreateInfo::default();
                 slot.ready =
                     device.driver.functions.create_semaphore(&semaphore, None).map_err(refused("a semaphore"))?;
-                let fence = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
+                let fence = vk::FenceCreateInfo::default();
                 slot.done = device.driver.functions.create_fence(&fence, None).map_err(refused("a fence"))?;
             }
             if plain == info.image_format {
@@ -175,10 +171,20 @@ impl StandIn {
             device.driver.functions.destroy_command_pool(std::mem::take(&mut self.pool), None);
         }
         // The old backend's times are gone with it.
-        self.slots.iter_mut().for_each(|slot| slot.submitted = None);
+        self.slots.iter_mut().for_each(|slot| slot.timed = None);
         // Commands are recorded anew with the next pool.
         (self.backend, self.layout, self.family, self.uploaded) = (backend, layout, u32::MAX, false);
         Ok(())
+    }
+
+    /// Which of the [`StandIn::sources`] the correction of image `index` reads.
+    fn source_of(&self, index: usize, show: PictureSource) -> usize {
+        2 * index + usize::from(show == PictureSource::Panel && self.covers())
+    }
+
+    /// Whether the program's picture on the panel covers the views.
+    fn covers(&self) -> bool {
+        self.layout.flat_place() == self.layout.panel
     }
 
     /// The atlases: twice each, as they are and as if they covered everything.
@@ -266,6 +272,7 @@ impl StandIn {
         // SAFETY: as promised; the command buffer is recorded, and not pending any more.
         unsafe {
             let commands = [self.commands(device, queue.family, index, show)?];
+            let source = self.source_of(index, show);
             let Some(slot) = self.slots.get_mut(index) else { return Err(missing(index)) };
             let (ready, stages) = ([slot.ready], vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()]);
             let work = vk::SubmitInfo::default()
@@ -274,13 +281,16 @@ impl StandIn {
                 .command_buffers(&commands)
                 .signal_semaphores(&ready);
             let functions = &device.driver.functions;
-            functions.wait_for_fences(&[slot.done], true, LONGEST_WAIT).map_err(refused("to wait"))?;
-            if let Some(source) = slot.submitted.take() {
-                self.backend.read_timing(source);
+            if slot.pending {
+                functions.wait_for_fences(&[slot.done], true, LONGEST_WAIT).map_err(refused("to wait"))?;
+                if let Some(source) = slot.timed.take() {
+                    self.backend.read_timing(source);
+                }
+                functions.reset_fences(&[slot.done]).map_err(refused("to wait"))?;
+                slot.pending = false;
             }
-            functions.reset_fences(&[slot.done]).map_err(refused("to wait"))?;
             functions.queue_submit(queue.handle, &[work], slot.done).map_err(refused("work"))?;
-            slot.submitted = (self.timed && show.corrects()).then_some(source_of(index, show));
+            (slot.pending, slot.timed) = (true, (self.timed && show.corrects()).then_some(source));
             Ok(slot.ready)
         }
     }
@@ -364,9 +374,10 @@ impl StandIn {
                 functions.cmd_copy_image(buffer, from, COPIED_FROM.layout, to, COPIED_TO.layout, &[region])
             };
             if !show.corrects() {
-                let at = self.layout.panel.offset();
                 let (from, region) = match show {
-                    PictureSource::Tile => (atlas, region.src_offset(at)),
+                    PictureSource::Tile => {
+                        (atlas, region.src_offset(self.layout.own().unwrap_or(self.layout.panel).offset()))
+                    }
                     _ => (given, region),
                 };
                 barrier(&device.driver, buffer, from, PRESENTED, COPIED_FROM);
@@ -382,13 +393,15 @@ impl StandIn {
                 let black = vk::ClearColorValue::default();
                 functions.cmd_clear_color_image(buffer, atlas, COPIED_TO.layout, &black, &[COLOR]);
                 barrier(&device.driver, buffer, atlas, COPIED_TO, COPIED_TO);
-                let at = self.layout.panel.offset();
-                copy(given, atlas, region.dst_offset(at));
+                copy(given, atlas, region.dst_offset(self.layout.flat_place().offset()));
                 barrier(&device.driver, buffer, given, COPIED_FROM, PRESENTED);
+                if !self.covers() {
+                    barrier(&device.driver, buffer, atlas, COPIED_TO, PRESENTED);
+                }
             }
             let target = if self.between.is_some() { 0 } else { index };
-            self.backend.record(buffer, source_of(index, show), target, &self.layout.outputs)?;
-            if show == PictureSource::Panel {
+            self.backend.record(buffer, self.source_of(index, show), target, &self.layout.outputs)?;
+            if show == PictureSource::Panel && self.covers() {
                 barrier(&device.driver, buffer, atlas, COPIED_TO, PRESENTED);
             }
             if let Some(between) = &self.between {
@@ -405,11 +418,9 @@ impl StandIn {
     /// # Safety
     /// The device must be live.
     pub unsafe fn wait(&self, device: &Device) {
-        let fences: Vec<vk::Fence> =
-            self.slots.iter().map(|slot| slot.done).filter(|fence| *fence != vk::Fence::null()).collect();
+        let fences: Vec<vk::Fence> = self.slots.iter().filter(|slot| slot.pending).map(|slot| slot.done).collect();
         if !fences.is_empty() {
-            // SAFETY: fences of ours that are signalled or were submitted; a lost device ends the
-            // wait with an error.
+            // SAFETY: fences of ours that were submitted; a lost device ends the wait with an error.
             let _ = unsafe { device.driver.functions.wait_for_fences(&fences, true, u64::MAX) };
         }
     }

@@ -12,6 +12,7 @@ use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 /// Source of a frame.
@@ -19,7 +20,7 @@ use std::sync::{Arc, Mutex};
 pub enum PictureSource {
     /// The program's picture as it is.
     Own,
-    /// The panel's tile as it is.
+    /// The tile of the program's own picture as it is; where there is none, the panel's.
     Tile,
     /// The program's picture on the panel.
     Panel,
@@ -41,10 +42,12 @@ pub(in crate::intercept::vk) struct Slot {
     pub(in crate::intercept::vk) ready: vk::Semaphore,
     /// Signalled when the commands of its last picture are done.
     pub(in crate::intercept::vk) done: vk::Fence,
-    /// For each [`Show`]: recorded when first needed, then submitted again and again.
+    /// For each [`PictureSource`]: recorded when first needed, then submitted again and again.
     pub(in crate::intercept::vk) commands: [vk::CommandBuffer; 4],
-    /// The source of the correction that was submitted last.
-    pub(in crate::intercept::vk) submitted: Option<usize>,
+    /// They were submitted, and that is not known yet.
+    pub(in crate::intercept::vk) pending: bool,
+    /// The source of the correction among them, if it is timed.
+    pub(in crate::intercept::vk) timed: Option<usize>,
 }
 
 /// See the module.
@@ -93,6 +96,8 @@ pub struct Swapchains {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
     /// The image of a swapchain that was made last, with its format.
     latest: Mutex<Option<(vk::Format, Arc<ViewTarget>)>>,
+    /// Not even the program's own picture could be brought to a window: new swapchains are left alone.
+    pub(in crate::intercept::vk) given_up: AtomicBool,
 }
 
 impl Swapchains {

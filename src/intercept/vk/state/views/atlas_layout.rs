@@ -137,6 +137,12 @@ impl AtlasLayout {
         self.primary.or(own)
     }
 
+    /// Where the program's picture is shown flat: the panel, or, where the program's own lens shows everything
+    /// and the panel nothing, the view with that lens.
+    pub fn flat_place(&self) -> AtlasRect {
+        self.own().filter(|_| self.shows_own_lens()).unwrap_or(self.panel)
+    }
+
     /// The panel and the texels around it, which the filter reaches at its border.
     pub fn panel_with_border(&self) -> AtlasRect {
         let AtlasRect { x, y, width, height } = self.panel;

@@ -114,6 +114,9 @@ impl ConstantPool {
         stride: u32,
     ) -> VkResult<ChunkOffset> {
         let length = slots as u64 * u64::from(stride);
+        if length > CHUNK_BYTES {
+            return Err(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY);
+        }
         if taken.chunks.is_empty() || taken.used + length > CHUNK_BYTES {
             let free = self.free.locked().pop();
             let chunk = match free {
