@@ -22,6 +22,7 @@ mod harness;
 mod hidden;
 mod injection;
 mod live;
+mod load;
 mod offscreen;
 mod outlines;
 mod picture;
@@ -56,6 +57,7 @@ harness::tests! {
     hidden,
     injection,
     live,
+    load,
     offscreen,
     outlines,
     random_order,
