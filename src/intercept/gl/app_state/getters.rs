@@ -49,6 +49,17 @@ fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
     values[1] -= f64::from(y);
 }
 
+/// Whether the driver answers a question, which it gets with room for the answer. Where it does not, as for state that the
+/// context's version does not have, it has said its error, and the program gets no answer from us either.
+pub(super) fn is_answered<T>(ask: impl FnOnce(*mut T)) -> bool {
+    const UNUSED: u64 = 0xa5a5_a5a5_a5a5_a5a5;
+    let mut room = [UNUSED; 64];
+    ask(room.as_mut_ptr().cast());
+    // The types of answers have at most eight bytes.
+    let unused = u64::MAX >> (64 - 8 * size_of::<T>());
+    (room[0] ^ UNUSED) & unused != 0
+}
+
 macro_rules! getters {
     ($( $name:literal $method:ident $t:ty, $convert:expr; )*) => {
         hooks! {
@@ -56,13 +67,19 @@ macro_rules! getters {
                 if values.is_null() {
                     gl.$method(name, values);
                 } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.drawable.target().is_some() {
-                    let mut position = [0.0; 4];
-                    gl.get_doublev(name, position.as_mut_ptr());
-                    raster_position(ctx, &mut position);
-                    for (i, value) in position.into_iter().enumerate() {
-                        *values.add(i) = $convert(value);
+                    let answered = is_answered(|room: *mut $t| gl.$method(name, room));
+                    gl.$method(name, values);
+                    if answered && ctx.compat.raster.origin() != [0; 2] {
+                        let mut position = [0.0; 4];
+                        gl.get_doublev(name, position.as_mut_ptr());
+                        raster_position(ctx, &mut position);
+                        *values = $convert(position[0]);
+                        *values.add(1) = $convert(position[1]);
                     }
                 } else if let Some((answer, count)) = believed(ctx, name) {
+                    if !is_answered(|room: *mut $t| gl.$method(name, room)) {
+                        return;
+                    }
                     for (i, value) in answer.into_iter().take(count).enumerate() {
                         *values.add(i) = $convert(value);
                     }
@@ -73,7 +90,6 @@ macro_rules! getters {
             "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
                 if cap == api::GL_SCISSOR_TEST && ctx.drawable.target().is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
             };
-            "glGetError" get_error() -> u32 = |ctx, _gl| ctx.driver.error();
         }
     };
 }

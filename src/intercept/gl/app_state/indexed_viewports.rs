@@ -4,6 +4,7 @@
 
 use crate::backend::gl::api;
 use crate::correct::LowerLeftRect;
+use crate::intercept::gl::app_state::getters::is_answered;
 use crate::intercept::gl::app_state::known_state;
 use crate::intercept::gl::app_state::window_state::{set_program_scissor, set_program_viewport, set_scissor_test};
 use crate::intercept::gl::context::gl_context::Context;
@@ -108,19 +109,37 @@ hooks! {
     };
     "glGetIntegeri_v" get_integeri_v(name: u32, index: u32, values: *mut i32) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) => *values.cast::<[i32; 4]>() = rect.to_array(),
+            Some(rect) if is_answered(|room: *mut i32| gl.get_integeri_v(name, index, room)) => {
+                *values.cast::<[i32; 4]>() = rect.to_array();
+            }
+            Some(_) => {}
             None => gl.get_integeri_v(name, index, values),
+        }
+    };
+    "glGetInteger64i_v" get_integer64i_v(name: u32, index: u32, values: *mut i64) = |ctx, gl| {
+        match believed(ctx, name, index).filter(|_| !values.is_null()) {
+            Some(rect) if is_answered(|room: *mut i64| gl.get_integer64i_v(name, index, room)) => {
+                *values.cast::<[i64; 4]>() = rect.to_array().map(i64::from);
+            }
+            Some(_) => {}
+            None => gl.get_integer64i_v(name, index, values),
         }
     };
     "glGetFloati_v" get_floati_v(name: u32, index: u32, values: *mut f32) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) => *values.cast::<[f32; 4]>() = rect.to_array().map(|v| v as f32),
+            Some(rect) if is_answered(|room: *mut f32| gl.get_floati_v(name, index, room)) => {
+                *values.cast::<[f32; 4]>() = rect.to_array().map(|v| v as f32);
+            }
+            Some(_) => {}
             None => gl.get_floati_v(name, index, values),
         }
     };
     "glGetDoublei_v" get_doublei_v(name: u32, index: u32, values: *mut f64) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) => *values.cast::<[f64; 4]>() = rect.to_array().map(f64::from),
+            Some(rect) if is_answered(|room: *mut f64| gl.get_doublei_v(name, index, room)) => {
+                *values.cast::<[f64; 4]>() = rect.to_array().map(f64::from);
+            }
+            Some(_) => {}
             None => gl.get_doublei_v(name, index, values),
         }
     };

@@ -210,7 +210,9 @@ fn issue_list(ctx: &mut Context) {
 hooks! {
     between;
     "glBegin" begin(mode: u32) = |ctx, gl| {
-        if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
+        if !ctx.driver.profile.compatibility() {
+            // The driver refuses it.
+        } else if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
             ctx.compat.immediate.begin(mode);
             return;
         } else if ctx.lists.recording.is_some() {
@@ -226,6 +228,17 @@ hooks! {
             return;
         }
         gl.begin(mode);
+    };
+    "glGetError" get_error() -> u32 = |ctx, gl| {
+        match ctx.compat.immediate.phase {
+            Phase::Outside => ctx.driver.error(),
+            Phase::Recording => gl.get_error(),
+            // It is not allowed here, but the driver, which compiles, would answer.
+            Phase::IntoList => {
+                ctx.driver.note_error(api::GL_INVALID_OPERATION);
+                api::GL_NO_ERROR
+            }
+        }
     };
     "glEnd" end() = |ctx, gl| {
         if ctx.lists.recording.is_some() && ctx.compat.immediate.phase == Phase::Recording {

@@ -198,7 +198,8 @@ unsafe fn offset(kind: u32, lists: *const c_void, index: usize) -> u32 {
 fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     // SAFETY: the program's own command; execution comes when the list ends.
     unsafe { ctx.driver.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
-    if list != 0 && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) && !ctx.compiling() {
+    let takes = ctx.driver.profile.compatibility() && list != 0 && !ctx.compiling();
+    if takes && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) {
         let execute = mode == api::GL_COMPILE_AND_EXECUTE;
         let (items, bounds) = (Vec::new(), Bounds::EMPTY);
         let (draws, raster, sets_state, primitive) = (false, false, false, Primitive::default());

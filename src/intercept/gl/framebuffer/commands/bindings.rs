@@ -1,8 +1,10 @@
 //! Framebuffers: the program's 0 is ours; bindings and attachments.
 
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::framebuffer::commands::window_answers;
 use crate::intercept::gl::offscreen::view_copies;
 
 /// Binds what the program's framebuffer `name` stands for.
@@ -20,6 +22,13 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
             ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
         }
     }
+    let asked = if draws { api::GL_DRAW_FRAMEBUFFER_BINDING } else { api::GL_READ_FRAMEBUFFER_BINDING };
+    if name != 0 && (draws || reads) && integer(ctx.driver.gl, asked) != name as i32 {
+        // The driver refuses names that it has not made, in a core profile. What was bound is so again.
+        let bound = if draws { ctx.app.draw_framebuffer } else { ctx.app.read_framebuffer };
+        bind(ctx, if draws { api::GL_DRAW_FRAMEBUFFER } else { target }, bound);
+        return;
+    }
     if draws {
         ctx.app.draw_framebuffer = name;
     }
@@ -31,33 +40,27 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     }
 }
 
-/// Whether `target` is the window, to which nothing can be attached; the program then has its error.
-fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
-    let reads = target == api::GL_READ_FRAMEBUFFER;
-    let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
-    let changed = if reads { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
+/// Attaches an image to what is bound at `target`; to the window nothing can be attached, as its own framebuffer says.
+fn attach(ctx: &mut Context, target: u32, run: impl FnOnce(&Gl)) {
+    let changed = if target == api::GL_READ_FRAMEBUFFER { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
     view_copies::forget(ctx, changed);
-    if window {
-        ctx.driver.note_error(api::GL_INVALID_OPERATION);
-    }
-    window
+    window_answers::with_own(ctx, target, run);
 }
 
 hooks! {
     "glBindFramebuffer" bind_framebuffer(target: u32, name: u32) = |ctx, _gl| bind(ctx, target, name);
-    // A window's buffers cannot be replaced; without us the driver would say so.
-    "glFramebufferTexture" framebuffer_texture(target: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
-        if !refuses_attachments(ctx, target) { gl.framebuffer_texture(target, attachment, texture, level) }
-    };
-    "glFramebufferTexture2D" framebuffer_texture2_d(target: u32, attachment: u32, kind: u32, texture: u32, level: i32) = |ctx, gl| {
-        if !refuses_attachments(ctx, target) { gl.framebuffer_texture2_d(target, attachment, kind, texture, level) }
-    };
-    "glFramebufferTextureLayer" framebuffer_texture_layer(target: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, gl| {
-        if !refuses_attachments(ctx, target) { gl.framebuffer_texture_layer(target, attachment, texture, level, layer) }
-    };
-    "glFramebufferRenderbuffer" framebuffer_renderbuffer(target: u32, attachment: u32, kind: u32, name: u32) = |ctx, gl| {
-        if !refuses_attachments(ctx, target) { gl.framebuffer_renderbuffer(target, attachment, kind, name) }
-    };
+    "glFramebufferTexture" framebuffer_texture(target: u32, attachment: u32, texture: u32, level: i32) = |ctx, _gl|
+        attach(ctx, target, |gl| gl.framebuffer_texture(target, attachment, texture, level));
+    "glFramebufferTexture2D" framebuffer_texture2_d(target: u32, attachment: u32, kind: u32, texture: u32, level: i32) = |ctx, _gl|
+        attach(ctx, target, |gl| gl.framebuffer_texture2_d(target, attachment, kind, texture, level));
+    "glFramebufferTexture1D" framebuffer_texture1_d(target: u32, attachment: u32, kind: u32, texture: u32, level: i32) = |ctx, _gl|
+        attach(ctx, target, |gl| gl.framebuffer_texture1_d(target, attachment, kind, texture, level));
+    "glFramebufferTexture3D" framebuffer_texture3_d(target: u32, attachment: u32, kind: u32, texture: u32, level: i32, layer: i32) = |ctx, _gl|
+        attach(ctx, target, |gl| gl.framebuffer_texture3_d(target, attachment, kind, texture, level, layer));
+    "glFramebufferTextureLayer" framebuffer_texture_layer(target: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, _gl|
+        attach(ctx, target, |gl| gl.framebuffer_texture_layer(target, attachment, texture, level, layer));
+    "glFramebufferRenderbuffer" framebuffer_renderbuffer(target: u32, attachment: u32, kind: u32, name: u32) = |ctx, _gl|
+        attach(ctx, target, |gl| gl.framebuffer_renderbuffer(target, attachment, kind, name));
     "glDeleteFramebuffers" delete_framebuffers(count: i32, names: *const u32) = |ctx, gl| {
         let deleted: Vec<u32> = if names.is_null() { Vec::new() } else {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()

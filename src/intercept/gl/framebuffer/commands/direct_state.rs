@@ -39,11 +39,17 @@ pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
     name == 0 && drawable.target().is_some()
 }
 
+/// Whether the name is the window, or an object that OpenGL has made: binding it makes none.
+fn exists(ctx: &Context, name: u32) -> bool {
+    // SAFETY: a question about a name.
+    name == 0 || unsafe { ctx.driver.gl.is_framebuffer(name) } != 0
+}
+
 macro_rules! clears {
     ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {
             $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
-                if ctx.drawable.target().is_none() {
+                if ctx.drawable.target().is_none() || !exists(ctx, framebuffer) {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
@@ -75,7 +81,7 @@ macro_rules! clears {
                 }
             };
             "glBlitNamedFramebuffer" blit_named_framebuffer(read: u32, draw: u32, x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) = |ctx, gl| {
-                if ctx.drawable.target().is_none() {
+                if ctx.drawable.target().is_none() || !exists(ctx, read) || !exists(ctx, draw) {
                     gl.blit_named_framebuffer(read, draw, x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else {
                     bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));

@@ -53,7 +53,10 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     let gl = ctx.driver.gl;
     // SAFETY: the program's own call, translated.
     unsafe {
-        if ctx.reads_redirected() {
+        // Others OpenGL ES does not know; the driver refuses them.
+        let of_es =
+            matches!(buffer, api::GL_NONE | api::GL_BACK | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31);
+        if ctx.reads_redirected() && (of_es || !ctx.driver.profile.es) {
             gl.read_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
                 ctx.app.read_buffer = buffer;
@@ -66,12 +69,15 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
 
 /// The error of `glDrawBuffers` with these names for a window with a left image only.
 fn error_of(es: bool, names: &[u32]) -> u32 {
+    if es {
+        let takes = matches!(names, [api::GL_NONE | api::GL_BACK]);
+        return if takes { api::GL_NO_ERROR } else { api::GL_INVALID_OPERATION };
+    }
     let error = |(place, name): (usize, &u32)| match *name {
-        _ if es && names.len() != 1 => api::GL_INVALID_OPERATION,
         api::GL_NONE => api::GL_NO_ERROR,
         api::GL_BACK if names.len() == 1 => api::GL_NO_ERROR,
-        api::GL_FRONT_LEFT | api::GL_BACK_LEFT if !es && !names[..place].contains(name) => api::GL_NO_ERROR,
-        api::GL_FRONT | api::GL_LEFT | api::GL_RIGHT | api::GL_FRONT_AND_BACK if !es => api::GL_INVALID_ENUM,
+        api::GL_FRONT_LEFT | api::GL_BACK_LEFT if !names[..place].contains(name) => api::GL_NO_ERROR,
+        api::GL_FRONT | api::GL_LEFT | api::GL_RIGHT | api::GL_FRONT_AND_BACK => api::GL_INVALID_ENUM,
         api::GL_BACK
         | api::GL_FRONT_LEFT..=api::GL_BACK_RIGHT
         | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_INVALID_OPERATION,
@@ -86,7 +92,7 @@ fn error_of(es: bool, names: &[u32]) -> u32 {
 /// `buffers` must be null or point at `count` names, as the program promises OpenGL.
 pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.driver.gl;
-    if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
+    if !ctx.redirected() || buffers.is_null() || !(0..=16).contains(&count) {
         view_copies::forget(ctx, ctx.app.draw_framebuffer);
         // SAFETY: the program's own call.
         unsafe { gl.draw_buffers(count, buffers) };
@@ -105,8 +111,9 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
     if let Some(place) = names.iter().position(|name| *name != api::GL_NONE) {
         translated[place] = api::GL_COLOR_ATTACHMENT0;
     }
-    if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
-        ctx.app.draw_buffer = names[0];
+    let first = names.first().copied().unwrap_or(api::GL_NONE);
+    if is_window_buffer(first) || first == api::GL_NONE {
+        ctx.app.draw_buffer = first;
     }
     // SAFETY: as many names as it says.
     unsafe { gl.draw_buffers(count, translated.as_ptr()) };
@@ -145,6 +152,7 @@ mod tests {
             (false, &[api::GL_COLOR_ATTACHMENT0], api::GL_INVALID_OPERATION),
             (false, &[api::GL_FRONT_AND_BACK], api::GL_INVALID_ENUM),
             (false, &[7], api::GL_INVALID_ENUM),
+            (true, &[], api::GL_INVALID_OPERATION),
             (true, &[api::GL_BACK], api::GL_NO_ERROR),
             (true, &[api::GL_BACK, api::GL_NONE], api::GL_INVALID_OPERATION),
             (true, &[api::GL_COLOR_ATTACHMENT0], api::GL_INVALID_OPERATION),

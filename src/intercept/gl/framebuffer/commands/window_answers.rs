@@ -12,7 +12,7 @@ fn is_window(ctx: &Context, target: u32) -> bool {
 
 /// Runs a command on what is bound at `target`; for the window that is its own framebuffer, which has the program's errors
 /// and answers. Nothing that the program drew is there.
-fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R) -> R {
+pub(super) fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R) -> R {
     let gl = ctx.driver.gl;
     let Some(ours) = ctx.drawable.target().filter(|_| is_window(ctx, target)).map(|t| t.framebuffer()) else {
         return run(gl);
@@ -41,25 +41,14 @@ hooks! {
         with_own(ctx, target, |gl| gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h));
 }
 
-/// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
+/// `glGetFramebufferAttachmentParameteriv`.
 ///
 /// # Safety
 /// `values` must be null or a place for one number, as the program promises OpenGL.
 pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
-    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+    view_copies::leave(ctx);
     // SAFETY: the program's own call, with a place for one number.
-    unsafe {
-        if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
-            *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
-        } else {
-            let attachment = match attachment {
-                _ if !window => attachment,
-                api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
-                api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
-                _ => api::GL_COLOR_ATTACHMENT0,
-            };
-            view_copies::leave(ctx);
-            ctx.driver.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
-        }
-    }
+    with_own(ctx, target, |gl| unsafe {
+        gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+    });
 }
