@@ -9,6 +9,7 @@
 mod behaviour;
 mod blending;
 mod cache;
+mod calls;
 mod compare;
 mod controls;
 mod culling;
@@ -48,6 +49,7 @@ harness::tests! {
     behaviour,
     blending,
     cache,
+    calls,
     controls,
     culling,
     dialects,

@@ -49,6 +49,13 @@ pub fn vendor() -> Option<&'static str> {
     }))
 }
 
+/// `cupola-lab calls` with the program that plays calls.
+pub fn player() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola-lab"));
+    command.env("CUPOLA_LIBRARY", library()).arg("calls").arg("--player").arg(built().join("player"));
+    command
+}
+
 /// The library as it was built for these tests: cargo puts it beside the command only for `cargo build`.
 pub fn library() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")

@@ -10,6 +10,7 @@
 mod arguments;
 #[path = "../shared/display.rs"]
 mod display;
+mod environment;
 #[path = "../shared/failure.rs"]
 mod failure;
 mod meshes;
@@ -22,6 +23,7 @@ mod terminal;
 
 mod accuracy;
 mod bench;
+mod calls;
 mod cells;
 mod conformance;
 mod stress;
@@ -48,6 +50,7 @@ enum Command {
     Cells(cells::Arguments),
     Structure(structure::Arguments),
     Conformance(conformance::Arguments),
+    Calls(calls::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -58,6 +61,7 @@ fn main() -> ExitCode {
         Command::Cells(arguments) => cells::run(&arguments),
         Command::Structure(arguments) => structure::run(&arguments),
         Command::Conformance(arguments) => conformance::run(&arguments),
+        Command::Calls(arguments) => calls::run(&arguments),
     };
     failure::exit_code("cupola-lab", result)
 }

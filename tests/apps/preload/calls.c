@@ -6,6 +6,7 @@
  *
  * CALLS_FAULT is one fault:
  *   call NAME FIRST LAST   calls FIRST to LAST of a function do nothing, return 0 and leave GL_OUT_OF_MEMORY
+ *   lost NAME FIRST LAST   the same without the error
  *   missing NAME           the driver has no such function
  *   number ENUM VALUE      glGetIntegerv answers VALUE
  *   string ENUM TEXT       glGetString answers TEXT; glGetStringi, too, if ENUM is GL_EXTENSIONS
@@ -13,6 +14,7 @@
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,7 +65,8 @@ void *refused_next(void)
     void *next = refused_target;
     if (call < fault.first || call > fault.last)
         return next;
-    pending_error = 0x0505; /* GL_OUT_OF_MEMORY */
+    if (strcmp(fault.kind, "call") == 0)
+        pending_error = 0x0505; /* GL_OUT_OF_MEMORY */
     intptr_t (*function)(void) = nothing;
     memcpy(&next, &function, sizeof next);
     return next;
@@ -145,7 +148,8 @@ static void answer_program(unsigned program, unsigned name, int *value)
 static void *with_fault(const char *name, void *target)
 {
     REPLACE("glGetError", driver_error, answer_error)
-    if (strcmp(fault.kind, "call") == 0 && strcmp(fault.name, name) == 0) {
+    bool refuses = strcmp(fault.kind, "call") == 0 || strcmp(fault.kind, "lost") == 0;
+    if (refuses && strcmp(fault.name, name) == 0) {
         void (*entry)(void) = refused_entry;
         refused_target = target;
         memcpy(&target, &entry, sizeof entry);
@@ -168,7 +172,7 @@ static void read_fault(void)
     const char *text = getenv("CALLS_FAULT");
     if (text == NULL || sscanf(text, "%15s %63s", fault.kind, fault.name) != 2)
         return;
-    if (strcmp(fault.kind, "call") == 0) {
+    if (strcmp(fault.kind, "call") == 0 || strcmp(fault.kind, "lost") == 0) {
         sscanf(text, "%*s %*s %lu %lu", &fault.first, &fault.last);
     } else {
         fault.first = strtoul(fault.name, NULL, 0);

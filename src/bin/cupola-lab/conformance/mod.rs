@@ -6,6 +6,7 @@ mod profile;
 mod results;
 mod runner;
 
+use crate::environment::{self, beside_this};
 use crate::failure::Failure;
 use outcome::Outcome;
 use profile::Test;
@@ -14,7 +15,7 @@ use runner::{Rig, Runner};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -115,24 +116,9 @@ fn tests(arguments: &Arguments) -> Result<Vec<Test>, Failure> {
     })
 }
 
-/// A rig with the environment that `cupola run` gives to programs. The files for the loaders lie
-/// in `folder`.
+/// A rig with the environment of its programs.
 fn rig(name: &str, folder: &Path) -> Result<Rig, Failure> {
-    let mut command = Command::new(beside_this("cupola")?);
-    command.args(["run", "--print-environment", "--rig", name]).env("XDG_CACHE_HOME", folder);
-    let output = command.output().map_err(|error| Failure::new(format!("cupola cannot be started: {error}")))?;
-    if !output.status.success() {
-        return Err(Failure::usage(String::from_utf8_lossy(&output.stderr).trim()));
-    }
-    let text = String::from_utf8_lossy(&output.stdout);
-    let variable = |line: &str| {
-        if let Some(name) = line.strip_prefix("unset ") {
-            return Some((name.to_owned(), None));
-        }
-        let (name, value) = line.strip_prefix("export ")?.split_once("='")?;
-        Some((name.to_owned(), Some(value.strip_suffix('\'')?.replace(r"'\''", "'"))))
-    };
-    Ok(Rig { name: name.to_owned(), environment: text.lines().filter_map(variable).collect() })
+    Ok(Rig { name: name.to_owned(), environment: environment::of_rig(name, folder)? })
 }
 
 /// Digest of the library.
@@ -140,11 +126,6 @@ fn library() -> Result<String, Failure> {
     let path = beside_this("libcupola.so")?;
     let bytes = std::fs::read(&path).map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
     Ok(format!("{:032x}", xxhash_rust::xxh3::xxh3_128(&bytes)))
-}
-
-fn beside_this(name: &str) -> Result<PathBuf, Failure> {
-    let this = std::env::current_exe().map_err(|error| Failure::new(error.to_string()))?;
-    Ok(this.with_file_name(name))
 }
 
 /// Outcomes of the chosen tests.

@@ -4,6 +4,7 @@ use super::outcome::{End, Outcome};
 use super::profile::Test;
 use super::results::{PLAIN, Results};
 use crate::display;
+use crate::environment::Environment;
 use crate::failure::Failure;
 use cupola::system::process;
 use std::collections::BTreeMap;
@@ -28,7 +29,7 @@ const REPORT: Duration = Duration::from_secs(30);
 /// A rig with the environment of its programs.
 pub struct Rig {
     pub name: String,
-    pub environment: Vec<(String, Option<String>)>,
+    pub environment: Environment,
 }
 
 /// What to run, and how.

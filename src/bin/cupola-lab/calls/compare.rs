@@ -1,0 +1,118 @@
+//! Comparison of what OpenGL answers with and without Cupola.
+
+use super::player::{Answers, Player};
+use crate::failure::Failure;
+use std::path::PathBuf;
+
+/// A player without Cupola and one with it.
+pub struct Pair {
+    pub plain: Player,
+    pub ours: Player,
+    /// File for the lines that are played.
+    pub file: PathBuf,
+}
+
+/// The first difference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// Kind: what was called or asked, and what about the answers differs.
+    pub kind: String,
+    pub plain: String,
+    pub ours: String,
+}
+
+/// How an episode went.
+pub enum Outcome {
+    Same,
+    Different(Difference),
+    /// The driver crashed without Cupola in this line.
+    Crashed(usize),
+}
+
+impl Pair {
+    fn write(&self, lines: &[String]) -> Result<(), Failure> {
+        let failure = |error: std::io::Error| Failure::new(format!("{}: {error}", self.file.display()));
+        std::fs::write(&self.file, lines.join("\n") + "\n").map_err(failure)
+    }
+
+    /// Plays lines with and without Cupola at the same time.
+    pub fn compare(&mut self, lines: &[String]) -> Result<Outcome, Failure> {
+        self.write(lines)?;
+        self.plain.send(&self.file)?;
+        self.ours.send(&self.file)?;
+        let (plain, ours) = std::thread::scope(|scope| {
+            let plain = scope.spawn(|| self.plain.receive());
+            let ours = self.ours.receive();
+            (plain.join().unwrap_or_else(|_| Err(Failure::new("a player's thread panicked"))), ours)
+        });
+        Ok(outcome(&plain?, &ours?, lines))
+    }
+
+    /// The same with a new process with Cupola.
+    pub fn compare_anew(&mut self, lines: &[String]) -> Result<Outcome, Failure> {
+        self.ours.stop();
+        self.compare(lines)
+    }
+
+    /// Plays lines without Cupola.
+    pub fn play_plain(&mut self, lines: &[String]) -> Result<Answers, Failure> {
+        self.write(lines)?;
+        self.plain.play(&self.file)
+    }
+}
+
+fn number(line: &str) -> usize {
+    line.split(' ').next().and_then(|word| word.parse().ok()).unwrap_or(0)
+}
+
+/// The first difference between answers to the lines.
+pub fn outcome(plain: &Answers, ours: &Answers, lines: &[String]) -> Outcome {
+    let difference = plain.lines.iter().zip(&ours.lines).find(|(plain, ours)| plain != ours);
+    let is_crash = |line: &str| line.split(' ').nth(1) == Some("signal");
+    match difference {
+        Some((plain, _)) if is_crash(plain) => Outcome::Crashed(number(plain)),
+        Some((plain, ours)) => Outcome::Different(Difference {
+            line: number(plain).min(number(ours)),
+            kind: kind(plain, ours, lines),
+            plain: plain.clone(),
+            ours: ours.clone(),
+        }),
+        None if plain.lines.len() > ours.lines.len() => {
+            let line = ours.lines.last().map_or(0, |line| number(line)) + 1;
+            let ours = "the process ended".to_owned();
+            Outcome::Different(Difference {
+                line,
+                kind: "end".to_owned(),
+                plain: plain.lines[plain.lines.len() - 1].clone(),
+                ours,
+            })
+        }
+        None if !plain.ended || plain.lines.len() < ours.lines.len() => {
+            Outcome::Crashed(plain.lines.last().map_or(0, |line| number(line)))
+        }
+        None => Outcome::Same,
+    }
+}
+
+/// What was called or asked in the line, and which of its answers differ.
+fn kind(plain: &str, ours: &str, lines: &[String]) -> String {
+    let line = lines.get(number(plain).min(number(ours)).wrapping_sub(1)).map_or("", String::as_str);
+    let command = match plain.split_once(" = ") {
+        // A question with its answer.
+        Some((question, _)) => question.split_once(' ').map_or("", |(_, question)| question).to_owned(),
+        None => line.split(' ').nth(1).unwrap_or(line).to_owned(),
+    };
+    let answers = |text: &str| -> Vec<String> {
+        let answer = text.split_once(" = ").map_or(text, |(_, answer)| answer);
+        answer.split(' ').map(str::to_owned).collect()
+    };
+    let (plain, ours) = (answers(plain), answers(ours));
+    if ours.iter().any(|word| word == "signal") {
+        return format!("{command}: crash");
+    }
+    let what = if command.contains(' ') { ["error", "result", "output"] } else { ["line", "error", "result"] };
+    let at = plain.iter().zip(&ours).position(|(plain, ours)| plain != ours).unwrap_or(0);
+    format!("{command}: {}", what.get(at).unwrap_or(&"output"))
+}

@@ -1,0 +1,270 @@
+//! `cupola-lab calls`: random OpenGL calls with and without Cupola, whose answers are compared.
+
+mod arguments;
+mod compare;
+mod episode;
+mod minimise;
+mod player;
+mod questions;
+mod registry;
+mod rules;
+mod sources;
+
+use crate::display::Server;
+use crate::environment;
+use crate::failure::Failure;
+use compare::{Difference, Outcome, Pair};
+use episode::{Kind, Vocabulary};
+use player::Player;
+use registry::Registry;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Compare what OpenGL answers to random calls with and without Cupola
+///
+/// Legal and illegal calls of all entry points go to two contexts in the same order. Compared are errors and answers of
+/// each call, and all state that can be asked for. The exit code is 1 if an answer differs.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Program that plays calls (tests/apps/player.c)
+    #[arg(long, value_name = "FILE")]
+    player: PathBuf,
+    /// Rig to compare with
+    #[arg(long, value_name = "FILE|PRESET", default_value = "identity-captured")]
+    rig: String,
+    /// Seed of the first episode; the seeds of the following ones are the following numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Number of episodes, each in a context of its own
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    episodes: u64,
+    /// Number of calls of an episode
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    calls: usize,
+    /// Kinds of contexts, taken in turn [default: compatibility,core,compatibility,es3]
+    #[arg(long, value_delimiter = ',', value_name = "KIND")]
+    kinds: Vec<Kind>,
+    /// Play these files instead of random calls
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    replay: Vec<PathBuf>,
+    /// Folder for files of calls
+    #[arg(long, value_name = "DIR", default_value = "out/calls")]
+    folder: PathBuf,
+    /// Set an environment variable for the player with Cupola
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Do not look for the shortest list of calls
+    #[arg(long)]
+    keep: bool,
+}
+
+/// Number of trials for the shortest list.
+const TRIALS: usize = 1500;
+
+/// Number of questions that may crash the driver.
+const CRASHES: usize = 100;
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let failure = |path: &Path, error: std::io::Error| Failure::usage(format!("{}: {error}", path.display()));
+    std::fs::create_dir_all(&arguments.folder).map_err(|error| failure(&arguments.folder, error))?;
+    let folder = arguments.folder.canonicalize().map_err(|error| failure(&arguments.folder, error))?;
+    let server = Server::start((640, 480), &folder)?;
+    let registry = Registry::read()?;
+    let questions = folder.join("questions.txt");
+    let program = arguments.player.canonicalize().map_err(|error| failure(&arguments.player, error))?;
+    let mut ours = environment::of_rig(&arguments.rig, &folder)?;
+    for variable in &arguments.set {
+        let (name, value) =
+            variable.split_once('=').ok_or_else(|| Failure::usage(format!("--set {variable}: no value")))?;
+        ours.push((name.to_owned(), Some(value.to_owned())));
+    }
+    let mut pair = Pair {
+        plain: Player::new(&program, &questions, &server, &Vec::new()),
+        ours: Player::new(&program, &questions, &server, &ours),
+        file: folder.join("calls.txt"),
+    };
+    let mut report = Report { folder, ..Report::default() };
+    let default = [Kind::Compatibility, Kind::Core, Kind::Compatibility, Kind::Es3];
+    let kinds = if arguments.kinds.is_empty() { &default[..] } else { &arguments.kinds };
+    let vocabularies: Vec<Vocabulary> = kinds.iter().map(|kind| Vocabulary::new(&registry, *kind)).collect();
+    find_questions(&registry, &vocabularies, kinds, &questions, &mut pair)?;
+    for file in &arguments.replay {
+        let text = std::fs::read_to_string(file).map_err(|error| failure(file, error))?;
+        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        report.play(&mut pair, &lines, &file.display().to_string(), arguments.keep)?;
+    }
+    let episodes = if arguments.replay.is_empty() { arguments.episodes } else { 0 };
+    for seed in arguments.seed..arguments.seed + episodes {
+        let index = (seed % kinds.len() as u64) as usize;
+        let (kind, vocabulary) = (kinds[index], &vocabularies[index]);
+        let lines = episode::lines(vocabulary, seed, kind, arguments.calls);
+        report.play(&mut pair, &lines, &format!("seed {seed}, {}", kind.word()), arguments.keep)?;
+    }
+    for (kind, vocabulary) in kinds.iter().zip(&vocabularies) {
+        println!("{}: {} commands", kind.word(), vocabulary.len());
+    }
+    Ok(report.print())
+}
+
+/// Writes the questions that OpenGL answers in one of the kinds of contexts.
+fn find_questions(
+    registry: &Registry,
+    vocabularies: &[Vocabulary],
+    kinds: &[Kind],
+    questions: &Path,
+    pair: &mut Pair,
+) -> Result<(), Failure> {
+    let failure = |error: std::io::Error| Failure::new(format!("{}: {error}", questions.display()));
+    std::fs::write(questions, "").map_err(failure)?;
+    let candidates = questions::candidates(registry);
+    let mut answered = vec![false; candidates.len()];
+    for (index, kind) in kinds.iter().enumerate() {
+        if kinds[..index].contains(kind) {
+            continue;
+        }
+        let mut lines = episode::lines(&vocabularies[index], 0, *kind, 0);
+        lines.pop();
+        let first = lines.len();
+        lines.extend_from_slice(&candidates);
+        let mut answers = pair.play_plain(&lines)?;
+        for _ in 0..CRASHES {
+            // Some drivers crash where they should refuse.
+            let Some(line) = answers.crash().filter(|line| *line > first) else { break };
+            lines[line - 1] = "#".to_owned();
+            answers = pair.play_plain(&lines)?;
+        }
+        if !answers.ended {
+            return Err(Failure::new(format!("the questions end the player: {:?}", answers.lines.last())));
+        }
+        for answer in &answers.lines {
+            let mut words = answer.split(' ');
+            let line: usize = words.next().and_then(|word| word.parse().ok()).unwrap_or(0);
+            if line > first && words.next() == Some("0") {
+                answered[line - first - 1] = true;
+            }
+        }
+    }
+    let kept: Vec<&str> =
+        candidates.iter().zip(&answered).filter(|(_, answered)| **answered).map(|(line, _)| line.as_str()).collect();
+    println!("{} questions", kept.len());
+    std::fs::write(questions, kept.join("\n") + "\n").map_err(failure)?;
+    // It has read the empty file.
+    pair.plain.stop();
+    Ok(())
+}
+
+/// What was found.
+#[derive(Default)]
+struct Report {
+    folder: PathBuf,
+    calls: usize,
+    episodes: usize,
+    /// Calls in which the driver crashed without Cupola.
+    crashes: BTreeMap<String, usize>,
+    /// Differences by their kinds, with their number and the first file.
+    differences: BTreeMap<String, (usize, String)>,
+    /// Answers that differ from run to run, mostly without Cupola, too.
+    unsteady: BTreeMap<String, usize>,
+}
+
+impl Report {
+    fn play(&mut self, pair: &mut Pair, lines: &[String], name: &str, keep: bool) -> Result<(), Failure> {
+        self.episodes += 1;
+        match pair.compare(lines)? {
+            Outcome::Same => self.calls += lines.len(),
+            Outcome::Crashed(line) => {
+                self.calls += line;
+                let call = lines.get(line.wrapping_sub(1)).map_or("", String::as_str);
+                *self.crashes.entry(call.split(' ').nth(1).unwrap_or(call).to_owned()).or_default() += 1;
+            }
+            Outcome::Different(difference) => {
+                self.calls += difference.line;
+                self.found(pair, lines, name, keep, &difference)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn found(
+        &mut self,
+        pair: &mut Pair,
+        lines: &[String],
+        name: &str,
+        keep: bool,
+        difference: &Difference,
+    ) -> Result<(), Failure> {
+        // Which question it is.
+        let mut lines: Vec<String> = lines.iter().take(difference.line).cloned().collect();
+        if lines.last().is_some_and(|line| line == "ask") {
+            lines.insert(lines.len() - 1, "each".to_owned());
+        }
+        // Some differences show only in the first context of a process.
+        let warm = pair.compare(&lines)?;
+        let is_warm = matches!(warm, Outcome::Different(_));
+        let again = if is_warm { warm } else { pair.compare_anew(&lines)? };
+        let Outcome::Different(mut difference) = again else {
+            self.keep(&format!("unsteady-{}", self.unsteady.len() + 1), name, difference, &lines)?;
+            *self.unsteady.entry(format!("{}, with Cupola", difference.kind)).or_default() += 1;
+            return Ok(());
+        };
+        let is_steady = |answers: &player::Answers| answers.lines.contains(&difference.plain);
+        if !is_steady(&pair.play_plain(&lines)?) || !is_steady(&pair.play_plain(&lines)?) {
+            self.keep(&format!("unsteady-{}", self.unsteady.len() + 1), name, &difference, &lines)?;
+            *self.unsteady.entry(difference.kind).or_default() += 1;
+            return Ok(());
+        }
+        if let Some((count, _)) = self.differences.get_mut(&difference.kind) {
+            *count += 1;
+            return Ok(());
+        }
+        if !keep {
+            lines = minimise::minimise(&lines, TRIALS, |lines| {
+                let outcome = if is_warm { pair.compare(lines)? } else { pair.compare_anew(lines)? };
+                Ok::<_, Failure>(matches!(outcome, Outcome::Different(found) if found.kind == difference.kind))
+            })?;
+            if let Outcome::Different(found) = pair.compare_anew(&lines)? {
+                difference = found;
+            }
+        }
+        let (file, text) = self.keep(&(self.differences.len() + 1).to_string(), name, &difference, &lines)?;
+        println!("{text}");
+        self.differences.insert(difference.kind, (1, file.display().to_string()));
+        Ok(())
+    }
+
+    /// Writes lines to a file. Its name, and the text.
+    fn keep(
+        &self,
+        stem: &str,
+        name: &str,
+        difference: &Difference,
+        lines: &[String],
+    ) -> Result<(PathBuf, String), Failure> {
+        let file = self.folder.join(format!("{stem}.calls"));
+        let text = format!(
+            "# {name}: {}\n#  without Cupola {}\n#  with Cupola    {}\n{}\n",
+            difference.kind,
+            difference.plain,
+            difference.ours,
+            lines.join("\n")
+        );
+        std::fs::write(&file, &text).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
+        Ok((file, text))
+    }
+
+    fn print(&self) -> ExitCode {
+        println!("{} calls in {} episodes", self.calls, self.episodes);
+        for (call, count) in &self.crashes {
+            println!("without Cupola the driver crashed {count} times in {call}");
+        }
+        for (kind, count) in &self.unsteady {
+            println!("not the same in each run, {count} times: {kind}");
+        }
+        for (kind, (count, file)) in &self.differences {
+            println!("different {count} times: {kind} ({file})");
+        }
+        if self.differences.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    }
+}

@@ -1,0 +1,180 @@
+//! All questions about its state that OpenGL answers, found by asking.
+
+use super::arguments::SLOTS;
+use super::registry::Registry;
+
+/// Parts of names of state that no question is about, with the reason.
+const LEFT_OUT: [(&str, &str); 10] = [
+    ("INFO_LOG_LENGTH", "texts are the driver's"),
+    ("TIMESTAMP", "the time"),
+    ("CURRENT_TIME", "the time"),
+    ("MEMORY_INFO", "the driver's memory"),
+    ("GPU_MEMORY", "the same"),
+    ("TEXTURE_FREE_MEMORY", "the same"),
+    ("VBO_FREE_MEMORY", "the same"),
+    ("RENDERBUFFER_FREE_MEMORY", "the same"),
+    ("PROGRAM_BINARY", "binaries of programs are a known limit"),
+    ("DEBUG_", "messages are those of the driver's work, which is another"),
+];
+
+/// State whose value is a name: the end of its own name, and the names' kind.
+const NAMES: [(&str, char); 23] = [
+    ("ELEMENT_ARRAY_BUFFER_BINDING", 'b'),
+    ("FRAMEBUFFER_BINDING", 'f'),
+    ("RENDERBUFFER_BINDING", 'r'),
+    ("TRANSFORM_FEEDBACK_BINDING", 'x'),
+    ("TRANSFORM_FEEDBACK_BUFFER_BINDING", 'b'),
+    ("BUFFER_BINDING", 'b'),
+    ("TEXTURE_BUFFER_DATA_STORE_BINDING", 'b'),
+    ("VERTEX_ARRAY_BINDING", 'v'),
+    ("VERTEX_BINDING_BUFFER", 'b'),
+    ("SAMPLER_BINDING", 'a'),
+    ("PROGRAM_PIPELINE_BINDING", 'g'),
+    ("CURRENT_PROGRAM", 'p'),
+    ("ACTIVE_PROGRAM", 'p'),
+    ("VERTEX_SHADER", 'p'),
+    ("FRAGMENT_SHADER", 'p'),
+    ("GEOMETRY_SHADER", 'p'),
+    ("COMPUTE_SHADER", 'p'),
+    ("LIST_INDEX", 'l'),
+    ("LIST_BASE", 'l'),
+    ("CURRENT_QUERY", 'q'),
+    ("OBJECT_NAME", 't'),
+    ("IMAGE_BINDING_NAME", 't'),
+    ("VERTEX_PROGRAM_BINDING", 'o'),
+];
+
+/// The kind of names that state of these names has as its value.
+pub fn names_in(state: &[String]) -> Option<char> {
+    state.iter().find_map(|state| {
+        let state = state.trim_end_matches("_EXT").trim_end_matches("_ARB").trim_end_matches("_OES");
+        let of_texture = state.contains("TEXTURE_BINDING") || state.ends_with("D_BINDING");
+        let named = NAMES.iter().find(|(end, _)| state.ends_with(end)).map(|(_, letter)| *letter);
+        named.or_else(|| of_texture.then_some('t'))
+    })
+}
+
+/// A question for each value there is; most of them OpenGL refuses.
+pub fn candidates(registry: &Registry) -> Vec<String> {
+    let mut lines = Vec::new();
+    let left_out = |names: &[String]| LEFT_OUT.iter().any(|(part, _)| names.iter().any(|name| name.contains(part)));
+    let values = || registry.values.iter().filter(|(_, names)| !left_out(names));
+    let mut each = |command: &str, before: &str, after: &str| {
+        for (value, names) in values() {
+            let kind = names_in(names).map_or(String::new(), |letter| format!("?{letter}"));
+            // Names are whole numbers.
+            if kind.is_empty() || !command.ends_with("Doublev") {
+                lines.push(format!("v{kind} {command} {before}{value:#x} {after}"));
+            }
+        }
+    };
+    each("glGetIntegerv", "", "&s");
+    each("glGetDoublev", "", "&s");
+    // Of several viewports the first one counts.
+    for index in 0..1 {
+        each("glGetIntegeri_v", "", &format!("{index} &s"));
+        each("glGetInteger64i_v", "", &format!("{index} &s"));
+    }
+    each("glGetTexParameterfv", "0xde1 ", "&s");
+    each("glGetTexLevelParameteriv", "0xde1 0 ", "&s");
+    each("glGetTexParameteriv", "0x8513 ", "&s");
+    each("glGetTexEnvfv", "0x2300 ", "&s");
+    each("glGetTexEnviv", "0x8500 ", "&s");
+    each("glGetTexEnviv", "0x8861 ", "&s");
+    for coordinate in 0x2000..0x2004 {
+        each("glGetTexGendv", &format!("{coordinate:#x} "), "&s");
+    }
+    for target in [0x8892, 0x8893, 0x88EB, 0x88EC, 0x8A11, 0x8F36, 0x8F37, 0x8C8E] {
+        each("glGetBufferParameteriv", &format!("{target:#x} "), "&s");
+    }
+    for attachment in [0x8CE0, 0x8CE1, 0x8D00, 0x8D20, 0x0402, 0x0405, 0x1801, 0x1802] {
+        for target in [0x8CA8, 0x8CA9] {
+            each("glGetFramebufferAttachmentParameteriv", &format!("{target:#x} {attachment:#x} "), "&s");
+        }
+    }
+    each("glGetFramebufferParameteriv", "0x8ca9 ", "&s");
+    each("glGetRenderbufferParameteriv", "0x8d41 ", "&s");
+    for target in [0x8914, 0x8C2F, 0x8C87, 0x8C88, 0x8D6A] {
+        each("glGetQueryiv", &format!("{target:#x} "), "&s");
+    }
+    for index in 0..3 {
+        each("glGetVertexAttribiv", &format!("{index} "), "&s");
+        each("glGetVertexAttribdv", &format!("{index} "), "&s");
+    }
+    for light in [0x4000, 0x4001] {
+        each("glGetLightfv", &format!("{light:#x} "), "&s");
+    }
+    for face in [0x404, 0x405] {
+        each("glGetMaterialfv", &format!("{face:#x} "), "&s");
+    }
+    for slot in 0..2 {
+        each("glGetSamplerParameterfv", &format!("%a{slot} "), "&s");
+        each("glGetProgramiv", &format!("%p{slot} "), "&s");
+        each("glGetShaderiv", &format!("%s{slot} "), "&s");
+        each("glGetProgramPipelineiv", &format!("%g{slot} "), "&s");
+        each("glGetNamedBufferParameteriv", &format!("%b{slot} "), "&s");
+        each("glGetTextureParameterfv", &format!("%t{slot} "), "&s");
+        each("glGetNamedRenderbufferParameteriv", &format!("%r{slot} "), "&s");
+        each("glGetNamedFramebufferParameteriv", &format!("%f{slot} "), "&s");
+        each("glGetNamedFramebufferAttachmentParameteriv", &format!("%f{slot} 0x8ce0 "), "&s");
+        each("glGetVertexArrayiv", &format!("%v{slot} "), "&s");
+    }
+    for (value, _) in values() {
+        lines.push(format!("b glIsEnabled {value:#x}"));
+        lines.push(format!("b glIsEnabledi {value:#x} 0"));
+        lines.push(format!("v?P glGetPointerv {value:#x} &s"));
+    }
+    lines.extend(objects());
+    lines
+}
+
+/// Questions about objects and other things that have no value of the registry.
+fn objects() -> Vec<String> {
+    let mut lines = vec!["v glGetPolygonStipple &s".to_owned(), "p glGetString 0x1f03".to_owned()];
+    let kinds = [
+        ("Texture", 't'),
+        ("Buffer", 'b'),
+        ("Framebuffer", 'f'),
+        ("Renderbuffer", 'r'),
+        ("VertexArray", 'v'),
+        ("Query", 'q'),
+        ("Sampler", 'a'),
+        ("TransformFeedback", 'x'),
+        ("ProgramPipeline", 'g'),
+        ("Program", 'p'),
+        ("Shader", 's'),
+        ("List", 'l'),
+        ("Sync", 'y'),
+    ];
+    for (name, letter) in kinds {
+        lines.extend((0..SLOTS).map(|slot| format!("b glIs{name} %{letter}{slot}")));
+    }
+    for plane in 0..6 {
+        lines.push(format!("v glGetClipPlane {:#x} &s", 0x3000 + plane));
+    }
+    for map in (0x0D90..0x0D9A).chain(0x0DB0..0x0DB9) {
+        for query in 0x0A00..0x0A03 {
+            lines.push(format!("v glGetMapdv {map:#x} {query:#x} &s"));
+        }
+    }
+    for slot in 0..SLOTS {
+        lines.push(format!("v glGetAttachedShaders %p{slot} 8 &s &u"));
+        lines.push(format!("v glGetProgramInfoLog %p{slot} 64 &u &u"));
+        for index in 0..4 {
+            lines.push(format!("v glGetActiveUniform %p{slot} {index} 64 &s &s &s &s"));
+            lines.push(format!("v glGetActiveAttrib %p{slot} {index} 64 &s &s &s &s"));
+        }
+        // Locations that the shaders choose; what another one is, is for the driver to choose.
+        for location in [0, 40] {
+            lines.push(format!("v glGetUniformfv %p{slot} {location} &s"));
+        }
+        for name in ["u0", "u1", "u2", "u3"] {
+            lines.push(format!("s glGetUniformLocation %p{slot} '{name}"));
+        }
+        lines.push(format!("i glGetAttribLocation %p{slot} 'position"));
+    }
+    for target in [0x8CA8, 0x8CA9] {
+        lines.push(format!("i glCheckFramebufferStatus {target:#x}"));
+    }
+    lines
+}

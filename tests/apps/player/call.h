@@ -1,0 +1,51 @@
+/* An OpenGL call that is read from a line of text. docs/lab.md has the format. x86-64 and AArch64 only. */
+#ifndef APPS_CALL_H
+#define APPS_CALL_H
+
+#include <stdbool.h>
+
+enum { CALL_MOST_ARGUMENTS = 16 };
+
+typedef struct {
+    char kind;        /* of the line's format */
+    char letter;      /* of a kind of names, a binding or a type */
+    long long number; /* value, slot or offset */
+    double real;
+    char *text; /* of lists and strings; a part of the line */
+} call_argument;
+
+typedef struct call_function call_function;
+
+typedef struct {
+    const call_function *function;
+    char result;         /* v: none, b: 8 bits, i: 32 bits, s: sign, p: pointer, n: name */
+    char result_letter;  /* the names' kind */
+    int result_slot;
+    char names;          /* kind of the names in what is written, P for pointers, 0 for none */
+    bool is_quiet;       /* no question for errors follows */
+    int count;
+    call_argument arguments[CALL_MOST_ARGUMENTS];
+} call;
+
+typedef struct {
+    unsigned error;
+    unsigned long long result, digest;
+    const char *text; /* what was written, if it was asked for */
+} call_answer;
+
+/* The line of the file that is played, for reports of crashes. */
+extern int call_line;
+
+void call_setup(void);
+/* A context has become current: all names are new. */
+void call_begin(bool has_fixed_function);
+/* Whether the line is a call. Parts of the line stay in use. */
+bool call_parse(char *line, call *into);
+call_answer call_perform(const call *what, bool with_text);
+
+/* Output that is kept until it is long, and written in a crash. */
+void call_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void call_flush(void);
+_Noreturn void call_fail(const char *message);
+
+#endif

@@ -1,0 +1,42 @@
+/* Used between the files of call.h only. */
+#ifndef APPS_CALL_PRIVATE_H
+#define APPS_CALL_PRIVATE_H
+
+#include "call.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { CALL_SLOTS = 16 };
+
+/* Memory at an address that is the same in each process. */
+#define CALL_MEMORY 0x100000000000ULL
+enum {
+    CALL_INPUT = 0,                   /* read by OpenGL: small 32-bit numbers */
+    CALL_INPUT_MARGIN = 1 << 19,      /* before what a call is given, for negative indices */
+    CALL_INPUT_SIZE = 16 << 20,
+    CALL_SMALL = CALL_INPUT_SIZE,     /* written by one call, and part of the answer; so is CALL_BIG */
+    CALL_SMALL_SIZE = 512, /* of each such argument */
+    CALL_BIG = CALL_SMALL + (1 << 13),
+    CALL_BIG_SIZE = 1 << 18,
+    CALL_UNREAD = CALL_BIG + (1 << 20), /* written by one call, and not part of the answer */
+    CALL_FEEDBACK = CALL_UNREAD + (4 << 20),
+    CALL_LISTS = CALL_FEEDBACK + (1 << 16), /* lists of a call's arguments */
+    CALL_MEMORY_SIZE = CALL_LISTS + (1 << 18),
+};
+
+struct call_function {
+    char name[56];
+    void *address;
+    bool is_draw, takes_indices;
+};
+
+/* Names of the current context by kind and slot. */
+extern unsigned long long call_names[26][CALL_SLOTS];
+extern bool call_has_fixed_function;
+
+const call_function *call_find(const char *name);
+/* Whether a draw reads vertices from no other memory of the process than CALL_INPUT. */
+bool call_is_safe(const call_function *function);
+
+#endif

@@ -1,0 +1,84 @@
+#include "call_private.h"
+
+#include "../common/gl.h"
+
+/* Whether arrays may lie in the process' memory. */
+static bool may_be_outside;
+
+/* Whether the vertices that begin there lie in memory that a draw may read. */
+static bool is_readable(uint64_t address)
+{
+    return may_be_outside && address >= CALL_MEMORY && address < CALL_MEMORY + CALL_INPUT_SIZE / 2;
+}
+
+static bool is_safe_array(GLenum array, GLenum binding, GLenum address_name)
+{
+    GLint buffer = 0;
+    void *address = NULL;
+    if (!glIsEnabled(array))
+        return true;
+    glGetIntegerv(binding, &buffer);
+    glGetPointerv(address_name, &address);
+    return buffer != 0 || is_readable((uint64_t)(uintptr_t)address);
+}
+
+static bool fixed_arrays_are_safe(void)
+{
+    static const GLenum arrays[][3] = {
+        {GL_VERTEX_ARRAY, GL_VERTEX_ARRAY_BUFFER_BINDING, GL_VERTEX_ARRAY_POINTER},
+        {GL_NORMAL_ARRAY, GL_NORMAL_ARRAY_BUFFER_BINDING, GL_NORMAL_ARRAY_POINTER},
+        {GL_COLOR_ARRAY, GL_COLOR_ARRAY_BUFFER_BINDING, GL_COLOR_ARRAY_POINTER},
+        {GL_INDEX_ARRAY, GL_INDEX_ARRAY_BUFFER_BINDING, GL_INDEX_ARRAY_POINTER},
+        {GL_EDGE_FLAG_ARRAY, GL_EDGE_FLAG_ARRAY_BUFFER_BINDING, GL_EDGE_FLAG_ARRAY_POINTER},
+        {GL_FOG_COORD_ARRAY, GL_FOG_COORD_ARRAY_BUFFER_BINDING, GL_FOG_COORD_ARRAY_POINTER},
+        {GL_SECONDARY_COLOR_ARRAY, GL_SECONDARY_COLOR_ARRAY_BUFFER_BINDING, GL_SECONDARY_COLOR_ARRAY_POINTER},
+    };
+    bool safe = true;
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        safe = safe && is_safe_array(arrays[i][0], arrays[i][1], arrays[i][2]);
+    GLint unit = GL_TEXTURE0;
+    glGetIntegerv(GL_CLIENT_ACTIVE_TEXTURE, &unit);
+    for (GLenum i = 0; i < 8; i++) {
+        glClientActiveTexture(GL_TEXTURE0 + i);
+        safe = safe && is_safe_array(GL_TEXTURE_COORD_ARRAY, GL_TEXTURE_COORD_ARRAY_BUFFER_BINDING,
+                                     GL_TEXTURE_COORD_ARRAY_POINTER);
+    }
+    glClientActiveTexture((GLenum)unit);
+    return safe;
+}
+
+static bool generic_arrays_are_safe(void)
+{
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_VERTEX_ATTRIBS, &most);
+    for (GLuint i = 0; i < (GLuint)most; i++) {
+        GLint enabled = 0, buffer = 0, binding = (GLint)i;
+        glGetVertexAttribiv(i, GL_VERTEX_ATTRIB_ARRAY_ENABLED, &enabled);
+        glGetVertexAttribiv(i, GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING, &buffer);
+        if (!enabled || buffer != 0)
+            continue;
+        void *address = NULL;
+        GLint64 offset = 0;
+        glGetVertexAttribPointerv(i, GL_VERTEX_ATTRIB_ARRAY_POINTER, &address);
+        glGetVertexAttribiv(i, GL_VERTEX_ATTRIB_BINDING, &binding);
+        if (binding < 0 || binding >= most)
+            return false;
+        glGetInteger64i_v(GL_VERTEX_BINDING_OFFSET, (GLuint)binding, &offset);
+        /* Not all drivers and versions answer with an address; it was given together with the pointer then. */
+        if (!is_readable((uint64_t)(uintptr_t)address) || (offset >= 0 && offset < 1 << 24))
+            return false;
+    }
+    return true;
+}
+
+/*
+ * Indices in a buffer are whatever the calls before have made of it, so that no array may lie in the process' memory then.
+ */
+bool call_is_safe(const call_function *function)
+{
+    GLint indices = 0;
+    if (function->takes_indices)
+        glGetIntegerv(GL_ELEMENT_ARRAY_BUFFER_BINDING, &indices);
+    may_be_outside = indices == 0;
+    return (!call_has_fixed_function || fixed_arrays_are_safe()) && generic_arrays_are_safe();
+}
