@@ -1,6 +1,6 @@
 /*
  * Plays OpenGL calls that `cupola-lab calls` wrote to files, and answers with what OpenGL answers. Its argument is a file
- * of questions; each line of stdin names a file of calls, which gets a context of its own. docs/lab.md has the format.
+ * of questions; each line of stdin names a file of calls, which gets a context of its own. docs/calls.md has the format.
  */
 #include "player/call.h"
 #include "common/window.h"

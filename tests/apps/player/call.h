@@ -1,4 +1,4 @@
-/* An OpenGL call that is read from a line of text. docs/lab.md has the format. x86-64 and AArch64 only. */
+/* An OpenGL call that is read from a line of text. docs/calls.md has the format. x86-64 and AArch64 only. */
 #ifndef APPS_CALL_H
 #define APPS_CALL_H
 
