@@ -19,7 +19,7 @@ pub struct AtlasRect {
     pub(in crate::intercept::vk) height: i32,
 }
 
-/// A tile of the session: as many texels below the top here as above the bottom there ([`upside_down`]).
+/// A tile of the session: as many texels below the top here as above the bottom there.
 impl From<LowerLeftRect> for AtlasRect {
     fn from(LowerLeftRect { x, y, width, height }: LowerLeftRect) -> Self {
         Self { x, y, width, height }
