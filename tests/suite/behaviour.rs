@@ -49,6 +49,7 @@ behaviour! {
     flat_feedback: 3,
     window_errors: 3,
     gles2_query: 3,
+    viewports: 3,
 }
 
 /// Not under a rig of projectors: they show less than the program sees, and no view has the depth of what none shows.

@@ -40,6 +40,7 @@ impl PixelSpan {
 
 /// A rectangle of pixels or texels with its origin at the lower left, as OpenGL has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct LowerLeftRect {
     /// Left edge.
     pub x: i32,

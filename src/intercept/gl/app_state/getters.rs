@@ -11,7 +11,7 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
     ctx.drawable.target()?;
     match name {
-        api::GL_VIEWPORT => four(ctx.app.viewport),
+        api::GL_VIEWPORT => Some((ctx.app.viewport_at(0).to_array().map(f64::from), 4)),
         api::GL_SCISSOR_BOX => four(ctx.app.scissor),
         api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.app.scissor_test))),
         api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.app.draw_framebuffer.into()),
@@ -95,8 +95,8 @@ macro_rules! getters {
 }
 
 getters! {
-    "glGetIntegerv" get_integerv i32, |v: f64| v as i32;
-    "glGetInteger64v" get_integer64v i64, |v: f64| v as i64;
+    "glGetIntegerv" get_integerv i32, |v: f64| v.round() as i32;
+    "glGetInteger64v" get_integer64v i64, |v: f64| v.round() as i64;
     "glGetFloatv" get_floatv f32, |v: f64| v as f32;
     "glGetDoublev" get_doublev f64, |v: f64| v;
     "glGetBooleanv" get_booleanv u8, |v: f64| u8::from(v != 0.0);

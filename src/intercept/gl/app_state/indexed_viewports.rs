@@ -1,155 +1,184 @@
-//! Viewports and scissors by index (OpenGL 4.1): the first is the one that views are made of.
+//! Viewports and scissors by index (OpenGL 4.1).
 //!
-//! The others are passed on as they are; a view's own viewport replaces them all while the window is drawn.
+//! Views are made of the first ones. Draws of programs that choose one by its index are flat where these differ.
 
 use crate::backend::gl::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::app_state::getters::is_answered;
 use crate::intercept::gl::app_state::known_state;
-use crate::intercept::gl::app_state::window_state::{set_program_scissor, set_program_viewport, set_scissor_test};
+use crate::intercept::gl::app_state::window_state::follow_viewport;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::now_or_later;
+use crate::intercept::gl::state::app::window_arrays::{self, Viewport, WindowArrays};
 
-/// Whether `count` rectangles have sizes that OpenGL takes; else the program gets its error, and nothing is set.
+/// The rectangles of a call, for the indices from `first` on. `None`: the driver refuses them, or has others than are
+/// followed here, and gets the call as it is.
 ///
 /// # Safety
-/// `v` must be null or point at so many rectangles.
-unsafe fn takes<T: Copy + PartialOrd + Default>(ctx: &mut Context, count: i32, v: *const T) -> bool {
-    let rectangles = usize::try_from(count).unwrap_or(0);
-    let size = |i: usize| {
-        // SAFETY: as promised.
-        unsafe { [*v.add(4 * i + 2), *v.add(4 * i + 3)] }
-    };
-    let takes = v.is_null() || (0..rectangles).all(|i| size(i).into_iter().all(|side| side >= T::default()));
-    if !takes {
-        ctx.driver.note_error(api::GL_INVALID_VALUE);
+/// `numbers` must be null or point at four for each of `count` rectangles.
+unsafe fn rectangles<T: Copy + PartialOrd + Default>(
+    ctx: &Context,
+    first: u32,
+    count: i32,
+    numbers: *const T,
+) -> Option<Vec<[T; 4]>> {
+    let count = usize::try_from(count).ok()?;
+    if !ctx.driver.profile.viewport_arrays || numbers.is_null() || (first as usize).checked_add(count)? > window_arrays::COUNT {
+        return None;
     }
-    takes
+    // SAFETY: as promised.
+    let rectangles = unsafe { std::slice::from_raw_parts(numbers.cast::<[T; 4]>(), count) };
+    let has_size = |[_, _, width, height]: &[T; 4]| *width >= T::default() && *height >= T::default();
+    rectangles.iter().all(has_size).then(|| rectangles.to_vec())
 }
 
-/// The first viewport from its four numbers, rounded like a driver does that has no fractions.
-fn first_viewport(ctx: &mut Context, numbers: [f32; 4]) {
-    set_program_viewport(ctx, numbers.map(|v| v.round() as i32).into());
-}
-
-hooks! {
-    "glViewportIndexedf" viewport_indexedf(index: u32, x: f32, y: f32, width: f32, height: f32) = |ctx, gl| {
-        if index == 0 {
-            if !takes(ctx, 1, [x, y, width, height].as_ptr()) {
-                return;
-            }
-            first_viewport(ctx, [x, y, width, height]);
+/// Changes viewports and scissors of the program, now or whenever the list runs that is being compiled.
+fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 'static) {
+    now_or_later(ctx, move |ctx| {
+        ctx.app.change_arrays(&change);
+        follow_viewport(ctx);
+        if !ctx.redirected() {
+            ctx.restore_window_space();
         }
-        if index != 0 || !ctx.redirected() {
-            gl.viewport_indexedf(index, x, y, width, height);
+    });
+}
+
+fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<[f32; 4]>) {
+    let (mut bounds, mut largest) = ([0.0; 2], [0.0; 2]);
+    // SAFETY: each writes two numbers.
+    unsafe {
+        ctx.driver.gl.get_floatv(api::GL_VIEWPORT_BOUNDS_RANGE, bounds.as_mut_ptr());
+        ctx.driver.gl.get_floatv(api::GL_MAX_VIEWPORT_DIMS, largest.as_mut_ptr());
+    }
+    for [x, y, width, height] in &mut viewports {
+        // As the driver does with what it keeps. `max` and `min` take the bound where a number is none.
+        (*x, *y) = (x.max(bounds[0]).min(bounds[1]), y.max(bounds[0]).min(bounds[1]));
+        (*width, *height) = (width.min(largest[0]), height.min(largest[1]));
+    }
+    change(ctx, move |arrays| {
+        for (own, viewport) in arrays.viewports.iter_mut().skip(first as usize).zip(&viewports) {
+            *own = (*viewport).into();
+        }
+    });
+}
+
+fn set_scissors(ctx: &mut Context, first: u32, scissors: Vec<[i32; 4]>) {
+    change(ctx, move |arrays| {
+        for (own, scissor) in arrays.scissors.iter_mut().skip(first as usize).zip(&scissors) {
+            *own = (*scissor).into();
+        }
+    });
+}
+
+/// The index of a scissor test that is followed.
+fn scissor_test(ctx: &Context, cap: u32, index: u32) -> Option<usize> {
+    let is_followed = |index: &usize| cap == api::GL_SCISSOR_TEST && *index < window_arrays::COUNT;
+    Some(index as usize).filter(|index| is_followed(index) && ctx.driver.profile.viewport_arrays)
+}
+
+/// What a program asks about viewports and scissors by their index.
+enum Answer {
+    Viewport(Viewport),
+    Scissor(LowerLeftRect),
+}
+
+impl Answer {
+    fn numbers(&self) -> [f64; 4] {
+        match self {
+            Self::Viewport(viewport) => viewport.to_array().map(f64::from),
+            Self::Scissor(scissor) => scissor.to_array().map(f64::from),
+        }
+    }
+}
+
+fn believed(ctx: &Context, name: u32, index: u32) -> Option<Answer> {
+    ctx.drawable.target()?;
+    let index = Some(index as usize).filter(|index| *index < window_arrays::COUNT)?;
+    match name {
+        api::GL_VIEWPORT => Some(Answer::Viewport(ctx.app.viewport_at(index))),
+        api::GL_SCISSOR_BOX => Some(Answer::Scissor(ctx.app.scissor_at(index))),
+        _ => None,
+    }
+}
+
+macro_rules! hooks_with_getters {
+    ($( $name:literal $method:ident $t:ty, $convert:expr; )* ; $($hooks:tt)*) => {
+        hooks! {
+            $($hooks)*
+            $( $name $method(name: u32, index: u32, values: *mut $t) = |ctx, gl| {
+                match believed(ctx, name, index).filter(|_| !values.is_null()) {
+                    Some(answer) if is_answered(|room: *mut $t| gl.$method(name, index, room)) => {
+                        *values.cast::<[$t; 4]>() = answer.numbers().map($convert);
+                    }
+                    Some(_) => {}
+                    None => gl.$method(name, index, values),
+                }
+            }; )*
+        }
+    };
+}
+
+hooks_with_getters! {
+    "glGetIntegeri_v" get_integeri_v i32, |v| v.round() as i32;
+    "glGetInteger64i_v" get_integer64i_v i64, |v| v.round() as i64;
+    "glGetFloati_v" get_floati_v f32, |v| v as f32;
+    "glGetDoublei_v" get_doublei_v f64, |v| v;
+    ;
+    "glViewportIndexedf" viewport_indexedf(index: u32, x: f32, y: f32, width: f32, height: f32) = |ctx, gl| {
+        match rectangles(ctx, index, 1, [x, y, width, height].as_ptr()) {
+            Some(viewports) => set_viewports(ctx, index, viewports),
+            None => gl.viewport_indexedf(index, x, y, width, height),
         }
     };
     "glViewportIndexedfv" viewport_indexedfv(index: u32, v: *const f32) = |ctx, gl| {
-        if index == 0 && !v.is_null() {
-            if !takes(ctx, 1, v) {
-                return;
-            }
-            first_viewport(ctx, *v.cast::<[f32; 4]>());
-        }
-        if index != 0 || !ctx.redirected() {
-            gl.viewport_indexedfv(index, v);
+        match rectangles(ctx, index, 1, v) {
+            Some(viewports) => set_viewports(ctx, index, viewports),
+            None => gl.viewport_indexedfv(index, v),
         }
     };
     "glViewportArrayv" viewport_arrayv(first: u32, count: i32, v: *const f32) = |ctx, gl| {
-        if first == 0 && count > 0 && !v.is_null() {
-            if !takes(ctx, count, v) {
-                return;
-            }
-            first_viewport(ctx, *v.cast::<[f32; 4]>());
-        }
-        if first != 0 || !ctx.redirected() {
-            gl.viewport_arrayv(first, count, v);
-        } else if count > 1 {
-            gl.viewport_arrayv(1, count - 1, v.add(4));
+        match rectangles(ctx, first, count, v) {
+            Some(viewports) => set_viewports(ctx, first, viewports),
+            None => gl.viewport_arrayv(first, count, v),
         }
     };
     "glScissorIndexed" scissor_indexed(index: u32, x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
-        if index == 0 && width >= 0 && height >= 0 {
-            set_program_scissor(ctx, LowerLeftRect::new(x, y, width, height));
-        } else {
-            gl.scissor_indexed(index, x, y, width, height);
+        match rectangles(ctx, index, 1, [x, y, width, height].as_ptr()) {
+            Some(scissors) => set_scissors(ctx, index, scissors),
+            None => gl.scissor_indexed(index, x, y, width, height),
         }
     };
     "glScissorIndexedv" scissor_indexedv(index: u32, v: *const i32) = |ctx, gl| {
-        if index == 0 && !v.is_null() {
-            if !takes(ctx, 1, v) {
-                return;
-            }
-            set_program_scissor(ctx, (*v.cast::<[i32; 4]>()).into());
-        } else {
-            gl.scissor_indexedv(index, v);
+        match rectangles(ctx, index, 1, v) {
+            Some(scissors) => set_scissors(ctx, index, scissors),
+            None => gl.scissor_indexedv(index, v),
         }
     };
     "glScissorArrayv" scissor_arrayv(first: u32, count: i32, v: *const i32) = |ctx, gl| {
-        if first != 0 || count < 1 || v.is_null() {
-            gl.scissor_arrayv(first, count, v);
-        } else if takes(ctx, count, v) {
-            set_program_scissor(ctx, (*v.cast::<[i32; 4]>()).into());
-            if count > 1 {
-                gl.scissor_arrayv(1, count - 1, v.add(4));
-            }
+        match rectangles(ctx, first, count, v) {
+            Some(scissors) => set_scissors(ctx, first, scissors),
+            None => gl.scissor_arrayv(first, count, v),
         }
     };
     "glEnablei" enablei(cap: u32, index: u32) = |ctx, gl| {
-        if cap == api::GL_SCISSOR_TEST && index == 0 { set_scissor_test(ctx, true) } else { gl.enablei(cap, index) }
+        match scissor_test(ctx, cap, index) {
+            Some(index) => change(ctx, move |arrays| arrays.tests |= 1 << index),
+            None => gl.enablei(cap, index),
+        }
         known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glDisablei" disablei(cap: u32, index: u32) = |ctx, gl| {
-        if cap == api::GL_SCISSOR_TEST && index == 0 { set_scissor_test(ctx, false) } else { gl.disablei(cap, index) }
+        match scissor_test(ctx, cap, index) {
+            Some(index) => change(ctx, move |arrays| arrays.tests &= !(1 << index)),
+            None => gl.disablei(cap, index),
+        }
         known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glIsEnabledi" is_enabledi(cap: u32, index: u32) -> u8 = |ctx, gl| {
-        let ours = cap == api::GL_SCISSOR_TEST && index == 0 && ctx.drawable.target().is_some();
-        if ours { u8::from(ctx.app.scissor_test) } else { gl.is_enabledi(cap, index) }
-    };
-    "glGetIntegeri_v" get_integeri_v(name: u32, index: u32, values: *mut i32) = |ctx, gl| {
-        match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) if is_answered(|room: *mut i32| gl.get_integeri_v(name, index, room)) => {
-                *values.cast::<[i32; 4]>() = rect.to_array();
-            }
-            Some(_) => {}
-            None => gl.get_integeri_v(name, index, values),
+        match scissor_test(ctx, cap, index).filter(|_| ctx.drawable.target().is_some()) {
+            Some(index) => u8::from(ctx.app.scissor_test_at(index)),
+            None => gl.is_enabledi(cap, index),
         }
     };
-    "glGetInteger64i_v" get_integer64i_v(name: u32, index: u32, values: *mut i64) = |ctx, gl| {
-        match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) if is_answered(|room: *mut i64| gl.get_integer64i_v(name, index, room)) => {
-                *values.cast::<[i64; 4]>() = rect.to_array().map(i64::from);
-            }
-            Some(_) => {}
-            None => gl.get_integer64i_v(name, index, values),
-        }
-    };
-    "glGetFloati_v" get_floati_v(name: u32, index: u32, values: *mut f32) = |ctx, gl| {
-        match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) if is_answered(|room: *mut f32| gl.get_floati_v(name, index, room)) => {
-                *values.cast::<[f32; 4]>() = rect.to_array().map(|v| v as f32);
-            }
-            Some(_) => {}
-            None => gl.get_floati_v(name, index, values),
-        }
-    };
-    "glGetDoublei_v" get_doublei_v(name: u32, index: u32, values: *mut f64) = |ctx, gl| {
-        match believed(ctx, name, index).filter(|_| !values.is_null()) {
-            Some(rect) if is_answered(|room: *mut f64| gl.get_doublei_v(name, index, room)) => {
-                *values.cast::<[f64; 4]>() = rect.to_array().map(f64::from);
-            }
-            Some(_) => {}
-            None => gl.get_doublei_v(name, index, values),
-        }
-    };
-}
-
-fn believed(ctx: &Context, name: u32, index: u32) -> Option<LowerLeftRect> {
-    match name {
-        _ if index != 0 || ctx.drawable.target().is_none() => None,
-        api::GL_VIEWPORT => Some(ctx.app.viewport),
-        api::GL_SCISSOR_BOX => Some(ctx.app.scissor),
-        _ => None,
-    }
 }

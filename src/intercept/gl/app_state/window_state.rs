@@ -50,33 +50,38 @@ pub fn pop_attributes(ctx: &mut Context) {
     }
 }
 
-/// A viewport of the program.
-pub fn set_program_viewport(ctx: &mut Context, rect: LowerLeftRect) {
-    ctx.app.viewport = rect;
-    let new_size = ctx.drawable.target().is_some_and(|t| t.size() != (rect.width as u32, rect.height as u32));
+/// The window may have another size, of which the program's viewport is the first sign.
+pub(super) fn follow_viewport(ctx: &mut Context) {
+    let LowerLeftRect { width, height, .. } = ctx.app.viewport;
+    let new_size = ctx.drawable.target().is_some_and(|t| t.size() != (width as u32, height as u32));
     if new_size && !ctx.frame.begun && ctx.redirected() {
-        // Perhaps the window has it already.
         follow_size(ctx);
-    }
-    if !ctx.redirected() {
-        ctx.set_viewport(rect);
     }
 }
 
-/// A scissor rectangle of the program.
-pub fn set_program_scissor(ctx: &mut Context, rect: LowerLeftRect) {
-    ctx.app.scissor = rect;
+/// `glViewport` of the program.
+fn set_program_viewport(ctx: &mut Context, rect: LowerLeftRect) {
+    ctx.app.set_viewport(rect);
+    follow_viewport(ctx);
+    if !ctx.redirected() {
+        ctx.driver.issue_viewport(rect);
+    }
+}
+
+/// `glScissor` of the program.
+fn set_program_scissor(ctx: &mut Context, rect: LowerLeftRect) {
+    ctx.app.set_scissor(rect);
     if !ctx.redirected() {
         ctx.driver.issue_scissor(rect);
     }
 }
 
 /// The program's scissor test.
-pub fn set_scissor_test(ctx: &mut Context, on: bool) {
+fn set_scissor_test(ctx: &mut Context, on: bool) {
     if ctx.compiling() {
         list_recording::record(ctx, Command::ScissorTest(on));
     } else {
-        ctx.app.scissor_test = on;
+        ctx.app.set_scissor_test(on);
         if !ctx.redirected() {
             ctx.driver.issue_scissor_test(on);
         }

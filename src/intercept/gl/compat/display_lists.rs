@@ -102,19 +102,19 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
             ctx.app.matrix_mode = *mode;
         }
         Command::Viewport(rect) => {
-            ctx.app.viewport = *rect;
+            ctx.app.set_viewport(*rect);
             if !ctx.redirected() {
-                ctx.set_viewport(*rect);
+                ctx.restore_window_space();
             }
         }
         Command::Scissor(rect) => {
-            ctx.app.scissor = *rect;
+            ctx.app.set_scissor(*rect);
             if !ctx.redirected() {
                 ctx.restore_window_space();
             }
         }
         Command::ScissorTest(on) => {
-            ctx.app.scissor_test = *on;
+            ctx.app.set_scissor_test(*on);
             if !ctx.redirected() {
                 ctx.restore_window_space();
             }

@@ -131,7 +131,6 @@ impl Context {
     /// Gives the program its own window back, for good.
     pub fn leave_alone(&mut self) {
         if let Some(target) = self.drawable.take_target() {
-            let [x, y, width, height] = self.app.viewport.to_array();
             // SAFETY: puts back what the program has set; the framebuffers are ours.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
@@ -140,15 +139,9 @@ impl Context {
                 if self.app.read_framebuffer == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
-                self.driver.gl.viewport(x, y, width, height);
-                let [x, y, width, height] = self.app.scissor.to_array();
-                self.driver.gl.scissor(x, y, width, height);
-                if self.app.scissor_test {
-                    self.driver.gl.enable(api::GL_SCISSOR_TEST);
-                } else {
-                    self.driver.gl.disable(api::GL_SCISSOR_TEST);
-                }
             }
+            self.driver.forget_window_space(api::GL_VIEWPORT_BIT | api::GL_SCISSOR_BIT);
+            self.restore_window_space();
             target.destroy(self.driver.gl);
         }
     }

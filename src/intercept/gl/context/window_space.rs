@@ -1,8 +1,9 @@
-//! Viewport and scissor of the driver.
+//! Viewports and scissors of the driver.
 
 use crate::backend::gl::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 
 impl Context {
     /// Sets the real viewport.
@@ -27,8 +28,21 @@ impl Context {
         }
     }
 
-    /// Puts the program's own viewport and scissor into the driver, for its own framebuffers.
+    /// Sets the real viewports and scissors by their index.
+    pub fn set_arrays(&mut self, arrays: &WindowArrays) {
+        if self.compiling() {
+            self.driver.forget_window_space(api::GL_VIEWPORT_BIT | api::GL_SCISSOR_BIT);
+        } else {
+            self.driver.set_arrays(arrays);
+        }
+    }
+
+    /// Puts the program's own viewports and scissors into the driver, for its own framebuffers.
     pub fn restore_window_space(&mut self) {
+        if let Some(arrays) = self.app.arrays().cloned() {
+            self.set_arrays(&arrays);
+            return;
+        }
         self.set_viewport(self.app.viewport);
         let (test, rect) = (self.app.scissor_test, self.app.scissor);
         if !self.compiling() {

@@ -18,7 +18,7 @@ use crate::intercept::gl::draw::fallback;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::offscreen::displayed::{self, Shows};
 use crate::intercept::gl::offscreen::{coverage, draws};
-use crate::intercept::gl::per_view::classify::{classify, main_viewport};
+use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_viewports};
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_program};
 use crate::intercept::gl::per_view::panel::PanelBlend;
@@ -110,7 +110,7 @@ fn perspective_or_flat(
             Shows::Nothing => None,
         };
         ctx.frame.background.note_flat();
-        if measure.is_some() || !background::is_behind(ctx) {
+        if measure.is_some() || several_viewports(ctx) || !background::is_behind(ctx) {
             flat(ctx, changes, measure, issue);
             return None;
         }

@@ -33,8 +33,8 @@ impl Context {
             window.resize(size);
         }
         if first {
-            self.app.viewport = LowerLeftRect::of_size(window.size());
-            self.app.scissor = self.app.viewport;
+            self.app.set_viewport(LowerLeftRect::of_size(window.size()));
+            self.app.set_scissor(self.app.viewport);
             if !window.double_buffered(self.driver.gl, &self.driver.profile) {
                 self.app.draw_buffer = api::GL_FRONT;
                 self.app.read_buffer = api::GL_FRONT;
@@ -66,7 +66,8 @@ impl Context {
                 self.driver.gl.get_integerv(api::GL_VIEWPORT, viewport.as_mut_ptr());
                 self.driver.gl.get_integerv(api::GL_SCISSOR_BOX, scissor.as_mut_ptr());
             }
-            (self.app.viewport, self.app.scissor) = (viewport.into(), scissor.into());
+            self.app.set_viewport(viewport.into());
+            self.app.set_scissor(scissor.into());
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::shader::program_pipelines;
 use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::shader::programs::Lens;
@@ -14,8 +15,17 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
     if main_viewport(&ctx.app, &ctx.frame) { classify_by_projection(ctx) } else { DrawClass::Flat }
 }
 
+/// Whether primitives of a draw may go to viewports that differ.
+pub fn several_viewports(ctx: &Context) -> bool {
+    let chooses = || ctx.shaders.program.as_ref().is_some_and(|program| program.chooses_viewport);
+    ctx.app.arrays().is_some_and(WindowArrays::differ) && chooses()
+}
+
 /// Where a draw belongs by its lens alone.
 pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
+    if several_viewports(ctx) {
+        return DrawClass::Flat;
+    }
     if let Some(program) = ctx.shaders.program.clone().filter(|p| p.draws_vertices()) {
         return match program_pipelines::lens(ctx, &program) {
             Lens::Perspective(intrinsics, how) => {

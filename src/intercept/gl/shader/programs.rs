@@ -233,6 +233,7 @@ fn link(ctx: &mut Context, program: u32) {
     let mut record = read_program(gl, &ctx.driver.profile, program, linked, stages, fixed_matrices, position_names);
     record.texts = texts;
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
+    record.chooses_viewport = sources.values().any(|source| patch::mentions(source, "gl_ViewportIndex"));
     record.reads_frag_coord = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
@@ -365,6 +366,7 @@ fn read_program(
         position: None,
         subroutines: false,
         reads_frag_coord: false,
+        chooses_viewport: false,
         position_names,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),

@@ -1,8 +1,8 @@
 //! What `glPushAttrib` keeps of the state that is followed.
 
 use crate::backend::gl::KnownState;
-use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::RasterPosition;
+use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
 pub const ATTRIBUTE_DEPTH: usize = 16;
@@ -18,11 +18,9 @@ pub struct Pushed {
 }
 
 /// What it keeps of the app state.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Saved {
-    pub(in crate::intercept::gl) viewport: LowerLeftRect,
-    pub(in crate::intercept::gl) scissor: LowerLeftRect,
-    pub(in crate::intercept::gl) scissor_test: bool,
+    pub(in crate::intercept::gl) arrays: WindowArrays,
     pub(in crate::intercept::gl) draw_buffer: u32,
     pub(in crate::intercept::gl) read_buffer: u32,
     pub(in crate::intercept::gl) matrix_mode: u32,

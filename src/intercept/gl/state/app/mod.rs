@@ -1,12 +1,14 @@
 //! The app state: what the program has set, as it would read it.
 //!
-//! [`attribute_stack`] keeps what `glPushAttrib` keeps of it.
+//! [`attribute_stack`] keeps what `glPushAttrib` keeps of it; [`window_arrays`], viewports and scissors by index.
 
 pub mod attribute_stack;
+pub mod window_arrays;
 
 use crate::backend::gl::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
+use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};
 
 /// What the program has set, as it would read it.
 pub struct AppState {
@@ -14,12 +16,14 @@ pub struct AppState {
     pub draw_framebuffer: u32,
     /// The program's read framebuffer.
     pub read_framebuffer: u32,
-    /// `glViewport`.
+    /// The first viewport, in whole pixels.
     pub viewport: LowerLeftRect,
-    /// `glScissor`.
+    /// The first scissor.
     pub scissor: LowerLeftRect,
-    /// `GL_SCISSOR_TEST`.
+    /// The first scissor test.
     pub scissor_test: bool,
+    /// Viewports and scissors, if they differ by their index or have fractions.
+    arrays: Option<Box<WindowArrays>>,
     /// `glDrawBuffer` of its window.
     pub draw_buffer: u32,
     /// `glReadBuffer` of its window.
@@ -46,6 +50,7 @@ impl Default for AppState {
             viewport: LowerLeftRect::default(),
             scissor: LowerLeftRect::default(),
             scissor_test: false,
+            arrays: None,
             draw_buffer: api::GL_BACK,
             read_buffer: api::GL_BACK,
             matrix_mode: api::GL_MODELVIEW,
@@ -75,12 +80,71 @@ impl AppState {
         self.attribute_stack.pop()
     }
 
+    /// Viewports and scissors, if they differ by their index or have fractions.
+    pub fn arrays(&self) -> Option<&WindowArrays> {
+        self.arrays.as_deref()
+    }
+
+    /// Viewports and scissors by their index.
+    pub fn all_arrays(&self) -> WindowArrays {
+        let alike = || WindowArrays::alike(self.viewport, self.scissor, self.scissor_test);
+        self.arrays.as_deref().cloned().unwrap_or_else(alike)
+    }
+
+    /// A viewport by its index.
+    pub fn viewport_at(&self, index: usize) -> Viewport {
+        self.arrays.as_ref().map_or(self.viewport.into(), |arrays| arrays.viewports[index])
+    }
+
+    /// A scissor by its index.
+    pub fn scissor_at(&self, index: usize) -> LowerLeftRect {
+        self.arrays.as_ref().map_or(self.scissor, |arrays| arrays.scissors[index])
+    }
+
+    /// A scissor test by its index.
+    pub fn scissor_test_at(&self, index: usize) -> bool {
+        self.arrays.as_ref().map_or(self.scissor_test, |arrays| arrays.tests >> index & 1 != 0)
+    }
+
+    /// Changes viewports and scissors by their index.
+    pub fn change_arrays(&mut self, change: impl FnOnce(&mut WindowArrays)) {
+        let mut arrays = self.all_arrays();
+        change(&mut arrays);
+        self.viewport = arrays.viewports[0].rounded();
+        self.scissor = arrays.scissors[0];
+        self.scissor_test = arrays.tests & 1 != 0;
+        let alike = WindowArrays::alike(self.viewport, self.scissor, self.scissor_test);
+        self.arrays = (arrays != alike).then(|| Box::new(arrays));
+    }
+
+    /// `glViewport`: all viewports.
+    pub fn set_viewport(&mut self, rect: LowerLeftRect) {
+        match self.arrays {
+            Some(_) => self.change_arrays(|arrays| arrays.viewports = [Viewport::from(rect); window_arrays::COUNT]),
+            None => self.viewport = rect,
+        }
+    }
+
+    /// `glScissor`: all scissors.
+    pub fn set_scissor(&mut self, rect: LowerLeftRect) {
+        match self.arrays {
+            Some(_) => self.change_arrays(|arrays| arrays.scissors = [rect; window_arrays::COUNT]),
+            None => self.scissor = rect,
+        }
+    }
+
+    /// `glEnable` and `glDisable` of `GL_SCISSOR_TEST`: all scissor tests.
+    pub fn set_scissor_test(&mut self, on: bool) {
+        match self.arrays {
+            Some(_) => self.change_arrays(|arrays| arrays.tests = if on { u16::MAX } else { 0 }),
+            None => self.scissor_test = on,
+        }
+    }
+
     /// State that `glPushAttrib` keeps.
     pub fn saved(&self) -> Saved {
         Saved {
-            viewport: self.viewport,
-            scissor: self.scissor,
-            scissor_test: self.scissor_test,
+            arrays: self.all_arrays(),
             draw_buffer: self.draw_buffer,
             read_buffer: self.read_buffer,
             matrix_mode: self.matrix_mode,
@@ -89,15 +153,17 @@ impl AppState {
 
     /// `glPopAttrib`: the groups of `mask` are what they were.
     pub fn restore(&mut self, mask: u32, saved: &Saved) {
-        if mask & api::GL_VIEWPORT_BIT != 0 {
-            self.viewport = saved.viewport;
-        }
-        if mask & api::GL_SCISSOR_BIT != 0 {
-            self.scissor = saved.scissor;
-        }
-        if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
-            self.scissor_test = saved.scissor_test;
-        }
+        self.change_arrays(|arrays| {
+            if mask & api::GL_VIEWPORT_BIT != 0 {
+                arrays.viewports = saved.arrays.viewports;
+            }
+            if mask & api::GL_SCISSOR_BIT != 0 {
+                arrays.scissors = saved.arrays.scissors;
+            }
+            if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
+                arrays.tests = saved.arrays.tests;
+            }
+        });
         if mask & api::GL_TRANSFORM_BIT != 0 {
             self.matrix_mode = saved.matrix_mode;
         }

@@ -8,6 +8,7 @@ pub mod window_space;
 use crate::backend::gl::KnownState;
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::LowerLeftRect;
+use crate::intercept::gl::state::app::window_arrays::{self, WindowArrays};
 use crate::intercept::gl::state::driver::profile::{Profile, is_endless, profile};
 use crate::intercept::gl::state::driver::window_space::DriverState;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -63,13 +64,37 @@ impl Driver {
         }
     }
 
-    /// Sets the viewport, if it is another one.
+    /// Sets all viewports, if they are not so already.
     pub fn set_viewport(&mut self, rect: LowerLeftRect) {
         if self.window_space.viewport != Some(rect) {
-            // SAFETY: a plain state command.
-            unsafe { self.gl.viewport(rect.x, rect.y, rect.width, rect.height) };
-            self.window_space.viewport = Some(rect);
+            self.issue_viewport(rect);
         }
+    }
+
+    /// Sets all viewports, as the program's own command does.
+    pub fn issue_viewport(&mut self, rect: LowerLeftRect) {
+        // SAFETY: a plain state command.
+        unsafe { self.gl.viewport(rect.x, rect.y, rect.width, rect.height) };
+        self.window_space.viewport = Some(rect);
+    }
+
+    /// Sets viewports and scissors by their index.
+    pub fn set_arrays(&mut self, arrays: &WindowArrays) {
+        let count = window_arrays::COUNT as i32;
+        let (viewports, scissors) = (arrays.viewports.as_ptr().cast(), arrays.scissors.as_ptr().cast());
+        // SAFETY: four numbers for each index; the program has set some of them by their index, so the driver has these
+        // functions.
+        unsafe {
+            self.gl.viewport_arrayv(0, count, viewports);
+            self.gl.scissor_arrayv(0, count, scissors);
+            for index in 0..window_arrays::COUNT as u32 {
+                match arrays.tests >> index & 1 {
+                    0 => self.gl.disablei(api::GL_SCISSOR_TEST, index),
+                    _ => self.gl.enablei(api::GL_SCISSOR_TEST, index),
+                }
+            }
+        }
+        self.forget_window_space(api::GL_VIEWPORT_BIT | api::GL_SCISSOR_BIT);
     }
 
     /// Sets the scissor rectangle, if it is another one; the test stays as it is.

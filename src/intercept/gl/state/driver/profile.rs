@@ -1,6 +1,7 @@
 //! Version and profile of a context.
 
 use crate::backend::gl::api::{self, Gl};
+use std::ffi::CStr;
 
 /// Which OpenGL a context speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +12,8 @@ pub struct Profile {
     pub core: bool,
     /// Major · 10 + minor.
     pub version: u32,
+    /// Viewports and scissors by index.
+    pub viewport_arrays: bool,
 }
 
 impl Profile {
@@ -38,7 +41,23 @@ pub(in crate::intercept::gl) fn profile(gl: &Gl) -> Profile {
         // SAFETY: the query exists since OpenGL 3.2 and writes one integer.
         unsafe { gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut mask) };
     }
-    Profile { es, core: forward || mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0, version }
+    let core = forward || mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0;
+    let arrays = if es { "GL_OES_viewport_array" } else { "GL_ARB_viewport_array" };
+    let viewport_arrays = (!es && version >= 41) || (version >= 30 && has_extension(gl, arrays));
+    Profile { es, core, version, viewport_arrays }
+}
+
+/// Whether a context of version 3.0 or later has an extension.
+fn has_extension(gl: &Gl, name: &str) -> bool {
+    let mut count = 0;
+    // SAFETY: writes one integer; the driver's strings end with a zero and live as long as it.
+    unsafe {
+        gl.get_integerv(api::GL_NUM_EXTENSIONS, &mut count);
+        (0..count as u32).any(|index| {
+            let text = gl.get_stringi(api::GL_EXTENSIONS, index);
+            !text.is_null() && CStr::from_ptr(text.cast()).to_bytes() == name.as_bytes()
+        })
+    }
 }
 
 /// Whether the driver is such a renderer.

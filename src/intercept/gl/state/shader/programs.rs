@@ -90,6 +90,8 @@ pub struct Program {
     pub(in crate::intercept::gl) subroutines: bool,
     /// Its fragments ask where on the screen they are.
     pub reads_frag_coord: bool,
+    /// Its primitives choose a viewport by its index.
+    pub chooses_viewport: bool,
     /// What flows into its position; `None` = unknown, so that anything may.
     pub position_names: Option<PositionNames>,
     /// Its 4×4 matrices.

@@ -1,0 +1,125 @@
+//! Viewports and scissors by index (OpenGL 4.1), where the program has set them apart.
+
+use crate::correct::LowerLeftRect;
+
+/// Number of indices that are followed: the least that OpenGL allows, and what drivers have.
+pub const COUNT: usize = 16;
+
+/// A viewport with fractions, as OpenGL has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct Viewport {
+    /// Left edge.
+    pub x: f32,
+    /// Lower edge.
+    pub y: f32,
+    /// Width, at least 0.
+    pub width: f32,
+    /// Height, at least 0.
+    pub height: f32,
+}
+
+impl Viewport {
+    /// Its place in a picture whose lower left corner is at `origin`.
+    fn moved_by(self, [x, y]: [i32; 2]) -> Self {
+        Self { x: self.x + x as f32, y: self.y + y as f32, ..self }
+    }
+
+    /// x, y, width and height, as OpenGL answers questions.
+    pub const fn to_array(self) -> [f32; 4] {
+        [self.x, self.y, self.width, self.height]
+    }
+
+    /// Rounded to whole pixels.
+    pub fn rounded(self) -> LowerLeftRect {
+        self.to_array().map(|v| v.round() as i32).into()
+    }
+}
+
+impl From<[f32; 4]> for Viewport {
+    fn from([x, y, width, height]: [f32; 4]) -> Self {
+        Self { x, y, width, height }
+    }
+}
+
+impl From<LowerLeftRect> for Viewport {
+    fn from(rect: LowerLeftRect) -> Self {
+        rect.to_array().map(|v| v as f32).into()
+    }
+}
+
+/// All of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WindowArrays {
+    /// Viewports.
+    pub viewports: [Viewport; COUNT],
+    /// Scissors.
+    pub scissors: [LowerLeftRect; COUNT],
+    /// Scissor tests, a bit for each index.
+    pub tests: u16,
+}
+
+impl WindowArrays {
+    /// The same for all indices.
+    pub fn alike(viewport: LowerLeftRect, scissor: LowerLeftRect, test: bool) -> Self {
+        Self {
+            viewports: [viewport.into(); COUNT],
+            scissors: [scissor; COUNT],
+            tests: if test { u16::MAX } else { 0 },
+        }
+    }
+
+    /// Whether what is drawn with one index differs from what is drawn with another one.
+    pub fn differ(&self) -> bool {
+        self.viewports.iter().any(|viewport| *viewport != self.viewports[0])
+            || self.scissors.iter().any(|scissor| *scissor != self.scissors[0])
+            || (self.tests != 0 && self.tests != u16::MAX)
+    }
+
+    /// Moved to the window's `tile`; scissors keep all that is drawn within it.
+    pub fn moved_into(&self, tile: LowerLeftRect) -> Self {
+        let scissor = |index: usize| match self.tests >> index & 1 {
+            0 => tile,
+            _ => self.scissors[index].moved_into(tile),
+        };
+        Self {
+            viewports: self.viewports.map(|viewport| viewport.moved_by(tile.origin())),
+            scissors: std::array::from_fn(scissor),
+            tests: u16::MAX,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Viewport, WindowArrays};
+    use crate::correct::LowerLeftRect;
+
+    #[test]
+    fn arrays_move_into_a_tile_and_stay_there() {
+        let mut arrays = WindowArrays::alike(LowerLeftRect::new(0, 0, 60, 40), LowerLeftRect::new(1, 2, 3, 4), false);
+        assert!(!arrays.differ());
+        arrays.viewports[1] = Viewport { x: 30.5, y: -2.0, width: 30.0, height: 20.25 };
+        arrays.tests = 2;
+        assert!(arrays.differ());
+        let tile = LowerLeftRect::new(100, 200, 60, 40);
+        let moved = arrays.moved_into(tile);
+        assert_eq!(moved.viewports[0], tile.into());
+        assert_eq!(moved.viewports[1], Viewport { x: 130.5, y: 198.0, width: 30.0, height: 20.25 });
+        assert_eq!(moved.scissors[..2], [tile, LowerLeftRect::new(101, 202, 3, 4)]);
+        assert_eq!(moved.tests, u16::MAX, "what is not tested is cut at the tile");
+    }
+
+    #[test]
+    fn each_part_can_differ() {
+        let alike = WindowArrays::alike(LowerLeftRect::new(0, 0, 6, 4), LowerLeftRect::new(0, 0, 6, 4), true);
+        assert!(!alike.differ());
+        assert!(WindowArrays { tests: 1, ..alike.clone() }.differ());
+        let mut other = alike.clone();
+        other.scissors[15].x = 1;
+        assert!(other.differ());
+        let mut fractions = alike;
+        fractions.viewports = [Viewport { x: 0.5, ..fractions.viewports[0] }; super::COUNT];
+        assert!(!fractions.differ(), "all are alike");
+    }
+}
