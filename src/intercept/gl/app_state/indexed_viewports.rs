@@ -24,7 +24,10 @@ unsafe fn rectangles<T: Copy + PartialOrd + Default>(
     numbers: *const T,
 ) -> Option<Vec<[T; 4]>> {
     let count = usize::try_from(count).ok()?;
-    if !ctx.driver.profile.viewport_arrays || numbers.is_null() || (first as usize).checked_add(count)? > window_arrays::COUNT {
+    if !ctx.driver.profile.viewport_arrays
+        || numbers.is_null()
+        || (first as usize).checked_add(count)? > window_arrays::COUNT
+    {
         return None;
     }
     // SAFETY: as promised.

@@ -9,7 +9,7 @@ use crate::intercept::gl::app_state::window_state;
 use crate::intercept::gl::compat::{begin_end, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::context::list_recording::{Command, Item, ListState, Primitive, Recording, record};
+use crate::intercept::gl::context::list_recording::{self, Command, Item, ListState, Primitive, Recording, record};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::framebuffer::commands::{clears, draw_buffers};
 use crate::intercept::gl::shader::program_use;
@@ -260,6 +260,14 @@ pub fn call_list(ctx: &mut Context, list: u32) {
 /// # Safety
 /// `names` must hold `count` elements of the type `kind`, as the program promises OpenGL.
 pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const c_void) {
+    if count < 0 || !(api::GL_BYTE..=api::GL_4_BYTES).contains(&kind) {
+        // The driver says the error, without reading names.
+        // SAFETY: no names are read where the number or the type is wrong.
+        list_recording::now_or_later(ctx, move |ctx| unsafe {
+            ctx.driver.gl.call_lists(count, kind, std::ptr::null())
+        });
+        return;
+    }
     let count = if names.is_null() { 0 } else { usize::try_from(count).unwrap_or(0) };
     // SAFETY: as promised.
     let offsets = (0..count).map(|index| unsafe { offset(kind, names, index) });

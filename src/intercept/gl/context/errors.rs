@@ -5,18 +5,6 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::log;
 
-/// Keeps an error of the program's, so that those that follow are ours.
-pub fn take_error(driver: &mut Driver) {
-    // SAFETY: asks for the error flag; there are a handful of them at most.
-    for _ in 0..8 {
-        let error = unsafe { driver.gl.get_error() };
-        if error == api::GL_NO_ERROR {
-            break;
-        }
-        driver.note_error(error);
-    }
-}
-
 /// Takes errors out of the driver that are nobody's: answers to questions that it need not know.
 pub fn drop_errors(gl: &Gl) {
     // SAFETY: asks for the error flag; there are a handful of them at most.
@@ -27,7 +15,7 @@ pub fn drop_errors(gl: &Gl) {
     }
 }
 
-/// Counts the errors since [`take_error`] as ours.
+/// Counts the errors since [`Driver::take_errors`] as ours.
 pub fn take_own_errors(driver: &Driver, counts: &mut Counts) {
     // SAFETY: as above.
     for _ in 0..8 {

@@ -4,7 +4,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
-use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::read_back;
@@ -143,7 +143,9 @@ fn correct_now(ctx: &mut Context) {
     let errors = target.backend().errors();
     let pending =
         target.backend().present_changed(ctx.driver.gl, texture, outputs, cleared.as_ref(), &ctx.driver.known_state);
-    ctx.driver.note_error(pending);
+    if pending != api::GL_NO_ERROR {
+        ctx.driver.note_error(pending);
+    }
     let failed = target.backend().errors() > errors;
     ctx.drawable.put_target(target);
     ctx.frame.failed_corrections = if failed { ctx.frame.failed_corrections + 1 } else { 0 };
@@ -194,7 +196,7 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
     if settings.stats.is_none() && settings.capture.is_none() && settings.capture_views.is_none() {
         return;
     }
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
     let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
     let views = if settings.capture_views.is_some() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::api;
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::context::errors::{drop_errors, take_error};
+use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::view_copies::{
@@ -353,7 +353,7 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: L
     let index = match image_of(&ctx.view_copies, texture, level) {
         Some(index) => index,
         None => {
-            take_error(&mut ctx.driver);
+            ctx.driver.take_errors();
             let image = Image::examine_texture(ctx.driver.gl, texture, level);
             drop_errors(ctx.driver.gl);
             let Some(image) = image else { return };

@@ -1,8 +1,9 @@
 //! Which of the images that are followed the next draw samples.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::shader::Shaders;
 
@@ -22,7 +23,7 @@ fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
                     let mut unit = 0;
                     gl.get_uniformiv(program.name, sampler.location, &mut unit);
                     gl.active_texture(api::GL_TEXTURE0 + unit as u32);
-                    look(bound(gl, sampler.target));
+                    look(bound(driver, sampler.target));
                 }
             }
             _ if driver.profile.compatibility() => {
@@ -30,7 +31,7 @@ fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
                     gl.active_texture(api::GL_TEXTURE0 + unit);
                     for target in [api::GL_TEXTURE_2D, api::GL_TEXTURE_RECTANGLE] {
                         if gl.is_enabled(target) != 0 {
-                            look(bound(gl, target));
+                            look(bound(driver, target));
                         }
                     }
                 }
@@ -41,17 +42,18 @@ fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
     }
 }
 
-/// The texture that is bound at the active unit.
-pub fn bound(gl: &Gl, target: u32) -> u32 {
+/// The texture that is bound at the active unit; 0 for targets that the context does not have.
+pub fn bound(driver: &Driver, target: u32) -> u32 {
+    let Profile { es, version, .. } = driver.profile;
     let binding = match target {
         api::GL_TEXTURE_2D => api::GL_TEXTURE_BINDING_2D,
-        api::GL_TEXTURE_RECTANGLE => api::GL_TEXTURE_BINDING_RECTANGLE,
-        api::GL_TEXTURE_2D_MULTISAMPLE => api::GL_TEXTURE_BINDING_2D_MULTISAMPLE,
+        api::GL_TEXTURE_RECTANGLE if !es => api::GL_TEXTURE_BINDING_RECTANGLE,
+        api::GL_TEXTURE_2D_MULTISAMPLE if version >= if es { 31 } else { 32 } => api::GL_TEXTURE_BINDING_2D_MULTISAMPLE,
         _ => return 0,
     };
     let mut texture = 0;
     // SAFETY: writes one integer.
-    unsafe { gl.get_integerv(binding, &mut texture) };
+    unsafe { driver.gl.get_integerv(binding, &mut texture) };
     texture as u32
 }
 

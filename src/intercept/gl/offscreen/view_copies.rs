@@ -13,7 +13,7 @@
 //! its corner.
 
 use crate::backend::gl::api::Gl;
-use crate::intercept::gl::context::errors::{drop_errors, take_error, take_own_errors};
+use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
 use crate::intercept::gl::per_view::window_space::own_window_space;
@@ -262,7 +262,7 @@ fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
         return image.view_copy.is_some();
     }
     leave(ctx);
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     let count = copy_count(ctx);
     without_scissor(ctx, |ctx| {
         let image = &mut ctx.view_copies.images[index];
@@ -295,7 +295,7 @@ pub(super) fn look(ctx: &mut Context) -> usize {
     });
     if !ctx.view_copies.framebuffers[index].known {
         leave(ctx);
-        take_error(&mut ctx.driver);
+        ctx.driver.take_errors();
         let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
         framebuffers[index].examine(ctx.driver.gl, images);
         // Questions that a driver need not know are nobody's errors.
@@ -328,7 +328,7 @@ pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
     let places: [Option<usize>; framebuffers::COLOURS + 2] =
         attached.map(|name| name.and_then(|name| ctx.view_copies.images.iter().position(|image| image.name == name)));
     let mut complete = places.into_iter().flatten().all(|place| make_view_copy(ctx, place));
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     if complete {
         let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
         let view_copy_of = |name| {

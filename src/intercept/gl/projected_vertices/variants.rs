@@ -35,7 +35,7 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
         State::Untried => {
             let made = {
                 let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
-                errors::take_error(&mut ctx.driver);
+                ctx.driver.take_errors();
                 let made = make(ctx, &program, kind);
                 errors::drop_errors(ctx.driver.gl);
                 made

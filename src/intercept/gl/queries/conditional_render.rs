@@ -1,7 +1,6 @@
 //! Conditional rendering: it holds for what the program draws, not for our own work in between.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::errors::take_error;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::queries::scaling;
@@ -11,7 +10,7 @@ use crate::intercept::gl::state::queries::Queries;
 fn begin(driver: &mut Driver, queries: &mut Queries, query: u32, mode: u32) {
     let object = scaling::condition(driver.gl, queries, query);
     // Only its error says whether the driver takes it.
-    take_error(driver);
+    driver.take_errors();
     // SAFETY: the program's own call; an object of ours in place of its query saw the same.
     let error = unsafe {
         driver.gl.begin_conditional_render(object, mode);

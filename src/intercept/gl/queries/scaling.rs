@@ -11,7 +11,6 @@
 //! - time: all of it but our own work; whether any samples passed: in any view.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::errors::take_error;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::queries::{Count, Queries, Running, begin_real, end_real, kind, quantity, result};
@@ -58,7 +57,7 @@ pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32
         // The driver may have another object of that kind now, or none.
         return driver.note_error(api::GL_INVALID_OPERATION);
     }
-    take_error(driver);
+    driver.take_errors();
     begin_real(gl, target, index, name);
     // SAFETY: asks for the error flag. Only that says whether the driver takes the query.
     match unsafe { gl.get_error() } {

@@ -398,6 +398,10 @@ hooks! {
         forget_program(ctx, program);
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
+        if count < 0 {
+            // The driver says the error.
+            return gl.create_shader_programv(kind, count, strings);
+        }
         // As OpenGL describes it in terms of the other commands.
         let shader = gl.create_shader(kind);
         if shader == 0 {

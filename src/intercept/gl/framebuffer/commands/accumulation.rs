@@ -3,7 +3,7 @@
 use crate::backend::gl::accumulation::{Accumulation, Operation};
 use crate::backend::gl::api;
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
@@ -26,7 +26,7 @@ fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
 /// Runs `work` with the buffer, which is made when it is first needed.
 fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     let gl = ctx.driver.gl;
     let atlas = ctx.drawable.target().map(|t| t.session.plan().views.atlas);
     let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));

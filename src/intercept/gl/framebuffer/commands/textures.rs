@@ -11,7 +11,7 @@ use std::ffi::c_void;
 
 /// The texture that is bound at `target` where images of it are followed; 0 = none.
 fn bound(ctx: &Context, target: u32) -> u32 {
-    if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(ctx.driver.gl, target) } else { 0 }
+    if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(&ctx.driver, target) } else { 0 }
 }
 
 /// A level of a texture is given a size, and texels where `filled`.
@@ -123,7 +123,7 @@ hooks! {
     "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
-            let texture = sampling::bound(gl, target);
+            let texture = sampling::bound(&ctx.driver, target);
             if texture != 0 && !view_copies::is_alike(ctx, texture, level, [w, h]) {
                 view_copies::forget_texture(ctx, texture);
             }
@@ -135,7 +135,7 @@ hooks! {
     "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
-            let texture = sampling::bound(gl, target);
+            let texture = sampling::bound(&ctx.driver, target);
             copied(ctx, texture, level, [dx, dy], LowerLeftRect::new(x, y, w, h), |ctx| {
                 // SAFETY: as above.
                 read_back::copy_part(ctx, LowerLeftRect::new(x, y, w, h), |r, [u, v]| unsafe {

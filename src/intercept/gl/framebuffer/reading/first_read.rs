@@ -3,7 +3,7 @@
 use crate::backend::gl::{GlBackend, Target, api};
 use crate::correct::{Batch, LowerLeftRect, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
-use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::reading::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::framebuffer::reading::{first_read_color, first_read_depth};
@@ -17,7 +17,7 @@ use glam::DMat3;
 /// anything was drawn to it.
 pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.drawable.take_target() else { return };
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     let camera = &target.session.rig().camera;
     let directions = own_directions(&ctx.frame, camera);
     if directions.is_none() {

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::KnownState;
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::offscreen::view_copies;
@@ -24,7 +24,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
 }
 
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     match DefaultFramebuffer::new(ctx, window, settings, extras) {
         Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
@@ -54,7 +54,7 @@ pub fn follow_rig(ctx: &mut Context) {
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     let extras = ctx.frame.draw_count.extras(old.extras());
     match DefaultFramebuffer::new(ctx, &window, settings, extras) {
         Ok(new) => {
@@ -90,7 +90,7 @@ pub fn follow_size(ctx: &mut Context) {
 
 /// Puts what stood for a window earlier in its place again, if the window is still of that kind.
 pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     if target.config == Config::of_window(ctx.driver.gl, &ctx.driver.profile, window) {
         ctx.drawable.put_target(target);
         adopt(ctx);
@@ -102,7 +102,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
 
 /// Goes on with a picture that another context of the group began.
 pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     match target.rehome(ctx.driver.gl) {
         Ok(()) => {
             ctx.drawable.put_target(target);

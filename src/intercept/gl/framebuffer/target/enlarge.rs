@@ -2,7 +2,7 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::target::attach::{adopt, clear_everything};
@@ -28,7 +28,7 @@ pub fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     let Some(old) = ctx.drawable.take_target() else { return };
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     let mut extras = old.extras();
     add(&mut extras);
     match old.enlarged(ctx, extras) {

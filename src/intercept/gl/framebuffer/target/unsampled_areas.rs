@@ -11,7 +11,7 @@
 use crate::backend::gl::GlBackend;
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::{self, Plan};
-use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::log;
 use crate::intercept::settings::{self, Mask};
@@ -98,7 +98,7 @@ pub fn close(ctx: &mut Context, cleared: f32) {
     {
         return;
     }
-    take_error(&mut ctx.driver);
+    ctx.driver.take_errors();
     if let Some(target) = ctx.drawable.target() {
         let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
         ctx.frame.counts.closings += u64::from(texels > 0);

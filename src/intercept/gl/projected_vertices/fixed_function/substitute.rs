@@ -106,7 +106,7 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     let patched = patch::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
     let program = {
         let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
-        errors::take_error(&mut ctx.driver);
+        ctx.driver.take_errors();
         let program = programs::of_own_text(&ctx.driver, &patched, own.into(), pipeline.flat);
         errors::drop_errors(ctx.driver.gl);
         program

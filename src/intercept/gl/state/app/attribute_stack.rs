@@ -1,8 +1,8 @@
 //! What `glPushAttrib` keeps of the state that is followed.
 
 use crate::backend::gl::KnownState;
-use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
+use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
 pub const ATTRIBUTE_DEPTH: usize = 16;

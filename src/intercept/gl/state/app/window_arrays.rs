@@ -62,11 +62,7 @@ pub struct WindowArrays {
 impl WindowArrays {
     /// The same for all indices.
     pub fn alike(viewport: LowerLeftRect, scissor: LowerLeftRect, test: bool) -> Self {
-        Self {
-            viewports: [viewport.into(); COUNT],
-            scissors: [scissor; COUNT],
-            tests: if test { u16::MAX } else { 0 },
-        }
+        Self { viewports: [viewport.into(); COUNT], scissors: [scissor; COUNT], tests: if test { u16::MAX } else { 0 } }
     }
 
     /// Whether what is drawn with one index differs from what is drawn with another one.

@@ -46,8 +46,25 @@ impl Driver {
         }
     }
 
-    /// Notes an error of the program's for its `glGetError`, unless one is noted already.
+    /// Notes an error of the program's for its `glGetError`, unless there is an earlier one, noted or in the driver.
     pub fn note_error(&mut self, error: u32) {
+        self.take_errors();
+        self.keep_first(error);
+    }
+
+    /// Takes the program's errors out of the driver and notes the first one.
+    pub fn take_errors(&mut self) {
+        // A driver has a handful of error flags at most.
+        for _ in 0..8 {
+            // SAFETY: asks for the error flag.
+            match unsafe { self.gl.get_error() } {
+                api::GL_NO_ERROR => break,
+                error => self.keep_first(error),
+            }
+        }
+    }
+
+    fn keep_first(&mut self, error: u32) {
         if self.pending_error == api::GL_NO_ERROR {
             self.pending_error = error;
         }
