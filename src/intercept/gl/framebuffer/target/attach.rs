@@ -71,8 +71,13 @@ pub fn follow_rig(ctx: &mut Context) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
+/// Looks at the window, and plans anew where it has another size than the plan. Only between frames. A window that keeps
+/// its own picture is not looked at: that would be a question to the display in each frame.
 pub fn follow_size(ctx: &mut Context) {
+    if ctx.drawable.target().is_none() {
+        ctx.drawable.occluded = false;
+        return;
+    }
     let Some(window) = ctx.drawable.window.clone() else { return };
     let Look { size, occluded } = window.look();
     ctx.drawable.occluded = occluded;
