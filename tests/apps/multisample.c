@@ -1,5 +1,27 @@
-/* A window with four samples: the program must see them, and what is presented has smooth edges. */
+/*
+ * A window with four samples: the program must see them, and what is presented has smooth edges. A framebuffer of the
+ * program's own stays bound for reading.
+ */
 #include "common/fixed.h"
+#include "common/target.h"
+
+static void setup(app *a)
+{
+    target own = target_create(1, 1);
+    (void)a;
+    glBindFramebuffer(GL_FRAMEBUFFER, own.framebuffer);
+    glClearColor(1, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+}
+
+static void read_own(app *a, const char *when)
+{
+    GLubyte red[4] = {0};
+    glReadPixels(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, red);
+    app_check(a, red[0] == 255 && red[1] == 0, "%s the program's own framebuffer has the red %d and the green %d", when,
+              red[0], red[1]);
+}
 
 static void draw(app *a)
 {
@@ -17,6 +39,7 @@ static void draw(app *a)
     glVertex3f(0.5f, -0.37f, -2.0f);
     glVertex3f(0.11f, 0.5f, -2.0f);
     glEnd();
+    read_own(a, "after drawing,");
 }
 
 /* Looks at the X server's picture: llvmpipe's glReadPixels of a multisampled window reads one sample. */
@@ -24,6 +47,7 @@ static void after(app *a)
 {
     image picture = window_shot(&a->window);
     int intermediate = 0;
+    read_own(a, "after the swap,");
     for (int y = 0; y < picture.height; y++) {
         for (int x = 1; x + 1 < picture.width; x++) {
             int left = image_at(&picture, x - 1, y)[0], right = image_at(&picture, x + 1, y)[0];
@@ -44,6 +68,6 @@ int main(int argc, char **argv)
         with_samples[count] = argv[count];
     with_samples[count++] = "--samples";
     with_samples[count++] = "4";
-    static const app_program self = {"multisample", API_GL_COMPATIBILITY, 0, 0, NULL, draw, after};
+    static const app_program self = {"multisample", API_GL_COMPATIBILITY, 0, 0, setup, draw, after};
     return app_main(count, with_samples, &self);
 }
