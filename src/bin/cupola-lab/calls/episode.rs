@@ -47,7 +47,7 @@ impl<'a> Vocabulary<'a> {
                 names.extend(extension.commands.iter().cloned());
             }
         }
-        names.retain(|name| !rules::LEFT_OUT.iter().any(|(beginning, _)| name.starts_with(beginning)));
+        names.retain(|name| !rules::LEFT_OUT.iter().any(|(beginning, _)| rules::begins(name, beginning)));
         let mut families: std::collections::BTreeMap<String, Vec<&Command>> = std::collections::BTreeMap::new();
         for command in names.iter().filter_map(|name| registry.commands.get(name)) {
             families.entry(family(&command.name)).or_default().push(command);

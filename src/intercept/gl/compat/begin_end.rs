@@ -1,8 +1,8 @@
 //! Begin/End: recorded, and then issued like any other draw.
 //!
 //! While the program is between Begin and End the driver is, too, but gets no vertices: so it says the
-//! program's errors as it would without us. What cannot be played back (elements of arrays, display lists
-//! in between) is compiled into a list of the driver's instead.
+//! program's errors as it would without us. Display lists are called when the draw is issued, and so are
+//! elements of arrays, which go into lists of ours. Begin or End may lie in a list of the program.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -13,36 +13,47 @@ use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::issue::plain_program;
 use crate::intercept::gl::projected_vertices;
-use crate::intercept::gl::state::compat::begin_end::Phase;
+use crate::intercept::gl::state::compat::begin_end::{Phase, list_of};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 
-/// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
-pub fn into_list(ctx: &mut Context) {
-    if ctx.compat.immediate.phase == Phase::Recording && ctx.lists.recording.is_some() {
-        give_to_list(ctx);
+/// Notes an element of arrays, or what goes with it. The driver gets it next, into a list.
+pub fn note_element(ctx: &mut Context) {
+    leave_to_list(ctx);
+    if let Some(list) = &mut ctx.lists.recording {
+        list.bounds.add_unknown();
     }
     if ctx.compat.immediate.phase == Phase::Recording {
-        let gl = ctx.driver.gl;
-        // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
-        unsafe { gl.end() };
-        let current = Current::get(gl, [true; 3]);
-        begin_list(ctx);
-        let immediate = &ctx.compat.immediate;
-        // SAFETY: the program's own commands, into the list that is compiled.
+        if ctx.compat.immediate.used_lists == ctx.compat.immediate.lists.len() {
+            let name = list_recording::own_name(ctx);
+            ctx.compat.immediate.lists.push(name);
+        }
+        let immediate = &mut ctx.compat.immediate;
+        immediate.bounds.add_unknown();
+        immediate.phase = Phase::Elements;
+        let list = immediate.lists.get(immediate.used_lists).copied().unwrap_or_default();
+        // SAFETY: the driver leaves its own Begin/End, and compiles a list of ours.
         unsafe {
-            current.set(gl);
-            gl.begin(immediate.mode);
-            immediate.recorder.play(gl);
+            ctx.driver.gl.end();
+            ctx.driver.gl.new_list(list, api::GL_COMPILE);
         }
     }
-    if ctx.compat.immediate.under_way() {
-        ctx.compat.immediate.bounds.add_unknown();
-        // An element, or a list, may set attributes itself: those that came before no longer hold.
-        ctx.compat.immediate.trailing = ctx.compat.immediate.recorder.place();
+}
+
+/// Notes a display list of the driver between Begin and End.
+pub fn note_list(ctx: &mut Context, list: u32) {
+    ctx.compat.immediate.close_elements(ctx.driver.gl);
+    ctx.compat.immediate.bounds.add_unknown();
+    ctx.compat.immediate.recorder.push_list(list);
+}
+
+/// What was recorded goes into the program's list that is compiled, and so will what comes, if there is one.
+pub fn leave_to_list(ctx: &mut Context) {
+    if ctx.compat.immediate.under_way() && ctx.lists.recording.is_some() {
+        give_to_list(ctx);
     }
 }
 
@@ -81,20 +92,15 @@ impl Current {
     }
 }
 
-/// The mode of separate primitives that has the same errors as `mode`. The driver is between Begin and End in it, without
-/// vertices: of strips, fans and polygons Mesa drops what follows an empty one of the same mode.
-fn list_of(mode: u32) -> u32 {
-    match mode {
-        api::GL_LINE_LOOP | api::GL_LINE_STRIP => api::GL_LINES,
-        api::GL_TRIANGLE_STRIP | api::GL_TRIANGLE_FAN | api::GL_QUAD_STRIP | api::GL_POLYGON => api::GL_TRIANGLES,
-        api::GL_LINE_STRIP_ADJACENCY => api::GL_LINES_ADJACENCY,
-        api::GL_TRIANGLE_STRIP_ADJACENCY => api::GL_TRIANGLES_ADJACENCY,
-        _ => mode,
-    }
+/// Which of Begin and End are commands of their own. A list that was recorded holds the other.
+#[derive(Clone, Copy)]
+struct Own {
+    begin: bool,
+    end: bool,
 }
 
 /// Issues what was recorded between Begin and End.
-fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
+fn issue(ctx: &mut Context, mode: u32, own: Own, bounds: Bounds, recorder: &Recorder) {
     ctx.draw.wide_primitives.shape = Shape::of_mode(mode);
     let current = Current::get(ctx.driver.gl, recorder.sets_late());
     let changes = if recorder.sets_others_late() {
@@ -107,13 +113,17 @@ fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
     let whole = |_: &mut Context, gl: &Gl| {
         // SAFETY: the program's own commands, outside of its Begin/End.
         unsafe {
-            gl.begin(mode);
+            if own.begin {
+                gl.begin(mode);
+            }
             current.set(gl);
             recorder.play(gl);
-            gl.end();
+            if own.end {
+                gl.end();
+            }
         }
     };
-    if !projected_vertices::reads_vertices(ctx, mode) {
+    if recorder.has_lists() || !projected_vertices::reads_vertices(ctx, mode) {
         draw(ctx, changes, |_| bounds, whole);
         return;
     }
@@ -125,10 +135,13 @@ fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
     unsafe { recorder.play_attributes(ctx.driver.gl, 0) };
 }
 
-/// Issues what was recorded since `glBegin`.
-fn issue_recorded(ctx: &mut Context) {
-    let recorder = std::mem::take(&mut ctx.compat.immediate.recorder);
-    issue(ctx, ctx.compat.immediate.mode, ctx.compat.immediate.bounds, &recorder);
+/// Issues what was recorded since Begin. `own_end`: a command of its own ends it.
+fn issue_recorded(ctx: &mut Context, own_end: bool) {
+    let immediate = &mut ctx.compat.immediate;
+    immediate.phase = Phase::Outside;
+    let own = Own { begin: !immediate.begun_by_list, end: own_end };
+    let (mode, bounds, recorder) = (immediate.mode, immediate.bounds, std::mem::take(&mut immediate.recorder));
+    issue(ctx, mode, own, bounds, &recorder);
     ctx.compat.immediate.recorder = recorder;
 }
 
@@ -141,7 +154,8 @@ fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
 fn keep_apart(ctx: &mut Context) {
     let (mode, bounds) = (ctx.compat.immediate.mode, ctx.compat.immediate.bounds);
     let recorder = std::mem::take(&mut ctx.compat.immediate.recorder);
-    list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, bounds, &recorder));
+    let own = Own { begin: true, end: true };
+    list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, own, bounds, &recorder));
 }
 
 /// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
@@ -169,42 +183,17 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
             return;
         }
         // What comes until the End is one draw, with this list.
-        ctx.compat.immediate.begin(mode);
-        ctx.compat.immediate.bounds.add_unknown();
-        begin_list(ctx);
+        ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
+        ctx.compat.immediate.begun_by_list = true;
+        // SAFETY: the driver is where the program is.
+        unsafe { gl.begin(list_of(mode)) };
     }
-    // SAFETY: the program's own call, into the list that is compiled.
-    unsafe { gl.call_list(list) };
-    ctx.compat.immediate.bounds.add_unknown();
-    ctx.compat.immediate.trailing = ctx.compat.immediate.recorder.place();
-    if let (true, None) = (primitive.ends, primitive.within) {
-        ctx.compat.immediate.phase = Phase::Outside;
-        issue_list(ctx);
+    note_list(ctx, list);
+    if (primitive.ends, primitive.within) == (true, None) {
+        // SAFETY: the driver leaves its own Begin/End.
+        unsafe { gl.end() };
+        issue_recorded(ctx, false);
     }
-}
-
-/// Begins the list of ours that stands for a Begin/End.
-fn begin_list(ctx: &mut Context) {
-    if ctx.compat.immediate.list == 0 {
-        ctx.compat.immediate.list = list_recording::own_name(ctx);
-    }
-    // SAFETY: the list is ours, and ends with the program's End; the driver is outside of Begin and End.
-    unsafe { ctx.driver.gl.new_list(ctx.compat.immediate.list, api::GL_COMPILE) };
-    ctx.compat.immediate.phase = Phase::IntoList;
-}
-
-/// Issues the list that stands for a Begin/End. What is current afterwards is what the program set last, but a
-/// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
-fn issue_list(ctx: &mut Context) {
-    let (list, bounds, trailing) =
-        (ctx.compat.immediate.list, ctx.compat.immediate.bounds, ctx.compat.immediate.trailing);
-    ctx.draw.wide_primitives.shape = Shape::of_mode(ctx.compat.immediate.mode);
-    // SAFETY: the list of ours that is being compiled.
-    unsafe { ctx.driver.gl.end_list() };
-    // SAFETY: as above.
-    draw(ctx, Changes::Attributes, |_| bounds, |_, gl| unsafe { gl.call_list(list) });
-    // SAFETY: attributes of the program's.
-    unsafe { ctx.compat.immediate.recorder.play_attributes(ctx.driver.gl, trailing) };
 }
 
 hooks! {
@@ -213,7 +202,7 @@ hooks! {
         if !ctx.driver.profile.compatibility() {
             // The driver refuses it.
         } else if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
-            ctx.compat.immediate.begin(mode);
+            ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
             return;
         } else if ctx.lists.recording.is_some() {
             list_recording::will_draw(ctx, false);
@@ -223,22 +212,16 @@ hooks! {
         } else if ctx.session().is_none() || ctx.app.picking {
             plain_program(ctx);
         } else if !ctx.compat.immediate.under_way() && mode <= api::GL_PATCHES {
-            ctx.compat.immediate.begin(mode);
+            ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
             gl.begin(list_of(mode));
             return;
         }
         gl.begin(mode);
     };
     "glGetError" get_error() -> u32 = |ctx, gl| {
-        match ctx.compat.immediate.phase {
-            Phase::Outside => ctx.driver.error(),
-            Phase::Recording => gl.get_error(),
-            // It is not allowed here, but the driver, which compiles, would answer.
-            Phase::IntoList => {
-                ctx.driver.note_error(api::GL_INVALID_OPERATION);
-                api::GL_NO_ERROR
-            }
-        }
+        ctx.compat.immediate.close_elements(gl);
+        // Between Begin and End it is not allowed, which the driver says.
+        if ctx.compat.immediate.under_way() { gl.get_error() } else { ctx.driver.error() }
     };
     "glEnd" end() = |ctx, gl| {
         if ctx.lists.recording.is_some() && ctx.compat.immediate.phase == Phase::Recording {
@@ -246,14 +229,13 @@ hooks! {
             keep_apart(ctx);
             return;
         }
+        ctx.compat.immediate.close_elements(gl);
         gl.end();
         if let Some(recording) = &mut ctx.lists.recording {
             recording.primitive.end();
         }
-        match std::mem::take(&mut ctx.compat.immediate.phase) {
-            Phase::Outside => {}
-            Phase::Recording => issue_recorded(ctx),
-            Phase::IntoList => issue_list(ctx),
+        if ctx.compat.immediate.under_way() {
+            issue_recorded(ctx, true);
         }
     };
 }

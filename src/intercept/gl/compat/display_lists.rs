@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// Lists may call lists this deep, as OpenGL says at least.
 const DEEPEST: u32 = 64;
 
-/// Runs a list of the program, also between Begin and End, where all that it draws goes into the list that is compiled there.
+/// Runs a list of the program. Between Begin and End its parts are recorded.
 pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
     if depth > DEEPEST {
         return;
@@ -34,8 +34,7 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
     };
     match items {
         None if ctx.compat.immediate.under_way() => {
-            // SAFETY: the program's own call.
-            unsafe { ctx.driver.gl.call_list(list) };
+            begin_end::note_list(ctx, list);
         }
         // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
         None => {
@@ -65,6 +64,14 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
                 }
             }
         }
+    }
+}
+
+/// Runs the list at an offset from the base. Unlike `glCallList`, `glCallLists` takes a list 0 for an empty one.
+fn call_at(ctx: &mut Context, offset: u32, depth: u32) {
+    let list = ctx.lists.base.wrapping_add(offset);
+    if list != 0 {
+        call(ctx, list, depth);
     }
 }
 
@@ -130,7 +137,7 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         Command::CallList(list) => call(ctx, *list, depth + 1),
         Command::CallLists(offsets) => {
             for offset in offsets {
-                call(ctx, ctx.lists.base.wrapping_add(*offset), depth + 1);
+                call_at(ctx, *offset, depth + 1);
             }
         }
         Command::ListBase(base) => set_list_base(&ctx.driver, &mut ctx.lists, *base),
@@ -260,7 +267,8 @@ pub fn call_list(ctx: &mut Context, list: u32) {
 /// # Safety
 /// `names` must hold `count` elements of the type `kind`, as the program promises OpenGL.
 pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const c_void) {
-    if count < 0 || !(api::GL_BYTE..=api::GL_4_BYTES).contains(&kind) {
+    let known = ctx.driver.profile.compatibility() && (api::GL_BYTE..=api::GL_4_BYTES).contains(&kind);
+    if count < 0 || !known {
         // The driver says the error, without reading names.
         // SAFETY: no names are read where the number or the type is wrong.
         list_recording::now_or_later(ctx, move |ctx| unsafe {
@@ -274,7 +282,7 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
     if ctx.compiling() {
         record(ctx, Command::CallLists(offsets.collect()));
     } else {
-        offsets.for_each(|offset| call(ctx, ctx.lists.base.wrapping_add(offset), 0));
+        offsets.for_each(|offset| call_at(ctx, offset, 0));
     }
 }
 

@@ -7,22 +7,16 @@ use std::ffi::c_void;
 hooks! {
     between;
     "glEndList" end_list() = |ctx, gl| {
-        if ctx.lists.recording.is_some() {
-            // A primitive whose end is in another list.
-            begin_end::into_list(ctx);
-        }
+        // A primitive whose end is in another list.
+        begin_end::leave_to_list(ctx);
         if ctx.compat.immediate.under_way() { gl.end_list() } else { display_lists::finish_recording(ctx) }
     };
     "glCallList" call_list(list: u32) = |ctx, _gl| {
-        if ctx.compat.immediate.under_way() {
-            begin_end::into_list(ctx);
-        }
+        begin_end::leave_to_list(ctx);
         display_lists::call_list(ctx, list);
     };
     "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, _gl| {
-        if ctx.compat.immediate.under_way() {
-            begin_end::into_list(ctx);
-        }
+        begin_end::leave_to_list(ctx);
         display_lists::call_lists(ctx, count, kind, names);
     };
 }

@@ -1,9 +1,9 @@
 //! Vertices and their attributes: recorded between Begin and End, watched while a list is compiled.
 //!
 //! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form, but are
-//! allowed between Begin and End, are below it; [`crate::intercept::gl::compat::begin_end::into_list`] serves what cannot be played back.
+//! allowed between Begin and End, are below it.
 
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::compat::begin_end;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -16,6 +16,7 @@ use crate::intercept::gl::state::compat::vertex_recorder::{Number, Sets, add_ver
 /// Notes a command of the program. `false`: it is to be passed on.
 #[inline]
 fn note<T: Number>(
+    gl: &Gl,
     compat: &mut Compat,
     lists: &mut ListState,
     command: Command,
@@ -26,6 +27,14 @@ fn note<T: Number>(
     if compat.immediate.phase == Phase::Outside && lists.recording.is_none() {
         return false;
     }
+    if matches!(sets, Sets::Generic | Sets::ConvertedGeneric)
+        && prefix.first().is_some_and(|number| *number >= compat.immediate.generic_attributes.into())
+        && compat.immediate.under_way()
+    {
+        // An error, for the driver to say.
+        compat.immediate.close_elements(gl);
+        return false;
+    }
     if sets.is_vertex(prefix) {
         let bounds = match &mut lists.recording {
             Some(list) if compat.immediate.phase == Phase::Outside => &mut list.bounds,
@@ -34,6 +43,7 @@ fn note<T: Number>(
         add_vertex(bounds, sets, values);
     }
     if compat.immediate.phase != Phase::Outside {
+        compat.immediate.close_elements(gl);
         compat.immediate.recorder.push(command, sets, prefix, values);
     }
     compat.immediate.phase == Phase::Recording
@@ -58,20 +68,15 @@ fn note_material<T: Number + Default>(
     let count = match name {
         api::GL_AMBIENT | api::GL_DIFFUSE | api::GL_SPECULAR | api::GL_EMISSION | api::GL_AMBIENT_AND_DIFFUSE => 4,
         api::GL_COLOR_INDEXES => 3,
-        api::GL_SHININESS => 1,
+        api::GL_SHININESS if (0.0..=128.0).contains(&value(0).value()) => 1,
         // An error, for the driver to say.
         _ => return false,
     };
-    let values: [T; 4] = std::array::from_fn(|i| if i < count { value(i) } else { T::default() });
-    note(&mut ctx.compat, &mut ctx.lists, command, Sets::Material, &[face.into(), name.into()], &values)
-}
-
-/// Something that makes vertices in a way that cannot be played back.
-fn elsewhere(ctx: &mut Context) {
-    begin_end::into_list(ctx);
-    if let Some(list) = &mut ctx.lists.recording {
-        list.bounds.add_unknown();
+    if !matches!(face, api::GL_FRONT | api::GL_BACK | api::GL_FRONT_AND_BACK) {
+        return false;
     }
+    let values: [T; 4] = std::array::from_fn(|i| if i < count { value(i) } else { T::default() });
+    note(ctx.driver.gl, &mut ctx.compat, &mut ctx.lists, command, Sets::Material, &[face.into(), name.into()], &values)
 }
 
 macro_rules! attribute_commands {
@@ -80,7 +85,7 @@ macro_rules! attribute_commands {
         hooks! {
             between;
             $( $name $method($($p: $t),*) = |ctx, gl| {
-                if !note(&mut ctx.compat, &mut ctx.lists, Command::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
+                if !note(ctx.driver.gl, &mut ctx.compat, &mut ctx.lists, Command::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
                     gl.$method($($p),*);
                 }
             }; )*
@@ -101,19 +106,19 @@ macro_rules! attribute_commands {
                 }
             };
             "glArrayElement" array_element(i: i32) = |ctx, gl| {
-                elsewhere(ctx);
+                begin_end::note_element(ctx);
                 gl.array_element(i);
             };
             "glPrimitiveRestartNV" primitive_restart_nv() = |ctx, gl| {
-                elsewhere(ctx);
+                begin_end::note_element(ctx);
                 gl.primitive_restart_nv();
             };
             "glEvalPoint1" eval_point1(i: i32) = |ctx, gl| {
-                elsewhere(ctx);
+                begin_end::note_element(ctx);
                 gl.eval_point1(i);
             };
             "glEvalPoint2" eval_point2(i: i32, j: i32) = |ctx, gl| {
-                elsewhere(ctx);
+                begin_end::note_element(ctx);
                 gl.eval_point2(i, j);
             };
         }

@@ -31,7 +31,7 @@ macro_rules! hooks {
                     return unsafe { $crate::intercept::gl::context::current::driver().$method($($p),*) };
                 };
                 let $gl = $ctx.driver.gl;
-                if $ctx.switched_off || $crate::intercept::ending::of_process() || (!$between && $ctx.compat.immediate.under_way()) {
+                if $ctx.switched_off || $crate::intercept::ending::of_process() || (!$between && $ctx.compat.immediate.refuses($gl)) {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }

@@ -179,10 +179,19 @@ pub fn record(ctx: &mut Context, command: Command) {
 }
 
 pub(in crate::intercept::gl) fn next_part(ctx: &mut Context, command: Option<Command>) {
+    pause(ctx);
+    go_on(ctx, command);
+}
+
+/// Ends the present real list, so that the driver compiles nothing until [`go_on`]. `false`: no list is compiled.
+pub fn pause(ctx: &mut Context) -> bool {
     let gl = ctx.driver.gl;
-    if let Some(recording) = &mut ctx.lists.recording {
-        recording.end_part(gl);
-    }
+    ctx.lists.recording.as_mut().map(|recording| recording.end_part(gl)).is_some()
+}
+
+/// Keeps `command` and begins another real list.
+pub fn go_on(ctx: &mut Context, command: Option<Command>) {
+    let gl = ctx.driver.gl;
     let real = own_name(ctx);
     let Some(recording) = &mut ctx.lists.recording else { return };
     recording.items.extend(command.map(Item::Command));

@@ -412,17 +412,20 @@ hooks! {
             ctx.share.programs.locked().sources.insert(shader, text);
         }
         gl.compile_shader(shader);
+        let mut compiled = 0;
+        gl.get_shaderiv(shader, api::GL_COMPILE_STATUS, &mut compiled);
+        if compiled == 0 {
+            // The program gets the log of the shader, which only the driver can give it.
+            gl.delete_shader(shader);
+            return gl.create_shader_programv(kind, count, strings);
+        }
         note_compiled(ctx, shader);
         let program = gl.create_program();
         if program != 0 {
-            let mut compiled = 0;
-            gl.get_shaderiv(shader, api::GL_COMPILE_STATUS, &mut compiled);
             gl.program_parameteri(program, api::GL_PROGRAM_SEPARABLE, 1);
-            if compiled != 0 {
-                gl.attach_shader(program, shader);
-                link(ctx, program);
-                gl.detach_shader(program, shader);
-            }
+            gl.attach_shader(program, shader);
+            link(ctx, program);
+            gl.detach_shader(program, shader);
         }
         gl.delete_shader(shader);
         program

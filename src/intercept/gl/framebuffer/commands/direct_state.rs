@@ -39,6 +39,11 @@ pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
     name == 0 && drawable.target().is_some()
 }
 
+/// The driver's name of a framebuffer of the program.
+pub(super) fn real(ctx: &Context, name: u32) -> u32 {
+    ctx.drawable.target().filter(|_| name == 0).map_or(name, |target| target.framebuffer())
+}
+
 /// Whether the name is the window, or an object that OpenGL has made: binding it makes none.
 fn exists(ctx: &Context, name: u32) -> bool {
     // SAFETY: a question about a name.
@@ -51,6 +56,9 @@ macro_rules! clears {
             $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
                 if ctx.drawable.target().is_none() || !exists(ctx, framebuffer) {
                     gl.$method(framebuffer, buffer, $($p),*);
+                } else if ctx.compiling() {
+                    // Not a part of the list, as the elder command would be.
+                    gl.$method(real(ctx, framebuffer), buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
                         _ = clears::clear_with(ctx, Cleared::$how(buffer, $($p),*), |gl| gl.$bound(buffer, $($p),*));
@@ -83,6 +91,8 @@ macro_rules! clears {
             "glBlitNamedFramebuffer" blit_named_framebuffer(read: u32, draw: u32, x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) = |ctx, gl| {
                 if ctx.drawable.target().is_none() || !exists(ctx, read) || !exists(ctx, draw) {
                     gl.blit_named_framebuffer(read, draw, x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
+                } else if ctx.compiling() {
+                    gl.blit_named_framebuffer(real(ctx, read), real(ctx, draw), x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else {
                     bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
                 }
@@ -100,8 +110,7 @@ macro_rules! clears {
                 gl.named_framebuffer_renderbuffer(framebuffer, attachment, kind, renderbuffer);
             };
             "glCheckNamedFramebufferStatus" check_named_framebuffer_status(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
-                let framebuffer = if framebuffer == 0 { ctx.drawable.target().map_or(0, |t| t.framebuffer()) } else { framebuffer };
-                gl.check_named_framebuffer_status(framebuffer, target)
+                gl.check_named_framebuffer_status(real(ctx, framebuffer), target)
             };
             "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
                 if is_window(&ctx.drawable, framebuffer) {

@@ -3,7 +3,7 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::framebuffer::commands::direct_state::{bound, is_window};
+use crate::intercept::gl::framebuffer::commands::direct_state::{bound, is_window, real};
 use crate::intercept::gl::framebuffer::commands::{draw_buffers, window_answers};
 use crate::intercept::gl::offscreen::view_copies;
 
@@ -32,8 +32,7 @@ hooks! {
         }
     };
     "glCheckNamedFramebufferStatusEXT" check_named_framebuffer_status_ext(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
-        let framebuffer = if framebuffer == 0 { ctx.drawable.target().map_or(0, |t| t.framebuffer()) } else { framebuffer };
-        gl.check_named_framebuffer_status_ext(framebuffer, target)
+        gl.check_named_framebuffer_status_ext(real(ctx, framebuffer), target)
     };
     "glGetNamedFramebufferAttachmentParameterivEXT" get_named_framebuffer_attachment_parameteriv_ext(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
         if is_window(&ctx.drawable, framebuffer) {

@@ -80,6 +80,7 @@ fn error_of(es: bool, names: &[u32]) -> u32 {
         api::GL_FRONT | api::GL_LEFT | api::GL_RIGHT | api::GL_FRONT_AND_BACK => api::GL_INVALID_ENUM,
         api::GL_BACK
         | api::GL_FRONT_LEFT..=api::GL_BACK_RIGHT
+        | api::GL_AUX0..=api::GL_AUX3
         | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_INVALID_OPERATION,
         _ => api::GL_INVALID_ENUM,
     };
@@ -127,7 +128,7 @@ hooks! {
         if ctx.compiling() { list_recording::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
     };
     "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| {
-        if buffers.is_null() || !(1..=16).contains(&count) {
+        if buffers.is_null() || !(0..=16).contains(&count) {
             select_draw_buffers(ctx, count, buffers);
         } else {
             let mut names = [api::GL_NONE; 16];

@@ -52,7 +52,12 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
         view_copies::before_reading_framebuffer(ctx);
         return issue(x, y);
     }
+    // What is read while a list is compiled is no part of the list, and so are the calls that make it ready.
+    let compiling = list_recording::pause(ctx);
     let origin = prepare(ctx, part, alpha);
+    if compiling {
+        list_recording::go_on(ctx, None);
+    }
     let answer = issue(x + origin[0], y + origin[1]);
     finish(ctx);
     answer
@@ -138,7 +143,7 @@ hooks! {
         });
     "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, _gl|
         copy(ctx, LowerLeftRect::new(x, y, w, 1), move |gl, r, [u, _]| {
-            if r.height > 0 { gl.copy_tex_sub_image1_d(target, level, dx + u, r.x, r.y, r.width) }
+            gl.copy_tex_sub_image1_d(target, level, dx + u, r.x, r.y, if r.height > 0 { r.width } else { 0 })
         });
     "glCopyTexSubImage3D" copy_tex_sub_image3_d(target: u32, level: i32, dx: i32, dy: i32, dz: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
         copy(ctx, LowerLeftRect::new(x, y, w, h), move |gl, r, [u, v]|

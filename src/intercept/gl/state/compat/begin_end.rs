@@ -1,5 +1,6 @@
 //! State of a Begin/End: the phase and what was recorded.
 
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 
@@ -9,10 +10,10 @@ pub enum Phase {
     /// Outside of Begin/End, or in one that is passed on as it comes.
     #[default]
     Outside,
-    /// Commands are recorded.
+    /// Commands are recorded, and the driver is between Begin and End without vertices.
     Recording,
-    /// Commands go into a list of ours, and are recorded besides.
-    IntoList,
+    /// Elements of arrays go into a list of ours, for the program may change its arrays before the End.
+    Elements,
 }
 
 /// The Begin/End that the program is in.
@@ -23,16 +24,29 @@ pub struct Immediate {
     pub(in crate::intercept::gl) recorder: Recorder,
     /// Around the vertices since `glBegin`.
     pub(in crate::intercept::gl) bounds: Bounds,
-    /// Our list for what cannot be played back; 0 = not made yet.
-    pub(in crate::intercept::gl) list: u32,
-    /// Attributes that were recorded from here on hold after the list.
-    pub(in crate::intercept::gl) trailing: usize,
+    /// Number of generic attributes of a vertex.
+    pub(in crate::intercept::gl) generic_attributes: u32,
+    /// Lists of ours, one for each run of elements.
+    pub(in crate::intercept::gl) lists: Vec<u32>,
+    /// Number of them that hold elements of this Begin/End.
+    pub(in crate::intercept::gl) used_lists: usize,
+    /// `glBegin` lies in a list that was recorded.
+    pub(in crate::intercept::gl) begun_by_list: bool,
 }
 
 impl Default for Immediate {
     fn default() -> Self {
         let (phase, recorder, bounds) = (Phase::Outside, Recorder::default(), Bounds::EMPTY);
-        Self { phase, mode: 0, recorder, bounds, list: 0, trailing: 0 }
+        Self {
+            phase,
+            mode: 0,
+            recorder,
+            bounds,
+            generic_attributes: 0,
+            lists: Vec::new(),
+            used_lists: 0,
+            begun_by_list: false,
+        }
     }
 }
 
@@ -42,11 +56,46 @@ impl Immediate {
         self.phase != Phase::Outside
     }
 
-    pub(in crate::intercept::gl) fn begin(&mut self, mode: u32) {
+    pub(in crate::intercept::gl) fn begin(&mut self, mode: u32, generic_attributes: u32) {
         self.phase = Phase::Recording;
         self.mode = mode;
+        self.generic_attributes = generic_attributes;
         self.recorder.clear();
         self.bounds = Bounds::EMPTY;
-        self.trailing = 0;
+        self.begun_by_list = false;
+        self.used_lists = 0;
+    }
+
+    /// Whether the driver is to refuse a command that is not allowed between Begin and End.
+    pub fn refuses(&mut self, gl: &Gl) -> bool {
+        self.close_elements(gl);
+        self.under_way()
+    }
+
+    /// Ends the list of elements that is open, if one is.
+    pub(in crate::intercept::gl) fn close_elements(&mut self, gl: &Gl) {
+        if self.phase == Phase::Elements {
+            let list = self.lists.get(self.used_lists).copied().unwrap_or_default();
+            self.used_lists += 1;
+            self.recorder.push_list(list);
+            self.phase = Phase::Recording;
+            // SAFETY: the list is ours; then the driver is where the program is.
+            unsafe {
+                gl.end_list();
+                gl.begin(list_of(self.mode));
+            }
+        }
+    }
+}
+
+/// The mode of separate primitives that has the same errors as `mode`. The driver is between Begin and End in it, without
+/// vertices: of strips, fans and polygons Mesa drops what follows an empty one of the same mode.
+pub(in crate::intercept::gl) fn list_of(mode: u32) -> u32 {
+    match mode {
+        api::GL_LINE_LOOP | api::GL_LINE_STRIP => api::GL_LINES,
+        api::GL_TRIANGLE_STRIP | api::GL_TRIANGLE_FAN | api::GL_QUAD_STRIP | api::GL_POLYGON => api::GL_TRIANGLES,
+        api::GL_LINE_STRIP_ADJACENCY => api::GL_LINES_ADJACENCY,
+        api::GL_TRIANGLE_STRIP_ADJACENCY => api::GL_TRIANGLES_ADJACENCY,
+        _ => mode,
     }
 }

@@ -169,6 +169,9 @@ const SETS: u32 = 37;
 const COUNT: u32 = 41;
 const BEFORE: u32 = 45;
 
+/// The command is a display list of the driver, whose name follows.
+const LIST: u64 = 1 << 48;
+
 /// A command that was recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
@@ -215,13 +218,15 @@ pub struct Recorder {
     vertices: bool,
     /// What was set only after a vertex.
     late: u64,
+    /// There are display lists.
+    lists: bool,
 }
 
 impl Recorder {
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
         self.words.clear();
-        (self.set, self.vertices, self.late) = (0, false, 0);
+        (self.set, self.vertices, self.late, self.lists) = (0, false, 0, false);
     }
 
     /// Keeps a command, with its parameters before the components and those.
@@ -255,6 +260,19 @@ impl Recorder {
             let room = self.words.as_mut_ptr().add(start).cast::<u8>();
             std::ptr::copy_nonoverlapping(values.as_ptr().cast::<u8>(), room, size_of_val(values));
         }
+    }
+
+    /// Keeps a display list of the driver, which may make vertices and set any attribute.
+    pub fn push_list(&mut self, list: u32) {
+        (self.vertices, self.lists) = (true, true);
+        (self.set, self.late) = (u64::MAX, u64::MAX);
+        self.words.push(1 << LENGTH | VERTEX | (Sets::Vertex as u64) << SETS | LIST);
+        self.words.push(list.into());
+    }
+
+    /// Whether there are display lists.
+    pub fn has_lists(&self) -> bool {
+        self.lists
     }
 
     /// Whether colour, normal and texture coordinate were set only after a vertex: playing back again would
@@ -321,9 +339,13 @@ impl Recorder {
         while let [head, after @ ..] = rest {
             let length = (head >> LENGTH) as u16 as usize;
             let Some((values, next)) = after.split_at_checked(length) else { return };
-            if vertices || head & VERTEX == 0 {
-                // SAFETY: the words that `push` kept for this command.
-                unsafe { vertex_commands::play(gl, *head as u16, values.as_ptr()) };
+            // SAFETY: the words that `push` and `push_list` kept for this command.
+            match values {
+                [list] if vertices && head & LIST != 0 => unsafe { gl.call_list(*list as u32) },
+                _ if vertices || head & VERTEX == 0 => unsafe {
+                    vertex_commands::play(gl, *head as u16, values.as_ptr());
+                },
+                _ => {}
             }
             rest = next;
         }
@@ -389,6 +411,16 @@ mod tests {
         for (number, sets) in Sets::ALL.into_iter().enumerate() {
             assert_eq!(sets as usize, number, "{sets:?}");
         }
+    }
+
+    #[test]
+    fn a_list_may_set_anything() {
+        let mut recorder = Recorder::default();
+        recorder.push_list(0xFFFF_FFFE);
+        assert!(recorder.has_lists() && recorder.sets_others_late() && recorder.sets_late() == [true; 3]);
+        assert!(recorder.commands().all(|command| command.is_vertex() && command.number(0, false).is_none()));
+        recorder.clear();
+        assert!(!recorder.has_lists() && !recorder.sets_anything());
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub struct Profile {
     pub version: u32,
     /// Viewports and scissors by index.
     pub viewport_arrays: bool,
+    /// Number of generic attributes of a vertex.
+    pub generic_attributes: u32,
 }
 
 impl Profile {
@@ -44,7 +46,12 @@ pub(in crate::intercept::gl) fn profile(gl: &Gl) -> Profile {
     let core = forward || mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0;
     let arrays = if es { "GL_OES_viewport_array" } else { "GL_ARB_viewport_array" };
     let viewport_arrays = (!es && version >= 41) || (version >= 30 && has_extension(gl, arrays));
-    Profile { es, core, version, viewport_arrays }
+    let mut generic_attributes = 16;
+    if version >= 20 {
+        // SAFETY: the query exists since OpenGL 2.0 and OpenGL ES 2.0 and writes one integer.
+        unsafe { gl.get_integerv(api::GL_MAX_VERTEX_ATTRIBS, &mut generic_attributes) };
+    }
+    Profile { es, core, version, viewport_arrays, generic_attributes: generic_attributes as u32 }
 }
 
 /// Whether a context of version 3.0 or later has an extension.
