@@ -1,4 +1,4 @@
-//! A steady frame allocates nothing, links no shader, and makes few calls.
+//! A steady frame allocates nothing, links no shader, makes no object, and makes few calls.
 //!
 //! `tests/apps/preload/allocations.c` counts the calls of malloc and its kin that come from Cupola's library, in
 //! frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between Cupola and the driver.
@@ -17,6 +17,7 @@ tests! {
     a_frame_that_is_not_steady_is_seen,
     draws_ask_for_nothing,
     no_call_is_made_for_nothing,
+    no_object_is_made,
 }
 
 const FRAMES: usize = 200;
@@ -179,5 +180,16 @@ fn no_call_is_made_for_nothing() {
         assert!(ours + views > most, "{program}: {ours} calls of {most}");
         // One atlas is one binding, and one framebuffer for the program's draws, one for the window.
         assert!(calls["glBindTexture"] <= 2 && calls["glBindFramebuffer"] <= 2, "{program}: {calls:?}");
+    }
+}
+
+/// Steady frames make no objects of OpenGL, so that none can be left behind.
+fn no_object_is_made() {
+    for program in ["core330_mvp", "immediate", "post_process"] {
+        let Some(calls) = calls_per_frame(program, "fisheye") else { return };
+        let makes =
+            |name: &str| name.starts_with("glGen") && name != "glGenerateMipmap" || name.starts_with("glCreate");
+        let made: Vec<_> = calls.iter().filter(|(name, _)| makes(name)).collect();
+        assert!(made.is_empty() && calls.contains_key("glXSwapBuffers"), "{program}: {made:?}");
     }
 }
