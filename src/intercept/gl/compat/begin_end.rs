@@ -27,6 +27,8 @@ pub fn note_element(ctx: &mut Context) {
         list.bounds.add_unknown();
     }
     if ctx.compat.immediate.phase == Phase::Recording {
+        // SAFETY: the driver leaves its own Begin/End, in which it has no names for lists.
+        unsafe { ctx.driver.gl.end() };
         if ctx.compat.immediate.used_lists == ctx.compat.immediate.lists.len() {
             let name = list_recording::own_name(ctx);
             ctx.compat.immediate.lists.push(name);
@@ -35,11 +37,8 @@ pub fn note_element(ctx: &mut Context) {
         immediate.bounds.add_unknown();
         immediate.phase = Phase::Elements;
         let list = immediate.lists.get(immediate.used_lists).copied().unwrap_or_default();
-        // SAFETY: the driver leaves its own Begin/End, and compiles a list of ours.
-        unsafe {
-            ctx.driver.gl.end();
-            ctx.driver.gl.new_list(list, api::GL_COMPILE);
-        }
+        // SAFETY: the driver compiles a list of ours.
+        unsafe { ctx.driver.gl.new_list(list, api::GL_COMPILE) };
     }
 }
 
