@@ -11,6 +11,7 @@ use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
 tests! {
     the_cube_without_cupola,
     every_way_of_drawing_fills_the_dome,
+    depth_in_a_pass_of_its_own,
     every_lens_and_turn,
     six_projectors,
     identity_changes_no_byte,
@@ -85,6 +86,31 @@ fn every_way_of_drawing_fills_the_dome() {
         assert_eq!(statistics["panel_draws"], 0, "{way:?}: {statistics:#}");
     }
 }
+
+/// Depth is cleared, or drawn, by a pass without colours before the pass that draws to the window and keeps it.
+fn depth_in_a_pass_of_its_own() {
+    for (index, way) in DEPTHS.into_iter().enumerate() {
+        let way = &[way, &["--shot", "shot.ppm"][..]].concat();
+        let run = run(way, CAMERAS[index % CAMERAS.len()]);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        expect_good(&report, &picture, &format!("vk_cube {way:?} fisheye"));
+        assert_eq!(finished.statistics()["panel_draws"], 0, "{way:?}");
+        let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&under.picture("shot.ppm"), &plain, &format!("vk_cube {way:?} identity-captured"));
+    }
+}
+
+const DEPTHS: [&[&str]; 6] = [
+    &["--depth", "cleared"],
+    &["--depth", "drawn", "--once"],
+    &["--depth", "cleared", "--pass", "dynamic", "--once"],
+    &["--depth", "drawn", "--pass", "dynamic", "--draws", "3"],
+    &["--depth", "readable", "--pass", "dynamic"],
+    &["--depth", "drawn", "--samples", "4"],
+];
 
 fn every_lens_and_turn() {
     for camera in CAMERAS {

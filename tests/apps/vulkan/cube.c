@@ -2,8 +2,9 @@
  * The direction test with Vulkan, written in several ways: how a pass begins (--pass), where the matrix is (--matrix),
  * whether command buffers are recorded once or in each frame (--once), with samples, sRGB, an upside-down viewport,
  * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run; in small
- * parts (--cells), through other stages (--stage).
+ * parts (--cells), through other stages (--stage), with depth in a pass of its own (--depth).
  */
+#include "depth_pass.h"
 #include "frames.h"
 #include "memory.h"
 #include "options.h"
@@ -27,6 +28,7 @@
 
 static vulkan_window w;
 static picture depth, samples;
+static depth_pass first;
 static VkRenderPass pass;
 static VkDescriptorSetLayout set_layout, pushed_layout;
 static VkDescriptorPool descriptors;
@@ -63,8 +65,9 @@ static void make_pass(void)
     VkAttachmentDescription2 all[3] = {
         {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, count, clear, store, any, drop,
          VK_IMAGE_LAYOUT_UNDEFINED, multisampled() ? color : VK_IMAGE_LAYOUT_PRESENT_SRC_KHR},
-        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, DEPTH_FORMAT, count, clear, drop, any, drop,
-         VK_IMAGE_LAYOUT_UNDEFINED, deep},
+        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, DEPTH_FORMAT, count,
+         options.depth == DEPTH_TOGETHER ? clear : VK_ATTACHMENT_LOAD_OP_LOAD, drop, any, drop,
+         options.depth == DEPTH_TOGETHER ? VK_IMAGE_LAYOUT_UNDEFINED : deep, deep},
         {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, VK_SAMPLE_COUNT_1_BIT, any, store, any, drop,
          VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR}};
     const uint32_t number = multisampled() ? 3 : 2;
@@ -198,6 +201,8 @@ static void make_cube_pipeline(void)
         description.evaluation = SHADER(stage_tese);
     }
     pipeline = make_pipeline(&w, &description);
+    if (options.depth != DEPTH_TOGETHER)
+        first = make_depth_pass(&w, depth.view, &description);
     if (pushes()) {
         description.vertex = SHADER(cube_push);
         description.layout = plain_layout;
@@ -208,7 +213,9 @@ static void make_cube_pipeline(void)
 static void make_framebuffers(void)
 {
     const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
-    depth = make_picture(&w, DEPTH_FORMAT, w.extent, count, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    depth = make_picture(&w, DEPTH_FORMAT, w.extent, count,
+                         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT |
+                             (options.depth == DEPTH_READABLE ? VK_IMAGE_USAGE_SAMPLED_BIT : 0));
     if (multisampled())
         samples = make_picture(&w, w.format, w.extent, count, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
     if (options.pass == PASS_DYNAMIC)
@@ -322,15 +329,34 @@ static void draw_between(VkCommandBuffer buffer, uint32_t index)
     vkCmdDraw(buffer, 36, 1, 0, 0);
 }
 
-static void draw(VkCommandBuffer buffer, uint32_t index)
+static void bind(VkCommandBuffer buffer, VkPipeline bound)
 {
     const VkViewport window = viewport();
     const VkRect2D scissor = {{0, 0}, w.extent};
-    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.whole);
+    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, bound);
     if (!options.fixed) {
         vkCmdSetViewport(buffer, 0, 1, &window);
         vkCmdSetScissor(buffer, 0, 1, &scissor);
     }
+}
+
+/* The depth of the cube, in a pass of its own, where it was asked for. */
+static void draw_depth(VkCommandBuffer buffer, uint32_t index)
+{
+    if (options.depth == DEPTH_TOGETHER)
+        return;
+    begin_depth_pass(&first, buffer);
+    if (options.depth != DEPTH_CLEARED) {
+        bind(buffer, first.pipeline.whole);
+        for (draw_number = 0; draw_number < options.draws; draw_number++)
+            draw_one(buffer, index, false);
+    }
+    end_depth_pass(&first, buffer);
+}
+
+static void draw(VkCommandBuffer buffer, uint32_t index)
+{
+    bind(buffer, pipeline.whole);
     if (options.flat == 2 && pushes()) {
         draw_between(buffer, index);
         return;
@@ -353,7 +379,8 @@ static void record_dynamic(VkCommandBuffer buffer, uint32_t index)
     if (multisampled())
         change_layout(buffer, samples.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
     change_layout(buffer, depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
-                  VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+                  VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+    draw_depth(buffer, index);
     const VkRenderingAttachmentInfo colors = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                               .imageView = multisampled() ? samples.view : w.views[index],
                                               .imageLayout = color,
@@ -365,8 +392,9 @@ static void record_dynamic(VkCommandBuffer buffer, uint32_t index)
                                               .clearValue = grey};
     const VkRenderingAttachmentInfo deep = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                             .imageView = depth.view,
-                                            .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                                            .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                            .imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+                                            .loadOp = options.depth == DEPTH_TOGETHER ? VK_ATTACHMENT_LOAD_OP_CLEAR
+                                                                                      : VK_ATTACHMENT_LOAD_OP_LOAD,
                                             .clearValue = far};
     const VkRenderingInfo info = {.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                   .flags = options.secondary ? VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT : 0,
@@ -402,6 +430,7 @@ static void record_pass(VkCommandBuffer buffer, uint32_t index)
         options.secondary ? VK_SUBPASS_CONTENTS_SECONDARY_COMMAND_BUFFERS : VK_SUBPASS_CONTENTS_INLINE;
     const VkSubpassBeginInfo subpass = {.sType = VK_STRUCTURE_TYPE_SUBPASS_BEGIN_INFO, .contents = contents};
     const VkSubpassEndInfo end = {.sType = VK_STRUCTURE_TYPE_SUBPASS_END_INFO};
+    draw_depth(buffer, index);
     if (options.pass == PASS_2)
         vkCmdBeginRenderPass2(buffer, &begin, &subpass);
     else
@@ -484,6 +513,7 @@ static void follow_window(void)
     free_framebuffers();
     free_pipeline(&w, &pipeline);
     free_pipeline(&w, &plain_pipeline);
+    free_depth_pass(&w, &first);
     window_make_swapchain(&w);
     follow_size();
 }
@@ -521,6 +551,7 @@ static void close_all(void)
     free_framebuffers();
     free_pipeline(&w, &pipeline);
     free_pipeline(&w, &plain_pipeline);
+    free_depth_pass(&w, &first);
     vkDestroyPipelineLayout(w.device, layout, NULL);
     vkDestroyPipelineLayout(w.device, plain_layout, NULL);
     vkDestroyDescriptorPool(w.device, descriptors, NULL);

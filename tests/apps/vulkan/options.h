@@ -10,6 +10,9 @@ typedef enum { MATRIX_PUSH, MATRIX_BLOCK, MATRIX_DYNAMIC_BLOCK, MATRIX_COPIED, M
 typedef enum { CELLS_NONE, CELLS_TRIANGLES, CELLS_BALL, CELLS_BEHIND, CELLS_POINTS } cells_kind;
 typedef enum { STAGE_VERTEX, STAGE_GEOMETRY, STAGE_TESSELLATION } stage_kind;
 
+/* Depth is cleared, or drawn as well, in a pass of its own; shaders could read it. */
+typedef enum { DEPTH_TOGETHER, DEPTH_CLEARED, DEPTH_DRAWN, DEPTH_READABLE } depth_kind;
+
 typedef struct {
     direction_options direction;
     int samples, resizes;
@@ -20,6 +23,7 @@ typedef struct {
     cells_kind cells; /* how small the parts are that the cube is drawn in */
     bool once, srgb, columns, flip, secondary, indirect, fixed, copy_window;
     bool follow; /* make a new swapchain where presenting says that it should be */
+    depth_kind depth; /* of it, before the pass that draws colours */
     int flat; /* 0: nothing, 1: over the cube, 2: before it */
     const char *memory;
 } vulkan_options;

@@ -107,9 +107,10 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
         .depthTestEnable = description->deep,
         .depthWriteEnable = description->deep && !description->silent,
         .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
+    const uint32_t colors = description->color != VK_FORMAT_UNDEFINED;
     const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = description->silent ? 0 : 0xf};
     const VkPipelineColorBlendStateCreateInfo blends = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = colors, .pAttachments = &blend};
     const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
                                      VK_DYNAMIC_STATE_PRIMITIVE_TOPOLOGY};
     const VkPipelineDynamicStateCreateInfo dynamic = {.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
@@ -117,7 +118,7 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
                                                       .pDynamicStates = states};
     const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                      .viewMask = description->view_mask,
-                                                     .colorAttachmentCount = 1,
+                                                     .colorAttachmentCount = colors,
                                                      .pColorAttachmentFormats = &description->color,
                                                      .depthAttachmentFormat = description->depth};
     const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,

@@ -21,7 +21,7 @@ typedef struct {
     VkPipelineLayout layout;
     VkRenderPass pass; /* null: for dynamic rendering, with these attachments */
     uint32_t subpass;
-    VkFormat color, depth;
+    VkFormat color, depth; /* no colour: VK_FORMAT_UNDEFINED */
     uint32_t view_mask;
     VkSampleCountFlagBits samples;
     bool deep;                  /* tested by depth */

@@ -41,6 +41,14 @@ impl<'a> Given<'a> {
         views.filter(|view| *view != vk::ImageView::null()).collect()
     }
 
+    /// Views of depth and stencil, if there are no colours. Secondary command buffers do not name them, so that those
+    /// stay the program's own.
+    fn depth_alone(&self) -> Vec<vk::ImageView> {
+        let inline = !self.has(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
+        let deep = self.depth.iter().chain(&self.stencil).filter(|_| inline && self.views().is_empty());
+        deep.map(|attachment| attachment.image_view).filter(|view| *view != vk::ImageView::null()).collect()
+    }
+
     fn has(&self, flag: vk::RenderingFlags) -> bool {
         self.info.flags.contains(flag)
     }
@@ -58,7 +66,7 @@ impl<'a> Given<'a> {
             colors: self.colors.iter().map(|color| format(Some(color))).collect(),
             depth: format(self.depth),
             stencil: format(self.stencil),
-            samples: self.colors.iter().find_map(kind).unwrap_or_default().1,
+            samples: self.colors.iter().chain(self.depth).find_map(kind).unwrap_or_default().1,
         };
         let mut pass = Pass::new(Arc::clone(target), within, uncleared_panels);
         if !self.has(vk::RenderingFlags::SUSPENDING) {
@@ -85,7 +93,12 @@ pub unsafe fn begin(
     // SAFETY: as promised.
     let given = unsafe { Given::of(info) };
     let views = given.views();
-    let Some(target) = views.iter().find_map(|view| device.images.target(*view)) else {
+    let colored = views.iter().find_map(|view| device.images.target(*view));
+    let is_colored = colored.is_some();
+    let Some(target) = colored.or_else(|| device.images.window_of_depth(device, &given.depth_alone())) else {
+        for attachment in given.depth.iter().chain(&given.stencil).filter(|a| a.load_op == vk::AttachmentLoadOp::LOAD) {
+            device.images.goes_on_with(device, attachment.image_view);
+        }
         plain(device, buffer, None, &views);
         return next(info);
     };
@@ -105,7 +118,8 @@ pub unsafe fn begin(
     if let Some(stencil) = &all.stencil {
         changed = changed.stencil_attachment(stencil);
     }
-    let pass = given.pass(device, &target);
+    let mut pass = given.pass(device, &target);
+    pass.colored = is_colored;
     // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
     // attachments.
     unsafe {

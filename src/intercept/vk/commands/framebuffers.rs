@@ -17,7 +17,11 @@ impl Framebuffers {
             let all = self.all.locked();
             all.values().filter(|framebuffer| framebuffer.pass == pass).cloned().collect()
         };
-        all.iter().find_map(|framebuffer| framebuffer.target_now(&device.images))
+        let depth = |framebuffer: &Arc<Framebuffer>| {
+            device.images.window_of_depth(device, framebuffer.attachments.as_deref().unwrap_or_default())
+        };
+        let colored = all.iter().find_map(|framebuffer| framebuffer.target_now(&device.images));
+        colored.or_else(|| all.iter().find_map(depth))
     }
 
     /// The swapchain's image that a framebuffer without images for a render pass may be used with:

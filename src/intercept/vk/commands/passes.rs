@@ -47,8 +47,10 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     // SAFETY: as promised.
     let views = unsafe { views_of(begin, &framebuffer) };
     let given = framebuffer.attachments.is_none().then_some(views);
-    let target =
-        framebuffer.target_now(&device.images).or_else(|| views.iter().find_map(|view| device.images.target(*view)))?;
+    let colored =
+        framebuffer.target_now(&device.images).or_else(|| views.iter().find_map(|view| device.images.target(*view)));
+    let is_colored = colored.is_some();
+    let target = colored.or_else(|| device.images.window_of_depth(device, views))?;
     let replaced = || {
         let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
         if let Some(why) = pass.obstacle {
@@ -67,6 +69,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         };
         let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
         let mut new = Pass::new(Arc::clone(&target), within, pass.begin_in(0));
+        new.colored = is_colored;
         for (view, layout) in views.iter().zip(&pass.leaves) {
             match device.images.target(*view) {
                 Some(scene) if !scene.window => new.scenes.push((scene, *layout)),
@@ -115,9 +118,13 @@ unsafe fn begin(
             }
             // SAFETY: as promised.
             let views = framebuffer.as_ref().map_or(&[][..], |framebuffer| unsafe { views_of(info, framebuffer) });
-            let leaves = device.framebuffers.pass(info.render_pass).map(|pass| pass.leaves.clone());
-            for (view, layout) in views.iter().zip(leaves.iter().flatten()) {
+            let pass = device.framebuffers.pass(info.render_pass);
+            let (leaves, anew) = pass.as_ref().map_or((&[][..], &[][..]), |pass| (&pass.leaves, &pass.begins_anew));
+            for ((view, layout), anew) in views.iter().zip(leaves).zip(anew) {
                 device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
+                if !anew {
+                    device.images.goes_on_with(device, *view);
+                }
             }
             // An imageless framebuffer has no target of its own.
             let target = framebuffer.as_ref().and_then(|framebuffer| framebuffer.target_now(&device.images));
@@ -155,7 +162,7 @@ unsafe fn begin(
 /// A pass begins that is drawn for each view.
 pub fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
     device.recordings.with(buffer, |recording| {
-        recording.events.push(Event::Drawn(Arc::clone(&pass.target), true));
+        recording.events.extend(pass.colored.then(|| Event::Drawn(Arc::clone(&pass.target), true)));
         recording.pass = Some(pass);
     });
 }

@@ -38,7 +38,8 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
     unsafe {
         let inheritance = info.p_inheritance_info.as_ref()?;
         if let Some(framebuffer) = device.framebuffers.get(inheritance.framebuffer) {
-            return framebuffer.target_now(&device.images);
+            let views = framebuffer.attachments.as_deref().unwrap_or_default();
+            return framebuffer.target_now(&device.images).or_else(|| device.images.window_of_depth(device, views));
         }
         if inheritance.render_pass != vk::RenderPass::null() {
             let framebuffers = &device.framebuffers;

@@ -12,9 +12,10 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, View, aspects};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
-use crate::intercept::vk::state::views::view_target::ATLAS_COPY_USAGE;
+use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
 use crate::lock::Lock;
 use ash::vk;
+use std::sync::Arc;
 
 impl Images {
     /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
@@ -80,6 +81,44 @@ impl Images {
             state.atlas_copies.push((atlas_copy, made));
         }
         Ok(made)
+    }
+
+    /// The window to which the depth of a pass belongs that has these attachments, none of them a colour. It is drawn
+    /// for each view then, as that of the passes that draw to the window. Depth that shaders could read belongs to it
+    /// only once it was drawn together with it.
+    pub fn window_of_depth(&self, device: &Device, views: &[vk::ImageView]) -> Option<Arc<ViewTarget>> {
+        use vk::ImageUsageFlags as U;
+        let window = device.swapchains.latest_window().filter(|_| device.draws_views())?;
+        let belongs = |state: &Image| {
+            let readable = state.usage.intersects(U::SAMPLED | U::INPUT_ATTACHMENT | U::STORAGE);
+            let drawn_together = state.atlas_copies.iter().any(|(size, _)| *size == window.layout.atlas);
+            !aspects(state.format).contains(vk::ImageAspectFlags::COLOR)
+                && state.size == window.layout.window
+                && !state.described
+                && (drawn_together || !readable)
+        };
+        let handles: Option<Vec<_>> = views.iter().map(|view| self.of(*view)).collect();
+        let handles = handles.filter(|handles| !handles.is_empty())?;
+        let mut images = self.images.locked();
+        if !handles.iter().all(|image| images.get(image).is_some_and(belongs)) {
+            return None;
+        }
+        for image in &handles {
+            if let Some(state) = images.get_mut(image) {
+                state.drawn_alone = true;
+            }
+        }
+        Some(window)
+    }
+
+    /// A pass of the program's own goes on with the image of a view. What a pass with depth only drew for each view is
+    /// missing there.
+    pub fn goes_on_with(&self, device: &Device, view: vk::ImageView) {
+        let alone =
+            self.of(view).is_some_and(|image| self.images.locked().get(&image).is_some_and(|state| state.drawn_alone));
+        if alone {
+            device.show_flat("it draws depth first that other images than the window's go on with");
+        }
     }
 
     /// `scene`: it becomes the atlas of a scene.
@@ -157,6 +196,7 @@ hooks! {
                 usage: info.usage,
                 layout: vk::ImageLayout::UNDEFINED,
                 described: false,
+                drawn_alone: false,
                 target: None,
                 atlas_copies: Vec::new(),
             };

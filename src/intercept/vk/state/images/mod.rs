@@ -30,6 +30,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
     /// Shaders read it.
     pub(in crate::intercept::vk) described: bool,
+    /// A pass with depth only drew to its atlas copy in its place.
+    pub(in crate::intercept::vk) drawn_alone: bool,
     pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
     pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
 }
@@ -148,6 +150,7 @@ impl Images {
             usage: vk::ImageUsageFlags::empty(),
             layout: vk::ImageLayout::UNDEFINED,
             described: false,
+            drawn_alone: false,
             target: Some(target),
             atlas_copies: Vec::new(),
         };

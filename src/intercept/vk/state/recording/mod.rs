@@ -60,6 +60,8 @@ pub enum Event {
 pub struct Pass {
     /// Target of its draws.
     pub(in crate::intercept::vk) target: Arc<ViewTarget>,
+    /// It draws to the target's image, not to depth only.
+    pub(in crate::intercept::vk) colored: bool,
     /// A draw of it may have belonged to the scene.
     pub(in crate::intercept::vk) scene: bool,
     /// Colour attachments whose panel has to be cleared by the first commands.
@@ -99,7 +101,15 @@ pub enum Within {
 impl Pass {
     /// A pass that begins.
     pub fn new(target: Arc<ViewTarget>, within: Within, uncleared_panels: Vec<u32>) -> Self {
-        Self { target, scene: false, uncleared_panels, within, scenes: Vec::new(), layout_changes: Vec::new() }
+        Self {
+            target,
+            colored: true,
+            scene: false,
+            uncleared_panels,
+            within,
+            scenes: Vec::new(),
+            layout_changes: Vec::new(),
+        }
     }
 }
 

@@ -112,6 +112,11 @@ impl Swapchains {
         latest.as_ref().filter(|(known, _)| *known == format).map(|(_, target)| Arc::clone(target))
     }
 
+    /// The image of a swapchain that was made last.
+    pub fn latest_window(&self) -> Option<Arc<ViewTarget>> {
+        self.latest.locked().as_ref().map(|(_, target)| Arc::clone(target))
+    }
+
     /// The layout of the latest swapchain.
     pub fn latest_layout(&self) -> Option<Arc<AtlasLayout>> {
         let latest = self.latest.locked();
