@@ -108,7 +108,7 @@ const DEPTHS: [&[&str]; 6] = [
     &["--depth", "drawn", "--once"],
     &["--depth", "cleared", "--pass", "dynamic", "--once"],
     &["--depth", "drawn", "--pass", "dynamic", "--draws", "3"],
-    &["--depth", "readable", "--pass", "dynamic"],
+    &["--depth", "readable", "--pass", "dynamic", "--once"],
     &["--depth", "drawn", "--samples", "4"],
 ];
 

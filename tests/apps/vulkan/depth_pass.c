@@ -36,7 +36,7 @@ depth_pass make_depth_pass(const vulkan_window *w, VkImageView view, const pipel
 {
     depth_pass made = {.view = view, .extent = w->extent};
     pipeline_description own = *description;
-    own.color = VK_FORMAT_UNDEFINED;
+    own.colorless = true;
     if (own.pass != VK_NULL_HANDLE) {
         own.pass = made.pass = make_pass(w, own.samples);
         const VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,

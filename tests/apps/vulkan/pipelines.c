@@ -107,7 +107,7 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
         .depthTestEnable = description->deep,
         .depthWriteEnable = description->deep && !description->silent,
         .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-    const uint32_t colors = description->color != VK_FORMAT_UNDEFINED;
+    const uint32_t colors = description->colorless ? 0 : 1;
     const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = description->silent ? 0 : 0xf};
     const VkPipelineColorBlendStateCreateInfo blends = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = colors, .pAttachments = &blend};

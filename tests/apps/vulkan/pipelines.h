@@ -21,7 +21,8 @@ typedef struct {
     VkPipelineLayout layout;
     VkRenderPass pass; /* null: for dynamic rendering, with these attachments */
     uint32_t subpass;
-    VkFormat color, depth; /* no colour: VK_FORMAT_UNDEFINED */
+    VkFormat color, depth;
+    bool colorless;             /* the pass has no colour */
     uint32_t view_mask;
     VkSampleCountFlagBits samples;
     bool deep;                  /* tested by depth */

@@ -120,6 +120,9 @@ pub unsafe fn begin(
     }
     let mut pass = given.pass(device, &target);
     pass.colored = is_colored;
+    if is_colored {
+        device.images.draws_together(given.depth.iter().chain(&given.stencil).map(|attachment| attachment.image_view));
+    }
     // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
     // attachments.
     unsafe {

@@ -70,6 +70,9 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
         let mut new = Pass::new(Arc::clone(&target), within, pass.begin_in(0));
         new.colored = is_colored;
+        if is_colored {
+            device.images.draws_together(views.iter().copied());
+        }
         for (view, layout) in views.iter().zip(&pass.leaves) {
             match device.images.target(*view) {
                 Some(scene) if !scene.window => new.scenes.push((scene, *layout)),

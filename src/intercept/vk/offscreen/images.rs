@@ -32,7 +32,8 @@ impl Images {
             device.scene_graph.note_made(image, Made::Elsewhere);
         }
         // Of a scene there are view copies.
-        let drawn = state.target.as_ref().map_or(!attachment && !state.atlas_copies.is_empty(), |target| target.window);
+        let together = !state.atlas_copies.is_empty() && (state.drawn_together || !state.drawn_alone);
+        let drawn = state.target.as_ref().map_or(!attachment && together, |target| target.window);
         drop(images);
         if drawn {
             device.show_flat("its shaders read what it draws together with the window");
@@ -84,18 +85,13 @@ impl Images {
     }
 
     /// The window to which the depth of a pass belongs that has these attachments, none of them a colour. It is drawn
-    /// for each view then, as that of the passes that draw to the window. Depth that shaders could read belongs to it
-    /// only once it was drawn together with it.
+    /// for each view then, as that of the passes that draw to the window. Depth that shaders read is no window's.
     pub fn window_of_depth(&self, device: &Device, views: &[vk::ImageView]) -> Option<Arc<ViewTarget>> {
-        use vk::ImageUsageFlags as U;
         let window = device.swapchains.latest_window().filter(|_| device.draws_views())?;
         let belongs = |state: &Image| {
-            let readable = state.usage.intersects(U::SAMPLED | U::INPUT_ATTACHMENT | U::STORAGE);
-            let drawn_together = state.atlas_copies.iter().any(|(size, _)| *size == window.layout.atlas);
             !aspects(state.format).contains(vk::ImageAspectFlags::COLOR)
                 && state.size == window.layout.window
                 && !state.described
-                && (drawn_together || !readable)
         };
         let handles: Option<Vec<_>> = views.iter().map(|view| self.of(*view)).collect();
         let handles = handles.filter(|handles| !handles.is_empty())?;
@@ -109,6 +105,15 @@ impl Images {
             }
         }
         Some(window)
+    }
+
+    /// A pass draws to the window or to a scene, and to the images of these views with it.
+    pub fn draws_together(&self, views: impl IntoIterator<Item = vk::ImageView>) {
+        for image in views.into_iter().filter_map(|view| self.of(view)) {
+            if let Some(state) = self.images.locked().get_mut(&image) {
+                state.drawn_together = true;
+            }
+        }
     }
 
     /// A pass of the program's own goes on with the image of a view. What a pass with depth only drew for each view is
@@ -197,6 +202,7 @@ hooks! {
                 layout: vk::ImageLayout::UNDEFINED,
                 described: false,
                 drawn_alone: false,
+                drawn_together: false,
                 target: None,
                 atlas_copies: Vec::new(),
             };

@@ -32,6 +32,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) described: bool,
     /// A pass with depth only drew to its atlas copy in its place.
     pub(in crate::intercept::vk) drawn_alone: bool,
+    /// So did a pass that drew to the window or to a scene.
+    pub(in crate::intercept::vk) drawn_together: bool,
     pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
     pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
 }
@@ -151,6 +153,7 @@ impl Images {
             layout: vk::ImageLayout::UNDEFINED,
             described: false,
             drawn_alone: false,
+            drawn_together: false,
             target: Some(target),
             atlas_copies: Vec::new(),
         };
