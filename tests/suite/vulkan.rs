@@ -40,7 +40,7 @@ tests! {
 }
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
-const WAYS: [&[&str]; 12] = [
+const WAYS: [&[&str]; 14] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
     &["--pass", "dynamic", "--matrix", "push"],
@@ -53,6 +53,8 @@ const WAYS: [&[&str]; 12] = [
     &["--pass", "2", "--matrix", "copied", "--secondary", "--once"],
     &["--pass", "imageless", "--matrix", "push", "--secondary"],
     &["--pass", "dynamic", "--matrix", "pushed", "--flip"],
+    &["--pass", "dynamic", "--array", "columns", "--once"],
+    &["--pass", "1", "--array", "rows", "--flip"],
 ];
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };

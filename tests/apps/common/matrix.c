@@ -51,6 +51,14 @@ matrix4 matrix_camera(double yaw, double pitch)
     return matrix_multiply(turn_pitch, turn_yaw);
 }
 
+matrix4 matrix_transposed(matrix4 m)
+{
+    matrix4 transposed;
+    for (int i = 0; i < 16; i++)
+        transposed.m[i] = m.m[i % 4 * 4 + i / 4];
+    return transposed;
+}
+
 matrix4 matrix_scale(double factor)
 {
     matrix4 r = {{0}};

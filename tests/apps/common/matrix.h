@@ -19,6 +19,7 @@ matrix4 matrix_camera(double yaw, double pitch);
 
 /* Uniform scale. */
 matrix4 matrix_scale(double factor);
+matrix4 matrix_transposed(matrix4 m);
 
 matrix4 matrix_translate(double x, double y, double z);
 

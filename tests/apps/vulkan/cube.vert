@@ -1,12 +1,14 @@
 #version 450
 /* The direction test's cube: a corner has the colour of its position. With CELLS its faces are cut as ../common/cells.c does
  * it: into triangles (instance 0), on a ball with the cube's colours (1), in inverted colours around that (2), or into points
- * in the middle of the cells (3). With PROJECTING, Cupola's functions stand before. */
+ * in the middle of the cells (3). With ARRAY and ROWS, the matrix is an array, of columns and of rows. With PROJECTING, Cupola's functions stand before. */
 #if defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
 #elif defined(COLUMNS)
 layout(push_constant) uniform Camera { vec4 x, y, z, w; };
 #define mvp mat4(x, y, z, w)
+#elif defined(ARRAY) || defined(ROWS)
+layout(push_constant) uniform Camera { vec4 mvp[4]; };
 #else
 layout(push_constant) uniform Camera { mat4 mvp; };
 #endif
@@ -43,6 +45,13 @@ void main()
     uint corner = corners[gl_VertexIndex];
     vec3 position = vec3(corner & 1u, corner >> 1 & 1u, corner >> 2 & 1u) * 2.0 - 1.0;
     shade = 0.5 + 0.5 * position;
+#if defined(ARRAY)
+    gl_Position = mvp[0] * position.x + mvp[1] * position.y + mvp[2] * position.z + mvp[3];
+#elif defined(ROWS)
+    vec4 p = vec4(position, 1.0);
+    gl_Position = vec4(dot(p, mvp[0]), dot(p, mvp[1]), dot(p, mvp[2]), dot(p, mvp[3]));
+#else
     gl_Position = mvp * vec4(position, 1.0);
+#endif
 }
 #endif

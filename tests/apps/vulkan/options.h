@@ -13,6 +13,9 @@ typedef enum { STAGE_VERTEX, STAGE_GEOMETRY, STAGE_TESSELLATION } stage_kind;
 /* Depth is cleared, or drawn as well, in a pass of its own; shaders could read it. */
 typedef enum { DEPTH_TOGETHER, DEPTH_CLEARED, DEPTH_DRAWN, DEPTH_READABLE } depth_kind;
 
+/* The matrix is one, or an array of its columns, or of its rows. */
+typedef enum { ARRAY_NONE, ARRAY_COLUMNS, ARRAY_ROWS } array_kind;
+
 typedef struct {
     direction_options direction;
     int samples, resizes;
@@ -24,6 +27,7 @@ typedef struct {
     bool once, srgb, columns, flip, secondary, indirect, fixed, copy_window;
     bool follow; /* make a new swapchain where presenting says that it should be */
     depth_kind depth; /* of it, before the pass that draws colours */
+    array_kind array; /* in push constants */
     int flat; /* 0: nothing, 1: over the cube, 2: before it */
     const char *memory;
 } vulkan_options;

@@ -6,22 +6,47 @@
 
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+/// A member of the program's blocks: the variable, and the members that lead there.
+type Member = (u32, Vec<u32>);
 
 /// Members of the program's blocks that may flow into the position.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct PositionLoads(HashSet<(u32, Vec<u32>)>);
+pub struct PositionLoads {
+    members: HashSet<Member>,
+    /// Of arrays the elements that are loaded by their number, each with whether it only goes into scalar products.
+    elements: HashMap<Member, BTreeMap<u32, bool>>,
+}
 
 impl PositionLoads {
     /// Whether what is loaded includes the member at `path` of a variable, or a part of it. Elements of arrays count as
     /// one.
     pub fn contain(&self, variable: u32, path: &[u32]) -> bool {
-        self.0.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
+        self.members.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
+    }
+
+    /// Groups of four elements of an array that are loaded one behind the other, by the first one's number: what is a
+    /// matrix if the array's elements are `vec4`. The groups begin with the first element of a row of such elements, or
+    /// end with the last one. `true`: they are rows, as they go into scalar products.
+    pub fn fours(&self, variable: u32, path: &[u32]) -> Vec<(u32, bool)> {
+        let Some(elements) = self.elements.get(&(variable, path.to_vec())) else { return Vec::new() };
+        let numbers: Vec<u32> = elements.keys().copied().collect();
+        let rows = numbers.chunk_by(|before, after| before.checked_add(1) == Some(*after));
+        let mut firsts = BTreeSet::new();
+        for row in rows {
+            firsts.extend(row.chunks_exact(4).map(|four| four[0]));
+            firsts.extend(row.rchunks_exact(4).map(|four| four[0]));
+        }
+        let by_rows = |first: u32| elements.range(first..first + 4).all(|(_, products_only)| *products_only);
+        firsts.into_iter().map(|first| (first, by_rows(first))).collect()
     }
 
     /// Those of a module; `None` where it writes through pointers that are not followed, or has no position.
     pub fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Option<Self> {
-        let mut flow = Flow { declared, into: HashMap::new(), chains: HashMap::new(), open: positions(all, declared) };
+        let open = positions(all, declared);
+        let (into, chains, products) = (HashMap::new(), HashMap::new(), products(all));
+        let mut flow = Flow { declared, into, chains, products, open };
         if flow.open.is_empty() {
             return None;
         }
@@ -51,12 +76,30 @@ fn positions(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Vec<u32> {
     globals.filter(output).map(|i| i.operand(1)).collect()
 }
 
+/// Pointers whose values go into scalar products only.
+fn products(all: &[Instruction<'_>]) -> HashSet<u32> {
+    let loads: HashMap<u32, u32> =
+        all.iter().filter(|i| i.is(Op::Load)).map(|i| (i.operand(1), i.operand(2))).collect();
+    let (mut products, mut others) = (HashSet::new(), HashSet::new());
+    for i in all.iter().skip_while(|i| !i.is(Op::Function)) {
+        let used = i.operands.iter().filter_map(|id| loads.get(id));
+        if i.is(Op::Dot) {
+            products.extend(used);
+        } else if !i.is(Op::Load) {
+            others.extend(used);
+        }
+    }
+    &products - &others
+}
+
 struct Flow<'a> {
     declared: &'a Declarations<'a>,
     /// From each id to those that may flow into it.
     into: HashMap<u32, Vec<u32>>,
     /// Access chains: what they start from, and their indices.
     chains: HashMap<u32, (u32, Vec<u32>)>,
+    /// Pointers whose values go into scalar products only.
+    products: HashSet<u32>,
     /// Ids that flow into the position and are to be followed.
     open: Vec<u32>,
 }
@@ -153,7 +196,13 @@ impl Flow<'_> {
                 .iter()
                 .any(|block| *block as u32 == class)
             {
-                loads.0.insert((root, self.members(root, &path)));
+                let (members, element) = self.members(root, &path);
+                if let Some(element) = element {
+                    let products_only = self.products.contains(&id);
+                    let elements = loads.elements.entry((root, members.clone())).or_default();
+                    *elements.entry(element).or_insert(true) &= products_only;
+                }
+                loads.members.insert((root, members));
             } else if root != id {
                 self.open.push(root);
             }
@@ -164,24 +213,26 @@ impl Flow<'_> {
     }
 
     /// Those of `indices` that choose a member of a structure, from `variable` on; an index that is not known ends them.
-    fn members(&self, variable: u32, indices: &[u32]) -> Vec<u32> {
+    /// Behind the last one the number of an element of an array, if it is known.
+    fn members(&self, variable: u32, indices: &[u32]) -> (Vec<u32>, Option<u32>) {
+        let constant = |id: u32| self.declared.get(id, Op::Constant).map(|constant| constant.operand(2));
         let mut kind = self.declared.pointee(variable).map_or(0, |pointee| pointee.1);
-        let mut path = Vec::new();
+        let (mut path, mut element) = (Vec::new(), None);
         for index in indices {
             if let Some(block) = self.declared.get(kind, Op::TypeStruct) {
-                let Some(member) = self.declared.get(*index, Op::Constant).map(|constant| constant.operand(2)) else {
-                    break;
-                };
+                let Some(member) = constant(*index) else { break };
                 path.push(member);
+                element = None;
                 kind = block.operand(1 + member as usize);
             } else if let Some(array) =
                 self.declared.get(kind, Op::TypeArray).or_else(|| self.declared.get(kind, Op::TypeRuntimeArray))
             {
                 kind = array.operand(1);
+                element = constant(*index);
             } else {
                 break;
             }
         }
-        path
+        (path, element)
     }
 }

@@ -62,8 +62,8 @@ pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
             pointee = array.operand(1);
         }
         let name = declared.name(variable, None);
-        let flows = |path: &[u32]| loads.as_ref().is_none_or(|loads| loads.contain(variable, path));
-        members(&declared, pointee, &Within { memory, offset: 0, name, path: Vec::new() }, &flows, &mut found);
+        let loaded = Loaded { loads: loads.as_ref(), variable };
+        members(&declared, pointee, &Within { memory, offset: 0, name, path: Vec::new() }, &loaded, &mut found);
     }
     found.sort_by_key(|matrix| matrix.rank);
     found.truncate(MOST);
@@ -77,6 +77,24 @@ pub fn asks_place(words: &[u32]) -> bool {
     instructions(words).is_some_and(|all| all.iter().any(asks))
 }
 
+/// What is loaded of a variable for the position.
+struct Loaded<'a> {
+    /// `None`: all may be.
+    loads: Option<&'a PositionLoads>,
+    variable: u32,
+}
+
+impl Loaded<'_> {
+    fn contains(&self, path: &[u32]) -> bool {
+        self.loads.is_none_or(|loads| loads.contain(self.variable, path))
+    }
+
+    /// Matrices among the elements of an array of `vec4`, by the first one's number; whether they are rows.
+    fn fours(&self, path: &[u32]) -> Vec<(u32, bool)> {
+        self.loads.map(|loads| loads.fours(self.variable, path)).unwrap_or_default()
+    }
+}
+
 /// Place in a block.
 struct Within<'a> {
     memory: Memory,
@@ -87,13 +105,7 @@ struct Within<'a> {
     path: Vec<u32>,
 }
 
-fn members(
-    declared: &Declarations<'_>,
-    id: u32,
-    within: &Within<'_>,
-    flows: &dyn Fn(&[u32]) -> bool,
-    found: &mut Vec<Matrix>,
-) {
+fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, loaded: &Loaded<'_>, found: &mut Vec<Matrix>) {
     let Some(block) = declared.get(id, Op::TypeStruct).filter(|_| within.path.len() < DEEPEST) else { return };
     for (member, &kind) in block.rest(1).iter().enumerate() {
         let mut path = within.path.clone();
@@ -101,7 +113,7 @@ fn members(
         let member = Some(member as u32);
         let offset = declared.number(id, member, Decoration::Offset).unwrap_or(0);
         let Some(offset) = within.offset.checked_add(offset) else { continue };
-        let mut kind = kind;
+        let (given, mut kind) = (kind, kind);
         for _ in 0..DEEPEST {
             let array = declared.get(kind, Op::TypeArray).or_else(|| declared.get(kind, Op::TypeRuntimeArray));
             kind = array.map_or(kind, |array| array.operand(1));
@@ -109,7 +121,7 @@ fn members(
         let own = declared.name(id, member);
         let name = if own.is_empty() { within.name } else { own };
         if let Some(matrix) = declared.get(kind, Op::TypeMatrix) {
-            if matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1)) && flows(&path) {
+            if matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1)) && loaded.contains(&path) {
                 found.push(Matrix {
                     memory: within.memory,
                     offset,
@@ -118,8 +130,17 @@ fn members(
                     rank: lens::rank(name),
                 });
             }
+        } else if declared.is_vec4(kind) {
+            // Shaders of other languages than GLSL have a matrix as four elements of an array.
+            let stride = declared.number(given, None, Decoration::ArrayStride).unwrap_or(16);
+            for (first, row_major) in loaded.fours(&path) {
+                let Some(offset) = first.checked_mul(stride).and_then(|bytes| offset.checked_add(bytes)) else {
+                    continue;
+                };
+                found.push(Matrix { memory: within.memory, offset, stride, row_major, rank: lens::rank(name) });
+            }
         } else {
-            members(declared, kind, &Within { memory: within.memory, offset, name, path }, flows, found);
+            members(declared, kind, &Within { memory: within.memory, offset, name, path }, loaded, found);
         }
     }
 }

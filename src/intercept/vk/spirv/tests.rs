@@ -309,3 +309,61 @@ fn only_matrices_of_the_position_are_found_where_it_is_asked_for() {
     words.extend([(3 << 16) | Op::Store as u32, 59, 53]);
     assert_eq!(offsets(&words, true), HashSet::from([0, 64]));
 }
+
+/// A block with an array of `vec4`. The elements from `first` on, as many as there are `products`, flow into the position:
+/// into a scalar product where it says so, otherwise into a sum.
+fn elements_of_an_array(first: u32, products: &[bool]) -> Vec<u32> {
+    let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 200, 0];
+    let mut put = |op: Op, operands: &[u32]| {
+        words.push((operands.len() as u32 + 1) << 16 | op as u32);
+        words.extend(operands);
+    };
+    let (uniform, output) = (StorageClass::Uniform as u32, StorageClass::Output as u32);
+    put(Op::MemberDecorate, &[25, 0, Decoration::Offset as u32, 32]);
+    put(Op::Decorate, &[24, Decoration::ArrayStride as u32, 16]);
+    put(Op::Decorate, &[28, Decoration::BuiltIn as u32, spirv::BuiltIn::Position as u32]);
+    put(Op::TypeVoid, &[20]);
+    put(Op::TypeFunction, &[21, 20]);
+    put(Op::TypeFloat, &[22, 32]);
+    put(Op::TypeVector, &[23, 22, 4]);
+    put(Op::TypeInt, &[31, 32, 0]);
+    (0..32).for_each(|number| put(Op::Constant, &[31, 32 + number, number]));
+    put(Op::TypeArray, &[24, 23, 32 + 31]);
+    put(Op::TypeStruct, &[25, 24]);
+    put(Op::TypePointer, &[26, uniform, 25]);
+    put(Op::TypePointer, &[27, output, 23]);
+    put(Op::TypePointer, &[29, uniform, 23]);
+    put(Op::Variable, &[27, 28, output]);
+    put(Op::Variable, &[26, 30, uniform]);
+    put(Op::Function, &[20, 70, 0, 21]);
+    put(Op::Label, &[71]);
+    for (number, product) in (0..).zip(products) {
+        let id = 72 + 4 * number;
+        put(Op::AccessChain, &[29, id, 30, 32, 32 + first + number]);
+        put(Op::Load, &[23, id + 1, id]);
+        match product {
+            true => put(Op::Dot, &[22, id + 2, id + 1, id + 1]),
+            false => put(Op::FAdd, &[23, id + 2, id + 1, id + 1]),
+        }
+        put(Op::Store, &[28, id + 2]);
+    }
+    put(Op::Return, &[]);
+    put(Op::FunctionEnd, &[]);
+    words
+}
+
+#[test]
+fn four_elements_of_an_array_are_a_matrix() {
+    let found = |first, products: &[bool]| -> Vec<(u32, u32, bool)> {
+        let words = elements_of_an_array(first, products);
+        matrices(&words, true).iter().map(|matrix| (matrix.offset, matrix.stride, matrix.row_major)).collect()
+    };
+    assert_eq!(found(0, &[false; 4]), [(32, 16, false)]);
+    assert_eq!(found(3, &[true; 4]), [(32 + 3 * 16, 16, true)]);
+    assert_eq!(found(0, &[true, true, false, true]), [(32, 16, false)], "what goes into a sum is no row");
+    assert_eq!(found(5, &[true; 3]), [], "three are none");
+    // From the first and from the last one on: what lies before or behind a matrix may flow into the position, too.
+    assert_eq!(found(1, &[false; 6]), [(48, 16, false), (80, 16, false)]);
+    assert_eq!(found(0, &[false; 8]), [(32, 16, false), (96, 16, false)]);
+    assert!(matrices(&elements_of_an_array(0, &[false; 4]), false).is_empty(), "not where all may flow");
+}
