@@ -17,6 +17,7 @@ tests! {
     identity_changes_no_byte,
     identity_captured_loses_nothing,
     a_lens_that_the_rig_gives,
+    a_program_without_a_scene_is_told_so,
     an_srgb_swapchain,
     as_with_opengl,
     flat_drawing_over_and_behind_the_scene,
@@ -154,6 +155,21 @@ fn identity_captured_loses_nothing() {
 /// A shader that has no matrix: the rig says what the program's lens is, and without it the picture is flat.
 fn a_lens_that_the_rig_gives() {
     crate::dialects::given_lens("vulkan", &run(&["--columns"], CAMERAS[1]), Run::vulkan_under);
+}
+
+/// After some hundred draws without a scene the log says what to try; a program with a scene is left in peace.
+fn a_program_without_a_scene_is_told_so() {
+    for (way, told) in [("--columns", true), ("--indirect", false)] {
+        let extra = [way, "--draws", "120"];
+        let run = run(&extra, CAMERAS[0]);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        assert_eq!(finished.words().contains("set camera.lens"), told, "{way}: {}", finished.words());
+    }
+    for (program, frames, told) in [("no_matrix", 301, true), ("many_calls", 30, false)] {
+        let run = Run { frames, cupola_frames: frames, size: (64, 64), ..Run::new(program) };
+        let Some(finished) = run.under("fisheye") else { return };
+        assert_eq!(finished.words().contains("set camera.lens"), told, "{program}: {}", finished.words());
+    }
 }
 
 /// Images that encode what is written to them.

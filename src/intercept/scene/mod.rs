@@ -3,6 +3,7 @@
 //! - [`viewport`]: does a viewport hold the program's main picture?
 //! - [`frame_order`]: does flat drawing lie behind the scene?
 //! - [`image_graph`]: which images lie between a scene and the window?
+//! - [`flat_program`]: is nothing of the program a scene?
 //! - [`obstacle`]: why is something shown flat, or drawn once only?
 //! - [`query_weights`]: what does a query's count become for the program?
 //! - [`report`]: what do the statistics say of a plan?
@@ -17,6 +18,7 @@
 //!
 //! The rooms of OpenGL and Vulkan collect the facts and issue the draws.
 
+pub mod flat_program;
 pub mod frame_order;
 pub mod image_graph;
 pub mod obstacle;

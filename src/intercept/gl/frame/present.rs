@@ -160,6 +160,10 @@ const MOST_FAILED_CORRECTIONS: u32 = 2;
 
 fn frame(ctx: &mut Context) {
     ctx.frame.counts.frames += 1;
+    if let Some(session) = ctx.drawable.session() {
+        let counts = &ctx.frame.counts;
+        ctx.frame.flat_program.look(counts.draws_seen, counts.found.iter().next().is_some(), session);
+    }
     let Some(settings) = settings::settings() else { return correct(ctx) };
     let number =
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));

@@ -25,8 +25,12 @@ const OUT_OF_SIGHT: ReprojectionMatrix =
     ReprojectionMatrix::from_array([0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
 
 impl Frame {
-    /// A frame ended.
-    pub fn end(&mut self) {
+    /// A frame ended. `in_views`: draws of scenes are drawn for each view.
+    pub fn end(&mut self, in_views: bool) {
+        if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
+            let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
+            self.flat_program.look(self.counts.seen, has_scene, &layout.session);
+        }
         self.order.end_frame();
         self.cameras.end_frame();
     }

@@ -14,6 +14,7 @@ use crate::intercept::gl::state::frame::background::Background;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
 use crate::intercept::gl::state::frame::statistics::Counts;
+use crate::intercept::scene::flat_program::FlatProgram;
 use crate::runtime::session::Intrinsics;
 
 /// What is known of a window's frames.
@@ -35,6 +36,8 @@ pub struct Frame {
     pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
     /// Corrections in a row in which the driver reported an error.
     pub(in crate::intercept::gl) failed_corrections: u32,
+    /// Whether nothing is a scene.
+    pub(in crate::intercept::gl) flat_program: FlatProgram,
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
 }

@@ -2,6 +2,7 @@
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::camera::Cameras;
+use crate::intercept::scene::flat_program::FlatProgram;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::vk::spirv::Matrix;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
@@ -152,6 +153,8 @@ pub struct Frame {
     /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,
+    /// Whether nothing is a scene.
+    pub(in crate::intercept::vk) flat_program: FlatProgram,
     /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,
 }
