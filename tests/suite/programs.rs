@@ -437,7 +437,8 @@ impl Finished {
             }
             if started.elapsed() > TIME_LIMIT {
                 // The whole group: the program is a child of `cupola run`.
-                let _ = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).status();
+                // The shell's own: a bare Debian has no such program.
+                let _ = Command::new("sh").args(["-c", &format!("kill -s KILL -- -{}", child.id())]).status();
                 let _ = child.wait();
                 panic!("{what} hangs; its files are in {}", directory.display());
             }

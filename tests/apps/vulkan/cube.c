@@ -462,7 +462,8 @@ static void record_inner(uint32_t index)
         .rasterizationSamples = (VkSampleCountFlagBits)options.samples};
     const VkCommandBufferInheritanceInfo inheritance = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO,
                                                         .pNext = options.pass == PASS_DYNAMIC ? &rendering : NULL,
-                                                        .renderPass = pass};
+                                                        .renderPass = pass,
+                                                        .framebuffer = options.pass == PASS_1 ? framebuffers[index] : VK_NULL_HANDLE};
     const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                             .flags = VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT,
                                             .pInheritanceInfo = &inheritance};

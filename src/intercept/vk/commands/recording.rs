@@ -118,13 +118,20 @@ hooks! {
     ) -> vk::Result { |state, next| {
         let (target, candidates) = (inherited(&state, &*info), candidates(&state, &*info));
         let counted = inherits_queries(&*info);
+        let mut changed = *info;
+        let mut inheritance = changed.p_inheritance_info.as_ref().copied().unwrap_or_default();
+        if target.is_some() && !changed.p_inheritance_info.is_null() {
+            // The pass draws to another framebuffer than the program's.
+            inheritance.framebuffer = vk::Framebuffer::null();
+            changed.p_inheritance_info = &inheritance;
+        }
         state.recordings.with(buffer, |recording| {
             recording.begin(&state.driver, &state.view_constants);
             recording.counting = counted.into();
             recording.plain = candidates.filter(|_| target.is_none());
             recording.pass = target.map(|target| Pass::new(target, Within::Inherited, Vec::new()));
         });
-        next(buffer, info)
+        next(buffer, &changed)
     } }
     cmd_execute_commands = (
         buffer: vk::CommandBuffer, count: u32, others: *const vk::CommandBuffer
