@@ -6,22 +6,30 @@ use crate::runtime::Session;
 /// Number of draws after which it is told so.
 const ENOUGH: u64 = 300;
 
-/// Says once that all draws of a program are flat, and what to try.
+/// Says once that all draws to a window are flat, and what to try.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FlatProgram {
     decided: bool,
 }
 
 impl FlatProgram {
-    /// Looks at the program at the end of a frame: `draws` of it to the window, and whether one of them was of a scene.
-    pub fn look(&mut self, draws: u64, has_scene: bool, session: &Session) {
+    /// Looks at the program at the end of a frame: `draws` of it to the window, whether one of them was of a scene, and
+    /// whether it draws `off_screen` first.
+    pub fn look(&mut self, draws: u64, has_scene: bool, off_screen: bool, session: &Session) {
+        if !self.is_flat(draws, has_scene) || session.given_lens().is_some() {
+            return;
+        }
         let shows_own_lens = (0..session.views().len()).all(|index| session.tile(index).1);
-        if self.is_flat(draws, has_scene) && !shows_own_lens && session.given_lens().is_none() {
-            log::once(
-                "nothing that the program drew so far is a scene, because no matrix with a perspective was found in it: \
-                 it is shown flat. If it is a scene, set camera.lens in the rig to the program's field of view \
-                 (docs/compatibility.md)",
-            );
+        if !shows_own_lens {
+            let next = if off_screen {
+                "The program draws to images of its own first: the statistics (--stats) say which of them are not drawn \
+                 for each view, and why"
+            } else {
+                "If it is a scene, set camera.lens in the rig to the program's field of view (docs/compatibility.md)"
+            };
+            log::once(&format!(
+                "nothing that was drawn to this window so far has a matrix with a perspective: it is shown flat. {next}"
+            ));
         }
     }
 

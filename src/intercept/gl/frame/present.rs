@@ -161,8 +161,8 @@ const MOST_FAILED_CORRECTIONS: u32 = 2;
 fn frame(ctx: &mut Context) {
     ctx.frame.counts.frames += 1;
     if let Some(session) = ctx.drawable.session() {
-        let counts = &ctx.frame.counts;
-        ctx.frame.flat_program.look(counts.draws_seen, counts.found.iter().next().is_some(), session);
+        let (counts, off_screen) = (&ctx.frame.counts, !ctx.view_copies.framebuffers.is_empty());
+        ctx.frame.flat_program.look(counts.draws_seen, counts.found.iter().next().is_some(), off_screen, session);
     }
     let Some(settings) = settings::settings() else { return correct(ctx) };
     let number =

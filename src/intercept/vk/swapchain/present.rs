@@ -86,7 +86,7 @@ unsafe fn prepare(
     last: bool,
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) -> bool {
-    device.frame.locked().end(device.draws_views());
+    device.frame.locked().end(device.draws_views(), device.images.has_candidates());
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
     let mut complete = true;
