@@ -32,7 +32,7 @@ fn rig(name: &str) -> Rig {
 
 fn request(rig: &Rig) -> Request {
     let rects = rig.layout(WINDOW);
-    let output_sizes = rects.iter().map(|rect| (rect[2], rect[3])).collect();
+    let output_sizes = rects.iter().map(|rect| rect.size()).collect();
     Request { output_sizes, window: WINDOW, panel: true, primary: false, max_atlas: 16384 }
 }
 

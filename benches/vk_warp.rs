@@ -7,6 +7,7 @@ use cupola::backend::vk::ash::vk;
 use cupola::backend::vk::headless::Headless;
 use cupola::backend::vk::{SourceImage, Surface, Use, VkBackend, barrier};
 use cupola::correct::{Arrangement, ImageSize, Plan, build};
+use cupola::geom::UpperLeftRect;
 use cupola::rig;
 use cupola::views::Request;
 use std::path::Path;
@@ -97,7 +98,9 @@ fn main() -> Result<(), Failure> {
             let (started, used) = (Instant::now(), processor_seconds());
             device.run(|commands| match &mut contestant.backend {
                 // SAFETY: the command buffer is being recorded, and all images are live and in their layouts.
-                Some(backend) => unsafe { backend.record(commands, 0, 0, &[[0, 0, size.0 as i32, size.1 as i32]]) },
+                Some(backend) => unsafe {
+                    backend.record(commands, 0, 0, &[UpperLeftRect::new(0, 0, size.0 as i32, size.1 as i32)])
+                },
                 None => {
                     quad.record(&device, commands, size);
                     Ok(())

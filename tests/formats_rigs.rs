@@ -3,6 +3,7 @@
 mod convert;
 
 use convert::{convert, file};
+use cupola::geom::PixelRect;
 use std::path::PathBuf;
 
 #[test]
@@ -17,7 +18,8 @@ fn a_configuration_of_sgct_becomes_a_rig() {
     let answer = convert(config.to_str().unwrap(), &rig, &[]);
     assert!(answer["notes"][0].as_str().unwrap().contains("some.sgc"), "{answer}");
     let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
-    assert_eq!((rig.outputs[0].window, rig.outputs[1].window), (Some([0, 0, 100, 100]), Some([100, 0, 100, 100])));
+    let windows = [0, 1].map(|index| rig.outputs[index].window);
+    assert_eq!(windows, [0, 100].map(|x| Some(PixelRect::new(x, 0, 100, 100))));
     let cupola::rig::OutputKind::Perspective { angles: [yaw, pitch, roll], frustum: Some(frustum) } =
         rig.outputs[1].kind
     else {

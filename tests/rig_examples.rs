@@ -163,22 +163,27 @@ fn row(count: usize, keys: impl Fn(usize) -> String) -> Rig {
     parse(&(0..count).map(output).collect::<String>(), "rig.toml", Path::new("")).unwrap()
 }
 
+/// The places of a rig's outputs: x, y, width, height.
+fn layout(rig: &Rig, window: (u32, u32)) -> Vec<[u32; 4]> {
+    rig.layout(window).iter().map(|place| [place.x, place.y, place.width, place.height]).collect()
+}
+
 #[test]
 fn outputs_without_a_place_share_the_window() {
     let plain = |_| String::new();
-    assert_eq!(row(1, plain).layout((801, 599)), [[0, 0, 801, 599]]);
-    assert_eq!(row(2, plain).layout((801, 600)), [[0, 0, 400, 600], [400, 0, 401, 600]]);
-    let six = row(6, plain).layout((5760, 2160));
+    assert_eq!(layout(&row(1, plain), (801, 599)), [[0, 0, 801, 599]]);
+    assert_eq!(layout(&row(2, plain), (801, 600)), [[0, 0, 400, 600], [400, 0, 401, 600]]);
+    let six = layout(&row(6, plain), (5760, 2160));
     assert_eq!(six[0], [0, 0, 1920, 1080]);
     assert_eq!(six[4], [1920, 1080, 1920, 1080]);
     // Any number of outputs in any window: nothing overlaps, nothing is outside.
     for count in 1..=64_usize {
         for window in [(1, 1), (7, 5), (1920, 1080), (32767, 3)] {
             let places = row(count, plain).layout(window);
-            let area: u64 = places.iter().map(|[_, _, w, h]| u64::from(*w) * u64::from(*h)).sum();
+            let area: u64 = places.iter().map(|place| u64::from(place.width) * u64::from(place.height)).sum();
             let columns = (1..).find(|n| n * n >= count).unwrap();
             let whole = u64::from(window.0) * u64::from(window.1);
-            assert!(places.iter().all(|[x, y, w, h]| x + w <= window.0 && y + h <= window.1));
+            assert!(places.iter().all(|place| place.x + place.width <= window.0 && place.y + place.height <= window.1));
             assert!(area <= whole, "{count} in {window:?}");
             assert!(count % columns != 0 || area == whole, "{count} in {window:?} leave a gap");
         }
@@ -189,9 +194,9 @@ fn outputs_without_a_place_share_the_window() {
 #[test]
 fn places_in_the_window_are_cropped_and_not_scaled() {
     let rig = row(2, |index| format!("window = [{}, 10, 100, 50]", index * 100));
-    assert_eq!(rig.layout((1000, 1000)), [[0, 10, 100, 50], [100, 10, 100, 50]]);
-    assert_eq!(rig.layout((150, 40)), [[0, 10, 100, 30], [100, 10, 50, 30]]);
-    assert_eq!(rig.layout((50, 5)), [[0, 5, 0, 0], [50, 5, 0, 0]]);
+    assert_eq!(layout(&rig, (1000, 1000)), [[0, 10, 100, 50], [100, 10, 100, 50]]);
+    assert_eq!(layout(&rig, (150, 40)), [[0, 10, 100, 30], [100, 10, 50, 30]]);
+    assert_eq!(layout(&rig, (50, 5)), [[0, 5, 0, 0], [50, 5, 0, 0]]);
     assert_eq!(rig.extent(), Some((200, 60)));
 }
 

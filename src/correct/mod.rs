@@ -19,7 +19,6 @@ pub use crate::correct::passes::facets::{FacetCorner, Facets};
 pub use crate::correct::passes::mask::Mask;
 pub use crate::correct::passes::optics::{Light, OpticsSource};
 pub use crate::correct::passes::output_pass::{Approximation, Batch, OutputPass, Plan};
-pub use crate::correct::passes::rectangle::{LowerLeftRect, PixelRect, PixelSpan};
 pub use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorSource, Source};
 pub use crate::correct::passes::table::{Table, TablePixel};
 pub use crate::correct::passes::view_images::{Arrangement, ImageSize};
@@ -27,5 +26,6 @@ pub use crate::correct::plan::builder::{build, build_with};
 pub use crate::correct::plan::footprints::{Footprints, TexelSpan, footprints};
 pub use crate::correct::plan::unsampled::unsampled_areas;
 pub use crate::correct::plan::unsampled_cached::cached_unsampled_areas;
+pub use crate::geom::rectangle::{LowerLeftRect, PixelRect, PixelSpan, UpperLeftRect, apart};
 
 pub use crate::views::Tile;

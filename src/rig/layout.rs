@@ -1,14 +1,14 @@
 //! Where the outputs of a rig are in a window.
 
 use super::Rig;
+use crate::geom::PixelRect;
 
 impl Rig {
-    /// The rectangles (x, y, width, height in pixels from the top left) of the outputs, in their
-    /// order, in a window of `window` pixels. Outputs with a `window` of their own have that,
+    /// The rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with a `window` of their own have that,
     /// cropped to the window; otherwise a single output has the whole window, and several share it
     /// in a near-square grid, row by row from the top left. A rectangle without pixels has width or
     /// height 0.
-    pub fn layout(&self, window: (u32, u32)) -> Vec<[u32; 4]> {
+    pub fn layout(&self, window: (u32, u32)) -> Vec<PixelRect> {
         let columns = self.columns();
         let rows = (self.outputs.len() as u32).div_ceil(columns);
         // Cells share their borders exactly: the end of one is computed as the start of the next.
@@ -17,13 +17,13 @@ impl Rig {
         let cell = |index: u32| {
             let (column, row) = (index % columns, index / columns);
             let (x, y) = (cut(window.0, column, columns), cut(window.1, row, rows));
-            [x, y, cut(window.0, column + 1, columns) - x, cut(window.1, row + 1, rows) - y]
+            PixelRect::new(x, y, cut(window.0, column + 1, columns) - x, cut(window.1, row + 1, rows) - y)
         };
-        let crop = |[x, y, width, height]: [u32; 4]| {
+        let crop = |PixelRect { x, y, width, height }| {
             let (x, y) = (x.min(window.0), y.min(window.1));
             match (width.min(window.0 - x), height.min(window.1 - y)) {
-                (0, _) | (_, 0) => [x, y, 0, 0],
-                (width, height) => [x, y, width, height],
+                (0, _) | (_, 0) => PixelRect::new(x, y, 0, 0),
+                (width, height) => PixelRect::new(x, y, width, height),
             }
         };
         let places = (0..).zip(&self.outputs);
@@ -38,8 +38,8 @@ impl Rig {
             return None;
         }
         if let Some(places) = self.outputs.iter().map(|output| output.window).collect::<Option<Vec<_>>>() {
-            let right = places.iter().map(|[x, _, width, _]| x.saturating_add(*width)).max();
-            let bottom = places.iter().map(|[_, y, _, height]| y.saturating_add(*height)).max();
+            let right = places.iter().map(|place| place.x.saturating_add(place.width)).max();
+            let bottom = places.iter().map(|place| place.y.saturating_add(place.height)).max();
             return right.zip(bottom);
         }
         let sizes = self.outputs.iter().map(|output| output.size).collect::<Option<Vec<_>>>()?;

@@ -27,6 +27,7 @@ mod validate;
 mod viewer;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::geom::PixelRect;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::io::Read;
@@ -267,9 +268,9 @@ pub struct Output {
     /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in
     /// the window.
     pub size: Option<(u32, u32)>,
-    /// Its place in the window: x, y, width, height in pixels, from the top left. `None` = the
+    /// Its place in the window. `None` = the
     /// planner's grid.
-    pub window: Option<[u32; 4]>,
+    pub window: Option<PixelRect>,
     /// Blending into its neighbours.
     pub blend: Blend,
     /// A grey image that is multiplied in, absolute path.

@@ -81,7 +81,7 @@ fn names(outputs: &[Output], problems: &mut Problems) {
 fn windows(outputs: &[Output], problems: &mut Problems) {
     let placed = outputs.iter().filter(|output| output.window.is_some()).count();
     for (index, output) in outputs.iter().enumerate() {
-        let Some([x, y, width, height]) = output.window else {
+        let Some(place) = output.window else {
             if placed > 0 {
                 let why =
                     "is missing, but other outputs have one; expected a place for each output, or for none (a grid)";
@@ -89,19 +89,16 @@ fn windows(outputs: &[Output], problems: &mut Problems) {
             }
             continue;
         };
-        if x + width > LARGEST_WINDOW || y + height > LARGEST_WINDOW {
-            let end = format!("ends at ({}, {})", x + width, y + height);
+        let (right, bottom) = (place.x.saturating_add(place.width), place.y.saturating_add(place.height));
+        if right > LARGEST_WINDOW || bottom > LARGEST_WINDOW {
+            let end = format!("ends at ({right}, {bottom})");
             problems.add(
                 &path(index, ".window"),
                 format!("{end}; expected an end within {LARGEST_WINDOW} pixels, as windows are"),
             );
         }
-        let overlapping = outputs[..index].iter().find(|other| {
-            other.window.is_some_and(|[x2, y2, width2, height2]| {
-                x < x2 + width2 && x2 < x + width && y < y2 + height2 && y2 < y + height
-            })
-        });
-        if let Some(other) = overlapping {
+        let overlaps = |other: &&Output| other.window.is_some_and(|window| window.meets(place));
+        if let Some(other) = outputs[..index].iter().find(overlaps) {
             let why = format!("overlaps the window of {:?}; expected [x, y, width, height] that do not", other.name);
             problems.add(&path(index, ".window"), why);
         }

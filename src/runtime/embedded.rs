@@ -26,8 +26,8 @@ pub struct EmbeddedView<'a> {
     pub rotation: DMat4,
     /// Axes of the view → OpenGL's clip space.
     pub frustum: DMat4,
-    /// Place in the atlas: x, y, width, height in texels from the bottom left.
-    pub tile: [i32; 4],
+    /// Place in the atlas, in texels.
+    pub tile: LowerLeftRect,
 }
 
 /// Counts of an [`Embedded`].
@@ -212,7 +212,7 @@ impl Embedded {
             name: &view.name,
             rotation: rotation(&self.session, view),
             frustum: projection(&view.frustum, near, far),
-            tile: self.session.tile(index).0.to_array(),
+            tile: self.session.tile(index).0,
         })
     }
 
@@ -288,9 +288,8 @@ impl Embedded {
             ));
         }
         self.state = State::Idle;
-        let place = |place: LowerLeftRect| LowerLeftRect { x: place.x + x, y: place.y + y, ..place }.to_array();
         self.targets.clear();
-        self.targets.extend(self.session.viewports().map(|v| Target { framebuffer, viewport: place(v) }));
+        self.targets.extend(self.session.viewports().map(|place| Target { framebuffer, viewport: place.moved(x, y) }));
         let pending = self.backend.present(&self.gl, self.surface.texture(), &self.targets);
         self.counts.frames += 1;
         Ok(pending)

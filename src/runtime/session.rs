@@ -3,7 +3,7 @@
 use super::cache;
 use crate::correct;
 use crate::correct::projected::matrices::LensConstants;
-use crate::correct::{LowerLeftRect, PixelRect, Plan};
+use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, Outcome, Weights};
@@ -93,8 +93,7 @@ impl Session {
     /// # Errors
     /// As for [`Session::new`].
     pub fn projecting(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
-        let rect = |[x, y, width, height]: [u32; 4]| PixelRect { x, y, width, height };
-        let rects: Vec<PixelRect> = rig.layout(window).into_iter().map(rect).collect();
+        let rects = rig.layout(window);
         let output_sizes = rig
             .outputs
             .iter()
@@ -196,11 +195,11 @@ impl Session {
         self.plan.views.primary.as_ref().map(rect)
     }
 
-    /// Where each output is in the window: x, y, width, height from the top left, `place` added.
-    pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<[i32; 4]> {
+    /// Where each output is in the window from the top left, `place` added.
+    pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<UpperLeftRect> {
         let from_top = move |r: &PixelRect| {
             let (x, y) = (place.0.saturating_add(r.x as i32), place.1.saturating_add(r.y as i32));
-            [x, y, r.width as i32, r.height as i32]
+            UpperLeftRect::new(x, y, r.width as i32, r.height as i32)
         };
         self.rects.iter().map(from_top).collect()
     }

@@ -167,7 +167,7 @@ impl Accumulation {
                 gl.blend_func(source, destination);
             }
             for part in parts {
-                state::set_viewport(gl, &self.caps, part.to_array());
+                state::set_viewport(gl, &self.caps, *part);
                 gl.draw_arrays(api::GL_TRIANGLES, 0, 3);
             }
             if blend.is_some() {

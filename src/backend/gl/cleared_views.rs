@@ -1,7 +1,7 @@
 //! Which draws show nothing but the colour of views that hold a single one, and so need not be issued.
 
 use crate::correct::shaders::constants::Constants;
-use crate::correct::{Footprints, TexelSpan};
+use crate::correct::{Footprints, LowerLeftRect, TexelSpan};
 
 /// Views that hold one colour in every texel, or in all but a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,18 +42,18 @@ pub(super) struct Draw {
 /// A part of an output that is larger is not worth a clear of all of it.
 const WORTHWHILE: f64 = 0.7;
 
-/// The part of an output of `size` pixels (x, y, width, height from the bottom left) outside of which draws that can be
+/// The part of an output of `size` pixels outside of which draws that can be
 /// narrowed show the colour of the views; `None` where that is not known, or saves little.
 pub(super) fn part(
     cleared: &ClearedViews,
     draws: &[Draw],
     footprints: Option<&Footprints>,
     size: (u32, u32),
-) -> Option<[u32; 4]> {
+) -> Option<LowerLeftRect> {
     let footprints = footprints.filter(|_| draws.iter().any(|draw| draw.narrows(cleared)))?;
     let part = footprints.sampling(cleared.touched);
-    let area = |width: u32, height: u32| f64::from(width) * f64::from(height);
-    (area(part[2], part[3]) < WORTHWHILE * area(size.0, size.1)).then_some(part)
+    let all = f64::from(size.0) * f64::from(size.1);
+    (f64::from(part.width) * f64::from(part.height) < WORTHWHILE * all).then_some(part)
 }
 
 impl Draw {

@@ -4,7 +4,7 @@
 //! where a rectangle takes 1.2 ns and a clear within a scissor that leaves something out 2 ns.
 
 use super::target::Target;
-use crate::correct::shaders::draws::apart;
+use crate::correct::apart;
 
 /// A framebuffer with less to fill is filled by rectangles: a clear reaches the other pixels, too.
 const WORTHWHILE: f64 = 0.2;
@@ -26,10 +26,10 @@ impl FullClear {
     pub fn of(targets: &[Target], size: (u32, u32), black: impl Iterator<Item = f64>) -> Option<Self> {
         let framebuffer = targets.first()?.framebuffer;
         let together = targets.iter().all(|target| target.framebuffer == framebuffer);
-        if !together || !apart(targets.iter().map(|target| target.viewport)) {
+        if !together || !apart(targets, |one, other| one.viewport.meets(other.viewport)) {
             return None;
         }
-        let area = |target: &Target| f64::from(target.viewport[2]) * f64::from(target.viewport[3]);
+        let area = |target: &Target| f64::from(target.viewport.width) * f64::from(target.viewport.height);
         let all = f64::from(size.0) * f64::from(size.1);
         let shown: f64 = targets.iter().map(area).sum();
         let filled: f64 = targets.iter().zip(black).map(|(target, part)| area(target) * part).sum();
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     fn at(viewport: [i32; 4]) -> Target {
-        Target { framebuffer: 3, viewport }
+        Target { framebuffer: 3, viewport: viewport.into() }
     }
 
     #[test]
@@ -88,7 +88,7 @@ mod tests {
         assert_eq!(of(&[low, high]), None);
         assert!(of(&[low, at([50, 0, 50, 40])]).is_some_and(|clear| clear.serves(&[low])));
         let elsewhere = Target { framebuffer: 4, ..high };
-        assert_eq!(of(&[low, Target { viewport: [50, 0, 50, 40], ..elsewhere }]), None);
+        assert_eq!(of(&[low, Target { framebuffer: 4, ..at([50, 0, 50, 40]) }]), None);
         assert!(of(&[low]).is_some_and(|clear| !clear.serves(&[elsewhere])));
     }
 }

@@ -4,9 +4,9 @@ use super::api::*;
 use super::passes::GlBackend;
 use super::target::Target;
 use super::values::integer;
-use crate::correct::Plan;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::map::MapPixel;
+use crate::correct::{LowerLeftRect, Plan};
 use crate::error::{Error, ErrorKind, Result};
 
 /// Runs the map of output `output` of `plan` on the current context, which is left as it was. Row 0 is
@@ -57,7 +57,7 @@ fn read(gl: &Gl, backend: &GlBackend, size: (u32, u32)) -> Result<Vec<[f32; 4]>>
         gl.framebuffer_texture2_d(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
         let status = gl.check_framebuffer_status(GL_FRAMEBUFFER);
         if status == GL_FRAMEBUFFER_COMPLETE {
-            backend.present(gl, 0, &[Target { framebuffer, viewport: [0, 0, width, height] }]);
+            backend.present(gl, 0, &[Target { framebuffer, viewport: LowerLeftRect::new(0, 0, width, height) }]);
             gl.bind_buffer(GL_PIXEL_PACK_BUFFER, 0);
             gl.read_pixels(0, 0, width, height, GL_RGBA, GL_FLOAT, texels.as_mut_ptr().cast());
         }

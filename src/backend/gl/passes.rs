@@ -22,7 +22,7 @@ use crate::correct::shaders::constants::Constants;
 use crate::correct::shaders::draws;
 use crate::correct::shaders::draws::{DrawList, FLOATS, Rows, SOURCE_FLOATS};
 use crate::correct::shaders::glsl::{Language, Specialised, Stage, specialise};
-use crate::correct::{Footprints, Plan, Source, Tile};
+use crate::correct::{Footprints, LowerLeftRect, Plan, Source, Tile};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -450,12 +450,12 @@ impl GlBackend {
         &self,
         gl: &Gl,
         output: &Output,
-        viewport: [i32; 4],
+        viewport: LowerLeftRect,
         cleared_views: Option<&ClearedViews<'_>>,
         held: Option<[f32; 3]>,
     ) {
-        let [left, bottom, width, height] = viewport;
-        let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
+        let unscaled =
+            (i64::from(viewport.width), i64::from(viewport.height)) == (output.size.0.into(), output.size.1.into());
         let shows_cleared = |draw: &&Draw| {
             cleared_views.is_some_and(|cleared_views| draw.views != 0 && draw.shows_cleared(cleared_views))
         };
@@ -491,9 +491,9 @@ impl GlBackend {
             output.draws.iter().filter(|draw| cleared.is_none_or(|cleared_views| !draw.shows_cleared(&cleared_views)))
         };
         match (cleared_views, part) {
-            (Some(cleared_views), Some([x, y, width, height])) => {
+            (Some(cleared_views), Some(part)) => {
                 self.narrowed.set(self.narrowed.get() + 1);
-                let within = [left + x as i32, bottom + y as i32, width as i32, height as i32];
+                let within = part.moved(viewport.x, viewport.y);
                 needed().filter(|draw| !draw.narrows(cleared_views)).for_each(issue);
                 state::within(gl, &self.caps, within, || {
                     needed().filter(|draw| draw.narrows(cleared_views)).for_each(issue);

@@ -8,6 +8,7 @@ use super::current_program::CurrentProgram;
 use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
 use super::values::{boolean, integer};
 use crate::backend::gl::known_state;
+use crate::correct::LowerLeftRect;
 use std::ffi::CStr;
 
 /// What a context can do, found once.
@@ -265,13 +266,14 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
 }
 
 /// Clears a rectangle of the first colour buffer, between [`save_and_set`] and [`restore`]; opaque.
-pub(super) fn clear(gl: &Gl, caps: &Capabilities, rect: [i32; 4], [red, green, blue]: [f32; 3]) {
+pub(super) fn clear(gl: &Gl, caps: &Capabilities, rect: LowerLeftRect, [red, green, blue]: [f32; 3]) {
     // SAFETY: a context is current; the colour has four numbers.
     within(gl, caps, rect, || unsafe { gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr()) });
 }
 
 /// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and [`restore`].
-pub(super) fn within(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4], draw: impl FnOnce()) {
+pub(super) fn within(gl: &Gl, caps: &Capabilities, part: LowerLeftRect, draw: impl FnOnce()) {
+    let LowerLeftRect { x, y, width, height } = part;
     let mut scissor = [0; 4];
     // SAFETY: a context is current; the box has four numbers.
     unsafe {
@@ -295,7 +297,7 @@ pub(super) fn within(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 
 }
 
 /// Sets the viewport that we draw with.
-pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4]) {
+pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, LowerLeftRect { x, y, width, height }: LowerLeftRect) {
     // SAFETY: a context is current.
     unsafe {
         if caps.viewport_array {

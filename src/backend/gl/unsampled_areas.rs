@@ -11,8 +11,8 @@ use super::program;
 use super::state::Capabilities;
 use super::values;
 use crate::backend::gl::state;
-use crate::correct::Tile;
 use crate::correct::shaders::glsl::Specialised;
+use crate::correct::{LowerLeftRect, Tile};
 use crate::error::Result;
 
 /// The texts for OpenGL 3.3 and OpenGL ES 3.0. Texels of the atlas → clip coordinates, at the depth `frame.z`.
@@ -103,7 +103,7 @@ impl UnsampledAreas {
             gl.enable(GL_DEPTH_TEST);
             gl.depth_func(GL_ALWAYS);
             state::set_color_writes(gl, caps, false);
-            state::set_viewport(gl, caps, [0, 0, self.atlas.0 as i32, self.atlas.1 as i32]);
+            state::set_viewport(gl, caps, LowerLeftRect::of_size(self.atlas));
             gl.bind_vertex_array(self.vertex_array);
             gl.use_program(self.program);
             gl.uniform3f(self.frame, 2.0 / width, 2.0 / height, if first { -1.0 } else { 1.0 });

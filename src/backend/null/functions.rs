@@ -3,6 +3,7 @@
 
 use super::{DrawCall, Record, note};
 use crate::backend::gl::api::*;
+use crate::correct::LowerLeftRect;
 use std::ffi::{CStr, c_void};
 
 /// The driver's function of this name; null = there is none.
@@ -137,7 +138,7 @@ extern "system" fn get_integerv(name: u32, values: *mut i32) {
         GL_DRAW_FRAMEBUFFER_BINDING => vec![record.framebuffers[0] as i32],
         GL_READ_FRAMEBUFFER_BINDING => vec![record.framebuffers[1] as i32],
         GL_CURRENT_PROGRAM => vec![record.program as i32],
-        GL_VIEWPORT | GL_SCISSOR_BOX => record.viewport.to_vec(),
+        GL_VIEWPORT | GL_SCISSOR_BOX => record.viewport.to_array().to_vec(),
         GL_POLYGON_MODE => vec![GL_FILL as i32; 2],
         _ => vec![0],
     });
@@ -153,7 +154,7 @@ extern "system" fn get_booleanv(name: u32, values: *mut u8) {
 
 extern "system" fn get_floatv(name: u32, values: *mut f32) {
     let known = note(|record| match name {
-        GL_VIEWPORT => record.viewport.map(|value| value as f32).to_vec(),
+        GL_VIEWPORT => record.viewport.to_array().map(|value| value as f32).to_vec(),
         GL_COLOR_CLEAR_VALUE | GL_BLEND_COLOR => vec![0.0; 4],
         GL_DEPTH_RANGE => vec![0.0, 1.0],
         _ => vec![0.0],
@@ -213,7 +214,7 @@ extern "system" fn check_framebuffer_status(_: u32) -> u32 {
 }
 
 extern "system" fn viewport(x: i32, y: i32, width: i32, height: i32) {
-    note(|record| record.viewport = [x, y, width, height]);
+    note(|record| record.viewport = LowerLeftRect::new(x, y, width, height));
 }
 
 extern "system" fn viewport_indexed(index: u32, x: f32, y: f32, width: f32, height: f32) {

@@ -12,6 +12,7 @@ mod functions;
 #[cfg(test)]
 mod tests;
 
+use crate::correct::LowerLeftRect;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
@@ -22,8 +23,8 @@ pub use functions::find;
 pub struct DrawCall {
     /// Framebuffer that is bound for drawing; 0 is the window.
     pub framebuffer: u32,
-    /// Viewport: x, y, width, height in pixels from the bottom left.
-    pub viewport: [i32; 4],
+    /// Viewport.
+    pub viewport: LowerLeftRect,
     /// Program in use.
     pub program: u32,
     /// Number of indices or vertices.
@@ -44,7 +45,7 @@ pub struct Record {
     names: u32,
     framebuffers: [u32; 2],
     program: u32,
-    viewport: [i32; 4],
+    viewport: LowerLeftRect,
     /// The call from which on the error flag is set, once.
     fails_at: Option<u64>,
     error: u32,
@@ -55,7 +56,7 @@ thread_local! {
 }
 
 /// Begins a new record, of a context whose window has this viewport.
-pub fn reset(viewport: [i32; 4]) {
+pub fn reset(viewport: LowerLeftRect) {
     RECORD.set(Record { viewport, ..Record::default() });
 }
 

@@ -3,19 +3,24 @@
 use super::{driver, fail_at, recorded, reset};
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::shaders::draws::{Rows, draws};
-use crate::correct::{Plan, build};
+use crate::correct::{LowerLeftRect, PixelRect, Plan, build};
 use crate::rig;
 use crate::views::Request;
 
 const WINDOW: (u32, u32) = (640, 360);
 
 /// The plan of a preset, and where its outputs are in the window.
-fn plan(name: &str) -> (Plan, Vec<[i32; 4]>) {
+fn plan(name: &str) -> (Plan, Vec<LowerLeftRect>) {
     let rig = rig::load(name).expect("a preset");
     let places = rig.layout(WINDOW);
-    let output_sizes = places.iter().map(|place| (place[2], place[3])).collect();
+    let output_sizes = places.iter().map(|place| place.size()).collect();
     let request = Request { output_sizes, window: WINDOW, panel: true, primary: false, max_atlas: 16384 };
-    (build(&rig, &request).expect("a plan"), places.iter().map(|place| place.map(|v| v as i32)).collect())
+    (build(&rig, &request).expect("a plan"), places.into_iter().map(from_below).collect())
+}
+
+/// A rectangle of the window, from below.
+fn from_below(PixelRect { x, y, width, height }: PixelRect) -> LowerLeftRect {
+    LowerLeftRect::new(x as i32, (WINDOW.1 - y - height) as i32, width as i32, height as i32)
 }
 
 /// The presets that correct something.
@@ -28,7 +33,7 @@ fn each_output_is_drawn_in_its_place_with_the_triangles_of_its_plan() {
     for name in presets() {
         let (plan, places) = plan(name);
         let list = draws(&plan, &plan.passes, true, Rows::FromBottom).expect("draws");
-        reset([0, 0, WINDOW.0 as i32, WINDOW.1 as i32]);
+        reset(LowerLeftRect::of_size(WINDOW));
         let gl = driver();
         let mut backend = GlBackend::new(&gl, false).expect("a version that is new enough");
         backend.prepare(&gl, &plan, true).expect("nothing fails");
@@ -36,7 +41,7 @@ fn each_output_is_drawn_in_its_place_with_the_triangles_of_its_plan() {
         let targets: Vec<Target> = places.iter().map(|place| Target { framebuffer: 0, viewport: *place }).collect();
         assert_eq!(backend.present(&gl, 1, &targets), 0, "{name}: no error is pending");
         let record = recorded();
-        let drawn = |place: &[i32; 4]| -> Vec<i32> {
+        let drawn = |place: &LowerLeftRect| -> Vec<i32> {
             record.draws.iter().filter(|draw| draw.viewport == *place).map(|draw| draw.count).collect()
         };
         for (place, output) in places.iter().zip(&list.outputs) {
@@ -53,7 +58,7 @@ fn each_output_is_drawn_in_its_place_with_the_triangles_of_its_plan() {
 #[test]
 fn a_second_frame_makes_and_links_nothing() {
     let (plan, places) = plan("planetarium-2");
-    reset([0; 4]);
+    reset(LowerLeftRect::default());
     let gl = driver();
     let mut backend = GlBackend::new(&gl, false).expect("a version that is new enough");
     backend.prepare(&gl, &plan, true).expect("nothing fails");
@@ -72,7 +77,7 @@ fn a_second_frame_makes_and_links_nothing() {
 fn errors_while_preparing_leave_nothing_behind() {
     let (plan, _) = plan("planetarium-2");
     let prepare = |fails_at: Option<u64>| {
-        reset([0; 4]);
+        reset(LowerLeftRect::default());
         let gl = driver();
         let mut backend = GlBackend::new(&gl, false).expect("a version that is new enough");
         fails_at.into_iter().for_each(fail_at);

@@ -5,10 +5,10 @@ use super::headless::Headless;
 use super::images::{SourceImage, TargetImage};
 use super::memory::{Buffer, Image};
 use super::passes::VkBackend;
-use crate::correct::Plan;
 use crate::correct::shaders::draws::from_top;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::map::MapPixel;
+use crate::correct::{Plan, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
@@ -87,7 +87,7 @@ fn draw(
         unsafe {
             let (before, after) = (Use::nothing(vk::ImageLayout::UNDEFINED), Use::sampled(general));
             barrier(&api.device, commands, (source.handle, 1), before, after);
-            backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]])?;
+            backend.record(commands, 0, 0, &[UpperLeftRect::new(0, 0, width as i32, height as i32)])?;
         }
         super::images::copy_to(api, commands, target.handle, (width, height), buffer);
         Ok(())

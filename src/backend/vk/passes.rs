@@ -9,10 +9,10 @@ use super::program::Common;
 use super::timers::{Timers, Timing};
 use crate::correct::OutputPass;
 use crate::correct::shaders::constants::Pass;
-use crate::correct::shaders::draws::{Rows, apart, draws};
+use crate::correct::shaders::draws::{Rows, draws};
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::spirv::{Modules, specialise};
-use crate::correct::{Arrangement, ImageSize, Plan, Source};
+use crate::correct::{Arrangement, ImageSize, Plan, Source, UpperLeftRect, apart};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use std::collections::HashMap;
@@ -350,14 +350,14 @@ impl VkBackend {
         recording: &Recording,
         source: usize,
         target: usize,
-        viewports: &[[i32; 4]],
+        viewports: &[UpperLeftRect],
     ) -> Result<()> {
         // SAFETY: as was promised to `Recording::new`.
         unsafe { self.record(recording.0, source, target, viewports) }
     }
 
     /// Records the correction of source `source` into target `target`: barriers, one render pass, barriers.
-    /// `viewports`: where each output is, x, y, width, height in pixels from the top left, one for each output of
+    /// `viewports`: places of the outputs, one for each output of
     /// the plan, in its order. Another size than the output's own scales it, without filtering anew: the map
     /// is evaluated where the pixels are. Allocates nothing and makes no object.
     ///
@@ -372,7 +372,7 @@ impl VkBackend {
         command_buffer: vk::CommandBuffer,
         source: usize,
         target: usize,
-        viewports: &[[i32; 4]],
+        viewports: &[UpperLeftRect],
     ) -> Result<()> {
         let missing = |what: &str, index: usize, count: usize| {
             Error::new(ErrorKind::InvalidArgument, format!("there is no {what} {index}; {count} were set"))
@@ -404,7 +404,7 @@ impl VkBackend {
             device.cmd_bind_vertex_buffers(command_buffer, 0, &[self.vertices.handle], &[0]);
             device.cmd_bind_index_buffer(command_buffer, self.indices.handle, 0, vk::IndexType::UINT32);
             let mut sets = source.sets.as_slice();
-            let is_black = clear == 1 && apart(viewports.iter().copied());
+            let is_black = clear == 1 && apart(viewports, UpperLeftRect::meets);
             for (output, viewport) in self.outputs.iter().zip(viewports) {
                 let (own, others) = sets.split_at(output.draws.len().min(sets.len()));
                 self.draw_output(command_buffer, output, own, *viewport, extent, is_black);
@@ -429,7 +429,7 @@ impl VkBackend {
         command_buffer: vk::CommandBuffer,
         output: &Output,
         sets: &[[vk::DescriptorSet; 2]],
-        [x, y, width, height]: [i32; 4],
+        UpperLeftRect { x, y, width, height }: UpperLeftRect,
         extent: vk::Extent2D,
         is_black: bool,
     ) {

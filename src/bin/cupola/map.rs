@@ -109,7 +109,7 @@ fn find_output(rig: &Rig, name: Option<&str>) -> Result<usize, Failure> {
 /// The resolution of an output: its own, or that of its part of the window.
 pub fn native_size(rig: &Rig, output: usize) -> (u32, u32) {
     let place = |window| {
-        let [_, _, width, height] = rig.layout(window)[output];
+        let (width, height) = rig.layout(window)[output].size();
         (width.max(1), height.max(1))
     };
     rig.outputs[output].size.unwrap_or_else(|| place(rig.extent().unwrap_or((1920, 1200))))

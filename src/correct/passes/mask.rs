@@ -1,7 +1,7 @@
 //! Weight images: reading, and which pixels they leave black or white.
 
-use crate::correct::passes::rectangle::{PixelRect, PixelSpan};
 use crate::error::Result;
+use crate::geom::rectangle::{PixelRect, PixelSpan};
 use crate::rig::{Flip, read_mask};
 use std::path::Path;
 

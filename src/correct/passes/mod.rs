@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`](output_pass::Plan) has a pass for each output. A pass has a source, which turns a
 //! pixel into a direction (`source`, with `optics`, `table` and `facets`), rectangles of pixels
-//! that share a shader, and pictures that are multiplied in or added (`mask`, `black`).
+//! ([`geom::rectangle`](crate::geom::rectangle)) that share a shader, and pictures that are multiplied in or added (`mask`, `black`).
 //! `view_images` says how the views' images lie in memory, `tolerance` how large the error
 //! of an evaluation in f32 may be.
 //!
@@ -13,7 +13,6 @@ pub mod facets;
 pub mod mask;
 pub mod optics;
 pub mod output_pass;
-pub mod rectangle;
 pub mod source;
 pub mod table;
 pub mod tolerance;

@@ -3,8 +3,8 @@
 use crate::correct::passes::black::BlackPicture;
 use crate::correct::passes::facets::Facets;
 use crate::correct::passes::mask::Mask;
-use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::passes::source::Source;
+use crate::geom::rectangle::PixelRect;
 use crate::rig::{AngleRamp, Filter, Flip, Transfer};
 use crate::views::ViewPlan;
 use glam::DMat3;

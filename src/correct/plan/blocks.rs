@@ -3,11 +3,11 @@
 use crate::cache::Cache;
 use crate::correct::passes::mask::Mask;
 use crate::correct::passes::output_pass::Batch;
-use crate::correct::passes::rectangle::PixelSpan;
 use crate::correct::passes::source::Source;
 use crate::correct::plan::examiner::Examiner;
 use crate::correct::plan::needs::{self, Examined, Needs};
 use crate::correct::plan::rectangles::{self, BLOCK};
+use crate::geom::rectangle::PixelSpan;
 use crate::rig::{Flip, Rig};
 use crate::views::{View, ViewPlan};
 

@@ -1,6 +1,6 @@
 //! Which part of an output no rectangle covers.
 
-use crate::correct::passes::rectangle::PixelRect;
+use crate::geom::rectangle::PixelRect;
 
 /// Disjoint rectangles that cover exactly what `rects` leave of an output of `size`.
 pub(in crate::correct) fn uncovered(size: (u32, u32), rects: &[PixelRect]) -> Vec<PixelRect> {

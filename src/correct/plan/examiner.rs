@@ -1,10 +1,10 @@
 //! Finding what the blocks of an output need, from their corners where that is safe, and pixel by
 //! pixel where it is not.
 
-use crate::correct::passes::rectangle::PixelSpan;
 use crate::correct::passes::source::Source;
 use crate::correct::plan::needs::{Examined, Needs};
 use crate::correct::plan::rectangles::BLOCK;
+use crate::geom::rectangle::PixelSpan;
 use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};
 use crate::rig::{Filter, Flip, Rig};

@@ -1,6 +1,7 @@
 //! Which parts of an output sample which parts of the views, coarsely: so that only what was drawn
 //! to is corrected.
 
+use crate::correct::LowerLeftRect;
 use crate::correct::passes::output_pass::{OutputPass, Plan};
 use crate::correct::passes::source::Source;
 use crate::rig::Flip;
@@ -151,10 +152,9 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
 }
 
 impl Footprints {
-    /// A rectangle of the output (x, y, width, height in pixels from its bottom left) outside of
-    /// which no pixel samples the texels that are `touched` of the views (by their numbers; of
+    /// A rectangle of the output outside of which no pixel samples the texels that are `touched` of the views (by their numbers; of
     /// those beyond the list everything is).
-    pub fn sampling(&self, touched: &[TexelSpan]) -> [u32; 4] {
+    pub fn sampling(&self, touched: &[TexelSpan]) -> LowerLeftRect {
         let (mut low, mut high) = ([CELLS; 2], [0; 2]);
         for part in &self.parts {
             if touched.get(part.view).is_none_or(|texels| texels.meets(&part.texels)) {
@@ -165,7 +165,7 @@ impl Footprints {
             }
         }
         if low[0] >= high[0] {
-            return [0; 4];
+            return LowerLeftRect::default();
         }
         // A cell more on each side: its pixels at the rim of what is shown may have been missed.
         let from = |cell: u32, length: u32| cell.saturating_sub(1) * length / CELLS;
@@ -173,12 +173,9 @@ impl Footprints {
         let (width, height) = self.size;
         let (left, right) = (from(low[0], width), to(high[0], width));
         let (top, bottom) = (from(low[1], height), to(high[1], height));
-        [
-            if self.flip.horizontal { width - right } else { left },
-            if self.flip.vertical { top } else { height - bottom },
-            right - left,
-            bottom - top,
-        ]
+        let x = if self.flip.horizontal { width - right } else { left };
+        let y = if self.flip.vertical { top } else { height - bottom };
+        LowerLeftRect::new(x as i32, y as i32, (right - left) as i32, (bottom - top) as i32)
     }
 }
 
@@ -187,6 +184,7 @@ mod tests {
     use super::{TexelSpan, footprints};
     use crate::correct::passes::output_pass::Plan;
     use crate::correct::plan::builder::build;
+    use crate::geom::LowerLeftRect;
     use crate::rig;
     use crate::testing::random::Random;
     use crate::views::Request;
@@ -220,12 +218,12 @@ mod tests {
                 let (x, y) = (random.unit() * f64::from(tile.width), random.unit() * f64::from(tile.height));
                 let (x, y) = (tile.x as i32 + x as i32, tile.y as i32 + y as i32);
                 touched[view] = TexelSpan { left: x, bottom: y, right: x + 9, top: y + 5 };
-                let [left, bottom, width, height] = footprints.sampling(&touched);
-                narrowed += u32::from(u64::from(width) * u64::from(height) * 4 < u64::from(size.0) * u64::from(size.1));
+                let LowerLeftRect { x: left, y: bottom, width, height } = footprints.sampling(&touched);
+                narrowed += u32::from(4 * width * height < (size.0 * size.1) as i32);
                 for row in 0..size.1 {
                     for column in 0..size.0 {
-                        let inside = (left..left + width).contains(&column)
-                            && (bottom..bottom + height).contains(&(size.1 - 1 - row));
+                        let inside = (left..left + width).contains(&(column as i32))
+                            && (bottom..bottom + height).contains(&((size.1 - 1 - row) as i32));
                         if inside {
                             continue;
                         }
@@ -257,8 +255,8 @@ mod tests {
     fn nothing_touched_needs_nothing_and_everything_everything() {
         let plan = planned(DOME, (300, 300));
         let footprints = footprints(&plan, &plan.passes[0], &plan.views.output_views[0]).expect("smooth");
-        assert_eq!(footprints.sampling(&[TexelSpan::NOTHING; 8]), [0; 4]);
-        assert_eq!(footprints.sampling(&[]), [0, 0, 300, 300]);
+        assert_eq!(footprints.sampling(&[TexelSpan::NOTHING; 8]), LowerLeftRect::default());
+        assert_eq!(footprints.sampling(&[]), LowerLeftRect::new(0, 0, 300, 300));
         let table = planned("[[output]]\nkind = \"equirectangular\"\n", (200, 100));
         assert!(super::footprints(&table, &table.passes[0], &table.views.output_views[0]).is_none());
     }

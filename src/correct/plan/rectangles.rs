@@ -1,6 +1,6 @@
 //! Merging the blocks of an output into few rectangles.
 
-use crate::correct::passes::rectangle::PixelRect;
+use crate::geom::rectangle::PixelRect;
 
 /// Blocks are squares of so many pixels, but for those at the right and the bottom border.
 pub(in crate::correct) const BLOCK: u32 = 16;

@@ -8,9 +8,9 @@
 mod tests;
 
 use crate::correct::passes::output_pass::{OutputPass, Plan};
-use crate::correct::passes::rectangle::PixelSpan;
 use crate::correct::plan::rectangles::{self, BLOCK};
 use crate::geom::Frustum;
+use crate::geom::rectangle::PixelSpan;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::{Tile, View};
 use glam::{DVec2, DVec3};

@@ -2,12 +2,12 @@
 
 use crate::correct::passes::facets::Facets;
 use crate::correct::passes::output_pass::{OutputPass, Plan};
-use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::plan::cover::uncovered;
 use crate::correct::shaders::constants::Constants;
 use crate::correct::shaders::uniforms::{constants, copies_texels, facet_corner, rectangle};
 use crate::error::Result;
 use crate::geom::Frustum;
+use crate::geom::rectangle::PixelRect;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
@@ -85,19 +85,6 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
         list.outputs.push(draws);
     }
     Ok(list)
-}
-
-/// Whether no two of these places of outputs (x, y, width, height) share a pixel.
-pub fn apart(viewports: impl Iterator<Item = [i32; 4]> + Clone) -> bool {
-    let meet = |a: [i32; 4], b: [i32; 4]| {
-        let along = |i: usize| a[i] < b[i].saturating_add(b[i + 2]) && b[i] < a[i].saturating_add(a[i + 2]);
-        along(0) && along(1)
-    };
-    let mut others = viewports.clone();
-    viewports.into_iter().all(|one| {
-        others.next();
-        !others.clone().any(|other| meet(one, other))
-    })
 }
 
 impl DrawList {

@@ -3,7 +3,6 @@
 use crate::blend::code_of;
 use crate::correct::passes::facets::FacetCorner;
 use crate::correct::passes::output_pass::{Batch, OutputPass, Plan};
-use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::passes::source::Source;
 use crate::correct::shaders::constants::{
     Constants, FisheyeConstants, MAX_RAMPS, MAX_VIEWS, MeshConstants, PerspectiveConstants, Shared, TableConstants,
@@ -15,6 +14,7 @@ use crate::correct::shaders::{uniforms_optics, uniforms_panorama, uniforms_proje
 use crate::correct::single;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
+use crate::geom::rectangle::PixelRect;
 use crate::rig::{Blend, DomeAngle, Filter, RESPONSE_STEPS, Transfer};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DVec2, DVec3};

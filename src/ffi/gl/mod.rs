@@ -15,6 +15,7 @@ use super::sized::{self, SizedPlace};
 use super::status::{call, cupola_status};
 use super::view::{Matrices, name_of};
 use crate::backend::gl::api::Gl;
+use crate::correct::LowerLeftRect;
 use crate::error::Result;
 use crate::rig::{Rig, Viewer};
 use crate::runtime::embedded::Embedded;
@@ -208,7 +209,7 @@ pub unsafe extern "C" fn cupola_gl_get_view(
 
 fn describe(gl: &cupola_gl, index: u32, near: f64, far: f64) -> Result<cupola_gl_view> {
     let view = gl.embedded.view(index as usize, near, far)?;
-    let [x, y, width, height] = view.tile;
+    let LowerLeftRect { x, y, width, height } = view.tile;
     let matrices = Matrices::new(view.frustum, view.rotation);
     Ok(cupola_gl_view {
         struct_size: size_of::<cupola_gl_view>(),

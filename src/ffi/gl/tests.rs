@@ -4,6 +4,7 @@ use super::frame::{cupola_gl_begin_frame, cupola_gl_draw_frame, cupola_gl_end_vi
 use super::types::{cupola_gl_function, cupola_gl_options, cupola_gl_view};
 use super::{cupola_gl, cupola_gl_create, cupola_gl_destroy};
 use crate::backend::null;
+use crate::correct::LowerLeftRect;
 use crate::ffi::cupola_status;
 use crate::ffi::rig::{cupola_rig_free, cupola_rig_load};
 use std::ffi::{CStr, c_char, c_void};
@@ -20,7 +21,7 @@ unsafe extern "C" fn find(name: *const c_char) -> cupola_gl_function {
 
 /// Makes a rig and what stands for it on the null driver, and gives both to `work`.
 fn with_rig(name: &CStr, work: impl FnOnce(*mut cupola_gl)) {
-    null::reset([0, 0, SIZE.0 as i32, SIZE.1 as i32]);
+    null::reset(LowerLeftRect::of_size(SIZE));
     let (mut rig, mut gl) = (ptr::null_mut(), ptr::null_mut());
     let options = cupola_gl_options {
         struct_size: size_of::<cupola_gl_options>(),
@@ -59,7 +60,10 @@ fn a_frame_draws_each_view_and_corrects_into_the_framebuffer() {
         let record = null::recorded();
         assert!(!record.draws.is_empty());
         for draw in &record.draws {
-            assert_eq!((draw.framebuffer, draw.viewport), (7, [10, 20, SIZE.0 as i32, SIZE.1 as i32]));
+            assert_eq!(
+                (draw.framebuffer, draw.viewport),
+                (7, LowerLeftRect::new(10, 20, SIZE.0 as i32, SIZE.1 as i32))
+            );
         }
     });
 }

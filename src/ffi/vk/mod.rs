@@ -14,7 +14,7 @@ use super::status::{call, cupola_status};
 use super::view::{Matrices, name_of};
 use crate::backend::vk::ash::vk::Handle as _;
 use crate::backend::vk::{Api, Recording};
-use crate::correct::Arrangement;
+use crate::correct::{Arrangement, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
 use crate::runtime::embedded::vulkan::{EmbeddedVulkan, VulkanOptions};
@@ -196,7 +196,7 @@ pub unsafe extern "C" fn cupola_vk_get_view(
         // SAFETY: as this function's contract.
         let (vk, view) = unsafe { (cupola_vk::borrow(vk)?, SizedPlace::new(view, "view")?) };
         let found = vk.embedded.view(index as usize, near, far)?;
-        let [x, y, width, height] = found.tile;
+        let UpperLeftRect { x, y, width, height } = found.tile;
         let matrices = Matrices::new(found.frustum, found.rotation);
         view.set(&cupola_vk_view {
             struct_size: size_of::<cupola_vk_view>(),

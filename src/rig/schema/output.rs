@@ -2,7 +2,7 @@
 
 use super::{METRES, TILT, angles, blend, calibration, lens, method};
 use crate::geom::panorama::{Panorama, Span};
-use crate::geom::{Lens, Optics, Pose, Sphere};
+use crate::geom::{Lens, Optics, PixelRect, Pose, Sphere};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
 use crate::rig::{Dome, Flip, Output, OutputKind};
@@ -86,6 +86,7 @@ pub(super) fn output(
     let places = [(0, LARGEST_WINDOW), (0, LARGEST_WINDOW), (1, LARGEST_PICTURE), (1, LARGEST_PICTURE)];
     let window =
         section.pixels("window", places, "[x, y, width, height] in pixels from the window's top left", problems);
+    let window = window.map(|[x, y, width, height]| PixelRect { x, y, width, height });
     let eye = section.number("eye", &EYE, 0.0, problems);
     let method = method::method(&mut section, problems);
     let output_kind = match kind {

@@ -4,7 +4,7 @@
 use super::{Planner, check_planes, check_request, joined, log_plan, no_view, projection, rotation, vectors_of_view};
 use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
-use crate::correct::{Arrangement, ImageSize, Plan};
+use crate::correct::{Arrangement, ImageSize, Plan, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
@@ -45,8 +45,8 @@ pub struct VulkanView {
     pub image: usize,
     /// Its layer in that image.
     pub layer: usize,
-    /// Its place there: x, y, width, height in texels from the top left.
-    pub tile: [i32; 4],
+    /// Its place there, in texels.
+    pub tile: UpperLeftRect,
 }
 
 /// A rig at work on a program's Vulkan device.
@@ -156,7 +156,7 @@ impl EmbeddedVulkan {
             frustum: clip_space(self.options.reversed_depth) * projection(&view.frustum, near, far),
             image: if arrangement == Arrangement::Images { index } else { 0 },
             layer: if arrangement == Arrangement::Layers { index } else { 0 },
-            tile: [tile.x as i32, top as i32, tile.width as i32, tile.height as i32],
+            tile: UpperLeftRect::new(tile.x as i32, top as i32, tile.width as i32, tile.height as i32),
         })
     }
 

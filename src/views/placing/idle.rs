@@ -4,6 +4,7 @@
 //! less than a pixel, no pixel's centre may lie in it; and where views overlap, an earlier one may
 //! answer for everything that a later one shows. Such a view would be drawn for nothing.
 
+use crate::geom::PixelSpan;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::sampling::output_map::OutputMap;
 use crate::views::view_plan::ViewPlan;
@@ -20,7 +21,7 @@ pub(crate) fn find(plan: &ViewPlan, output_maps: &[OutputMap]) -> Option<usize> 
                 views.iter().take_while(|&&view| view != index).map(|&view| Cone::of(&plan.views[view])).collect();
             let search = Search { output_map, view: Cone::of(&plan.views[index]), earlier };
             views.contains(&index)
-                && (search.finds_at_once() || search.finds([0, 0, output_map.size.0, output_map.size.1]))
+                && (search.finds_at_once() || search.finds(PixelSpan::new(0, 0, output_map.size.0, output_map.size.1)))
         })
     })
 }
@@ -52,10 +53,10 @@ impl Search<'_> {
         places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
     }
 
-    /// Whether such a pixel is in a block (left, top, right, bottom, the latter two excluded):
-    /// by quarters, but for blocks that lie clear of the view or inside an earlier one.
-    fn finds(&self, block: [u32; 4]) -> bool {
-        let [left, top, right, bottom] = block;
+    /// Whether such a pixel is in a block: by quarters, but for blocks that lie clear of the view or
+    /// inside an earlier one.
+    fn finds(&self, block: PixelSpan) -> bool {
+        let PixelSpan { left, top, right, bottom } = block;
         let (middle_x, middle_y) = (left + (right - left) / 2, top + (bottom - top) / 2);
         if self.direction(middle_x, middle_y).is_some_and(|direction| self.answers(direction)) {
             return true;
@@ -65,17 +66,20 @@ impl Search<'_> {
         }
         let (middle_x, middle_y) = (left + (right - left).div_ceil(2), top + (bottom - top).div_ceil(2));
         let quarters = [
-            [left, top, middle_x, middle_y],
-            [middle_x, top, right, middle_y],
-            [left, middle_y, middle_x, bottom],
-            [middle_x, middle_y, right, bottom],
+            PixelSpan::new(left, top, middle_x, middle_y),
+            PixelSpan::new(middle_x, top, right, middle_y),
+            PixelSpan::new(left, middle_y, middle_x, bottom),
+            PixelSpan::new(middle_x, middle_y, right, bottom),
         ];
-        quarters.into_iter().filter(|part| part[0] < part[2] && part[1] < part[3]).any(|part| self.finds(part))
+        quarters
+            .into_iter()
+            .filter(|part| part.left < part.right && part.top < part.bottom)
+            .any(|part| self.finds(part))
     }
 
     /// Whether the corners of a block tell that no pixel of it is answered by the view.
-    fn hopeless(&self, block: [u32; 4]) -> bool {
-        let [left, top, right, bottom] = block;
+    fn hopeless(&self, block: PixelSpan) -> bool {
+        let PixelSpan { left, top, right, bottom } = block;
         let places = [(left, top), (right - 1, top), (left, bottom - 1), (right - 1, bottom - 1)];
         let mut corners = [DVec3::ZERO; 4];
         for (corner, (x, y)) in corners.iter_mut().zip(places) {

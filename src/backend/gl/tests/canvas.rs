@@ -2,6 +2,7 @@
 
 use crate::backend::gl::api::*;
 pub use crate::backend::tests::picture::Picture;
+use crate::correct::LowerLeftRect;
 
 impl Picture {
     pub fn texture(&self, gl: &Gl, format: u32) -> u32 {
@@ -42,8 +43,8 @@ impl Canvas {
         Self { framebuffer, size }
     }
 
-    pub fn viewport(&self) -> [i32; 4] {
-        [0, 0, self.size.0 as i32, self.size.1 as i32]
+    pub fn viewport(&self) -> LowerLeftRect {
+        LowerLeftRect::of_size(self.size)
     }
 
     /// What is in it.

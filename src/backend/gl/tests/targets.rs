@@ -7,7 +7,7 @@ use crate::backend::gl::{ClearedViews, GlBackend, KnownState, Target};
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::*;
 use crate::backend::tests::present::{noise, one_to_one, place, waves};
-use crate::correct::Plan;
+use crate::correct::{LowerLeftRect, Plan};
 use glam::DVec3;
 
 #[test]
@@ -21,7 +21,7 @@ fn a_target_of_another_size_and_place() {
         backend.prepare(gl, &plan, false).expect("shaders");
         let texture = atlas.texture(gl, GL_RGBA8);
         let canvas = Canvas::new(gl, (600, 700));
-        let target = Target { framebuffer: canvas.framebuffer, viewport: [50, 100, 512, 512] };
+        let target = Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::new(50, 100, 512, 512) };
         backend.present(gl, texture, &[target]);
         let shown = canvas.read(gl);
         let mut compared = 0;
@@ -96,7 +96,8 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
                     let mut backend = GlBackend::new(gl, context.is_gles).expect("a backend");
                     backend.prepare(gl, &plan, false).expect("shaders");
                     let canvas = Canvas::new(gl, size);
-                    let targets = viewports.map(|viewport| Target { framebuffer: canvas.framebuffer, viewport });
+                    let targets =
+                        viewports.map(|viewport| Target { framebuffer: canvas.framebuffer, viewport: viewport.into() });
                     if owned {
                         backend.own_framebuffer(&targets, size);
                     }

@@ -5,7 +5,7 @@ use crate::backend::vk::headless::Headless;
 use crate::backend::vk::images::copy_to;
 use crate::backend::vk::memory::{Buffer, Image};
 use crate::backend::vk::{SourceImage, TargetImage, Use, VkBackend, barrier};
-use crate::correct::Plan;
+use crate::correct::{Plan, UpperLeftRect};
 use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -67,7 +67,7 @@ pub fn show_each(headless: &Headless, plan: &Plan, panel: bool, atlases: &[Pictu
                 barrier(&api.device, commands, (source.handle, 1), before, Use::COPIED_TO);
                 let layout = Use::COPIED_TO.layout;
                 api.device.cmd_copy_buffer_to_image(commands, upload.handle, source.handle, layout, &[region]);
-                backend.record(commands, 0, 0, &[[0, 0, size.0 as i32, size.1 as i32]])?;
+                backend.record(commands, 0, 0, &[UpperLeftRect::new(0, 0, size.0 as i32, size.1 as i32)])?;
             }
             copy_to(api, commands, target.handle, size, &download);
             Ok(())

@@ -6,7 +6,7 @@ use crate::backend::vk::headless::Headless;
 use crate::backend::vk::memory::Image;
 use crate::backend::vk::{Api, SourceImage, Surface, TargetImage, Use, VkBackend, barrier};
 use crate::cache::Cache;
-use crate::correct::{Arrangement, Plan};
+use crate::correct::{Arrangement, Plan, UpperLeftRect};
 use crate::correct::{Mask, build};
 use crate::error::{ErrorKind, Result};
 use crate::{rig, views::Request};
@@ -227,7 +227,7 @@ impl Stage {
                     let layers = if images.len() == 1 { vk::REMAINING_ARRAY_LAYERS } else { 1 };
                     barrier(device, commands, (image.image, layers), before, after);
                 }
-                backend.record(commands, source, 0, &[[0, 0, 96, 64]])
+                backend.record(commands, source, 0, &[UpperLeftRect::new(0, 0, 96, 64)])
             }
         })
     }

@@ -6,6 +6,7 @@
 use cupola::backend::gl::api::*;
 use cupola::backend::gl::headless::{Api, Headless};
 use cupola::backend::gl::{GlBackend, Target};
+use cupola::correct::LowerLeftRect;
 use cupola::correct::Plan;
 use cupola::{Error, ErrorKind, Result};
 use std::time::Instant;
@@ -122,7 +123,7 @@ impl Trial {
         let mut backend = GlBackend::new(gl, false)?;
         let only = Plan { views: plan.views.clone(), passes: plan.passes.iter().take(1).cloned().collect() };
         backend.prepare(gl, &only, false)?;
-        let viewport = [0, 0, self.size.0 as i32, self.size.1 as i32];
+        let viewport = LowerLeftRect::of_size(self.size);
         backend.own_framebuffer(&[Target { framebuffer: self.framebuffer, viewport }], self.size);
         let mut seconds = started.elapsed().as_secs_f64();
         let contestant = Contestant {
@@ -179,7 +180,7 @@ impl Trial {
         let error = unsafe {
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
             gl.clear(GL_COLOR_BUFFER_BIT);
-            drawn.draw(gl, &Target { framebuffer, viewport: [0, 0, width, height] });
+            drawn.draw(gl, &Target { framebuffer, viewport: LowerLeftRect::new(0, 0, width, height) });
             gl.read_pixels(0, 0, width, height, GL_RGBA, GL_FLOAT, texels.as_mut_ptr().cast());
             gl.get_error()
         };
@@ -232,7 +233,8 @@ impl Trial {
             gl.bind_framebuffer(GL_FRAMEBUFFER, self.framebuffer);
             gl.clear_color(0.0, 0.0, 0.0, 1.0);
             gl.clear(GL_COLOR_BUFFER_BIT);
-            contestant.draw(gl, &Target { framebuffer: self.framebuffer, viewport: [0, 0, width, height] });
+            contestant
+                .draw(gl, &Target { framebuffer: self.framebuffer, viewport: LowerLeftRect::new(0, 0, width, height) });
             gl.bind_framebuffer(GL_READ_FRAMEBUFFER, self.framebuffer);
             gl.read_pixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.as_mut_ptr().cast());
         }
@@ -251,7 +253,7 @@ impl Trial {
     /// [`ErrorKind::Graphics`] if the driver reports an error.
     pub fn run(&mut self, rounds: u32, mut after: impl FnMut()) -> Result<Vec<Times>> {
         let gl = &self.context.gl;
-        let viewport = [0, 0, self.size.0 as i32, self.size.1 as i32];
+        let viewport = LowerLeftRect::of_size(self.size);
         for round in 0..rounds + WARM_UP {
             for contestant in &mut self.contestants {
                 let (started, used) = (Instant::now(), processor_seconds());
@@ -290,7 +292,7 @@ impl Contestant {
         match &self.pass {
             Pass::Ours(backend) => _ = backend.present(gl, self.texture, &[*target]),
             Pass::Mesh { program, vertex_array, indices, target: binding } => {
-                let [x, y, width, height] = target.viewport;
+                let LowerLeftRect { x, y, width, height } = target.viewport;
                 // SAFETY: the context is current, the names are its own, and the index buffer holds
                 // `indices` indices.
                 unsafe {

@@ -5,6 +5,7 @@ use cupola::backend::vk::headless::Headless;
 use cupola::backend::vk::{Surface, VkBackend, gpu_map};
 use cupola::correct::shaders::map::MapPixel;
 use cupola::correct::{Arrangement, ImageSize, Plan};
+use cupola::geom::UpperLeftRect;
 use cupola::{Error, ErrorKind, Result};
 use std::time::Instant;
 
@@ -66,7 +67,9 @@ impl Trial {
         let started = Instant::now();
         // SAFETY: the command buffer is being recorded, and all images are live and in their
         // layouts.
-        device.run(|commands| unsafe { backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]]) })?;
+        device.run(|commands| unsafe {
+            backend.record(commands, 0, 0, &[UpperLeftRect::new(0, 0, width as i32, height as i32)])
+        })?;
         Ok(started.elapsed().as_secs_f64())
     }
 

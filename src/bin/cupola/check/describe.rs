@@ -2,6 +2,7 @@
 
 use super::numbers::{degrees, meters, number};
 use super::words;
+use cupola::geom::PixelRect;
 use cupola::geom::{Frustum, Lens, Optics};
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
@@ -47,7 +48,7 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
         aim([overlay.yaw, overlay.pitch, 0.0])
     )?;
     writeln!(text, "outputs   {} in a window of {} × {} pixels", rig.outputs.len(), window.0, window.1)?;
-    for (output, [x, y, width, height]) in rig.outputs.iter().zip(rig.layout(window)) {
+    for (output, PixelRect { x, y, width, height }) in rig.outputs.iter().zip(rig.layout(window)) {
         writeln!(text, "  {:14} {}", output.name, kind(&output.kind))?;
         let native = output.size.map_or(String::new(), |(w, h)| format!("; {w} × {h} off screen"));
         writeln!(text, "  {:14} {width} × {height} pixels at ({x}, {y}) in the window{native}", "")?;
@@ -89,7 +90,7 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
 
 /// Sizes of the outputs in a window.
 fn sizes(rig: &Rig, window: (u32, u32)) -> Vec<(u32, u32)> {
-    rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect()
+    rig.layout(window).iter().map(|place| place.size()).collect()
 }
 
 /// Descriptions of the places where the light must change abruptly between outputs.

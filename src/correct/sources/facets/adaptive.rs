@@ -4,9 +4,9 @@
 //! exactly on it, rounded or not, and no gap opens between triangles of different size.
 
 use crate::correct::passes::facets::Facets;
-use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::sources::facets::WEIGHT_ERROR;
 use crate::correct::sources::surface_sample::{SurfaceSample, SurfaceSampler};
+use crate::geom::rectangle::PixelRect;
 use glam::DVec2;
 use std::collections::HashMap;
 

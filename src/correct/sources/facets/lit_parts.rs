@@ -2,8 +2,8 @@
 //! only there.
 
 use crate::correct::passes::output_pass::Batch;
-use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::passes::source::Source;
+use crate::geom::rectangle::PixelRect;
 
 /// The batch without the pixels that show nothing.
 pub(in crate::correct) fn only_lit(batch: Batch, source: &Source, size: (u32, u32)) -> Batch {

@@ -10,8 +10,8 @@ mod dome;
 pub(in crate::correct) mod lit_parts;
 
 use crate::correct::passes::facets::{FacetCorner, Facets};
-use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::sources::surface_sample::{SurfaceSample, SurfaceSampler};
+use crate::geom::rectangle::PixelRect;
 use glam::DVec2;
 
 pub(in crate::correct) use dome::dome_facets;

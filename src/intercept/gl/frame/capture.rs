@@ -15,8 +15,8 @@ pub fn picture(driver: &Driver, drawable: &Drawable, index: usize, name: &str) -
     let whole = LowerLeftRect::of_size(target.session.plan().passes.get(index)?.size);
     let canvas = OwnFramebuffer::new(gl, whole.width, whole.height);
     // The outputs are presented in order; those before this one go nowhere.
-    let mut targets = vec![Target { framebuffer: canvas.framebuffer, viewport: [0, 0, 0, 0] }; index];
-    targets.push(Target { framebuffer: canvas.framebuffer, viewport: whole.to_array() });
+    let mut targets = vec![Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::default() }; index];
+    targets.push(Target { framebuffer: canvas.framebuffer, viewport: whole });
     target.backend().present(gl, target.texture(), &targets);
     let picture = read_pixels::read_back(gl, canvas.framebuffer, name, whole);
     canvas.destroy(gl);

@@ -1,6 +1,7 @@
 //! The end of a frame: the picture is corrected, counted, captured and presented.
 
 use crate::backend::vk::Timing;
+use crate::correct::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::ending;
 use crate::intercept::last_frame::{self, LastFrame};
@@ -194,7 +195,7 @@ unsafe fn captured(
     let failed = |error: vk::Result| Error::new(ErrorKind::Graphics, error.to_string());
     let vk::Extent2D { width, height } = managed.extent;
     let texel_format = managed.texel_format;
-    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| read_back::cut(bytes, width, texel_format, name, rect);
+    let cut = |bytes: &[u8], name: &str, rect: PixelRect| read_back::cut(bytes, width, texel_format, name, rect);
     let (Some(&real), Some(given)) = (managed.real.get(index), managed.given(index)) else {
         return Ok(Default::default());
     };
@@ -211,7 +212,9 @@ unsafe fn captured(
     let names = rig.outputs.iter().map(|output| output.name.as_str());
     let outputs = match &managed.stand_in {
         Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&corrected, name, rect)).collect(),
-        None => vec![cut(&corrected, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
+        None => {
+            vec![cut(&corrected, names.into_iter().next().unwrap_or("window"), PixelRect::new(0, 0, width, height))]
+        }
     };
     if settings.capture_views.is_none() {
         return Ok((outputs, Vec::new()));
@@ -227,7 +230,7 @@ unsafe fn captured(
             let tiles = layout.tiles();
             tiles.map(|(name, rect)| read_back::cut(&bytes, extent.width, texel_format, name, rect)).collect()
         }
-        _ => vec![cut(&read(given)?, "program", [0, 0, width, height])],
+        _ => vec![cut(&read(given)?, "program", PixelRect::new(0, 0, width, height))],
     };
     Ok((outputs, views))
 }

@@ -1,5 +1,6 @@
 //! Read-back of images, for captures. Waits for the device: captures are not part of a frame.
 
+use crate::correct::PixelRect;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
@@ -109,14 +110,14 @@ impl Reading {
     }
 }
 
-/// A rectangle (x, y from the top left, width, height; within the picture) of a picture with rows
+/// A rectangle within a picture with rows
 /// of `stride` pixels from the top.
 pub fn cut(
     bytes: &[u8],
     stride: u32,
     texel_format: TexelFormat,
     name: &str,
-    [x, y, width, height]: [u32; 4],
+    PixelRect { x, y, width, height }: PixelRect,
 ) -> Picture {
     let mut rgba = Vec::with_capacity(width as usize * height as usize * 4);
     for row in (y..y + height).rev() {
@@ -132,13 +133,14 @@ pub fn cut(
 #[cfg(test)]
 mod tests {
     use super::{TexelFormat, cut};
+    use crate::correct::PixelRect;
 
     #[test]
     fn a_rectangle_is_cut_and_turned() {
         // 2 × 3 pixels, each with its number in every channel but for the order.
         let bytes: Vec<u8> = (0..6).flat_map(|n| [n, 10 + n, 20 + n, 99]).collect();
-        let picture = cut(&bytes, 2, TexelFormat::Bgra8, "a", [1, 1, 1, 2]);
+        let picture = cut(&bytes, 2, TexelFormat::Bgra8, "a", PixelRect::new(1, 1, 1, 2));
         assert_eq!(picture.rgba, [25, 15, 5, 255, 23, 13, 3, 255], "rows from the bottom, red first");
-        assert_eq!(cut(&bytes, 2, TexelFormat::Rgba8, "a", [0, 0, 1, 1]).rgba, [0, 10, 20, 255]);
+        assert_eq!(cut(&bytes, 2, TexelFormat::Rgba8, "a", PixelRect::new(0, 0, 1, 1)).rgba, [0, 10, 20, 255]);
     }
 }

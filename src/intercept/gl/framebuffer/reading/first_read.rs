@@ -116,7 +116,11 @@ pub(in crate::intercept::gl) fn copy(
     let LowerLeftRect { width, height, .. } = tile;
     let [x0, y0, x1, y1] = tile.corners();
     let canvas = OwnFramebuffer::new(gl, width, height);
-    backend.present(gl, atlas, &[Target { framebuffer: canvas.framebuffer, viewport: [0, 0, width, height] }]);
+    backend.present(
+        gl,
+        atlas,
+        &[Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::new(0, 0, width, height) }],
+    );
     // SAFETY: copies between framebuffers of ours; bindings and scissor test are put back.
     unsafe {
         let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;

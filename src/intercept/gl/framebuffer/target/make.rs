@@ -68,8 +68,7 @@ impl DefaultFramebuffer {
         };
         let closed = unsampled_areas::prepare(gl, &mut backend, session.plan());
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
-        let outputs: Vec<_> =
-            session.viewports().map(|place| Target { framebuffer: 0, viewport: place.to_array() }).collect();
+        let outputs: Vec<_> = session.viewports().map(|place| Target { framebuffer: 0, viewport: place }).collect();
         backend.own_framebuffer(&outputs, session.window());
         let lenses = session.lenses();
         let session = Arc::new(session);

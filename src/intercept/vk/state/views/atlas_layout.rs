@@ -1,7 +1,7 @@
 //! Places in an atlas and in a window. The origin is the top left corner, as in Vulkan.
 
 use crate::correct::projected::matrices::LensConstants;
-use crate::correct::{LowerLeftRect, Plan};
+use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::rig::Rig;
@@ -41,6 +41,12 @@ impl AtlasRect {
     /// Its size, for copies.
     pub fn extent(self) -> vk::Extent3D {
         vk::Extent3D { width: self.width.max(0) as u32, height: self.height.max(0) as u32, depth: 1 }
+    }
+
+    /// The same in texels of the atlas, which has none beside it.
+    fn to_pixels(self) -> PixelRect {
+        let [x, y, width, height] = [self.x, self.y, self.width, self.height].map(|length| length.max(0) as u32);
+        PixelRect { x, y, width, height }
     }
 
     /// Number of texels.
@@ -95,7 +101,7 @@ pub struct AtlasLayout {
     /// perspective ones.
     pub lenses: Vec<LensConstants>,
     /// Places of the outputs in the window.
-    pub outputs: Vec<[i32; 4]>,
+    pub outputs: Vec<UpperLeftRect>,
 }
 
 impl AtlasLayout {
@@ -153,10 +159,10 @@ impl AtlasLayout {
     }
 
     /// Names of the views and the panel, and where they are in the atlas.
-    pub fn tiles(&self) -> impl Iterator<Item = (&str, [u32; 4])> {
+    pub fn tiles(&self) -> impl Iterator<Item = (&str, PixelRect)> {
         let names = self.session.views().iter().map(|view| view.name.as_str()).chain(["panel"]);
         let rects = self.views.iter().map(|view| view.rect).chain([self.panel]);
-        names.zip(rects.map(|rect| [rect.x, rect.y, rect.width, rect.height].map(|length| length.max(0) as u32)))
+        names.zip(rects.map(AtlasRect::to_pixels))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Rectangles of pixels.
 
 /// A rectangle of an output in pixels, from the top left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PixelRect {
     /// Left edge.
     pub x: u32,
@@ -11,6 +11,23 @@ pub struct PixelRect {
     pub width: u32,
     /// Height.
     pub height: u32,
+}
+
+impl PixelRect {
+    /// By its upper left corner and its size.
+    pub const fn new(x: u32, y: u32, width: u32, height: u32) -> Self {
+        Self { x, y, width, height }
+    }
+
+    /// Width and height.
+    pub const fn size(self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// Whether both have a pixel in common.
+    pub fn meets(self, other: Self) -> bool {
+        meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
+    }
 }
 
 /// A block of pixels of an output by its edges, counted from the top left.
@@ -63,6 +80,11 @@ impl LowerLeftRect {
         Self::new(0, 0, width as i32, height as i32)
     }
 
+    /// The same, moved; at the ends of the numbers it stops.
+    pub const fn moved(self, x: i32, y: i32) -> Self {
+        Self { x: self.x.saturating_add(x), y: self.y.saturating_add(y), ..self }
+    }
+
     /// The lower left corner.
     pub const fn origin(self) -> [i32; 2] {
         [self.x, self.y]
@@ -92,6 +114,11 @@ impl LowerLeftRect {
         holds(self.x, self.width, other.x, other.width) && holds(self.y, self.height, other.y, other.height)
     }
 
+    /// Whether both have a pixel in common.
+    pub fn meets(self, other: Self) -> bool {
+        meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
+    }
+
     /// Whether it has more than half of the pixels of a picture of this size.
     pub fn is_most_of(self, (width, height): (u32, u32)) -> bool {
         2 * i64::from(self.width) * i64::from(self.height) > i64::from(width) * i64::from(height)
@@ -106,10 +133,49 @@ impl LowerLeftRect {
     }
 }
 
+/// A rectangle of pixels or texels with its origin at the upper left, as Vulkan has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UpperLeftRect {
+    /// Left edge.
+    pub x: i32,
+    /// Upper edge.
+    pub y: i32,
+    /// Width.
+    pub width: i32,
+    /// Height.
+    pub height: i32,
+}
+
+impl UpperLeftRect {
+    /// By its upper left corner and its size.
+    pub const fn new(x: i32, y: i32, width: i32, height: i32) -> Self {
+        Self { x, y, width, height }
+    }
+
+    /// Whether both have a pixel in common.
+    pub fn meets(self, other: Self) -> bool {
+        meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
+    }
+}
+
 impl From<[i32; 4]> for LowerLeftRect {
     fn from([x, y, width, height]: [i32; 4]) -> Self {
         Self::new(x, y, width, height)
     }
+}
+
+/// Whether two intervals, each a start and a length, have a number in common.
+fn meet<T: Into<i64>>((start, length): (T, T), (other, other_length): (T, T)) -> bool {
+    let (start, other) = (start.into(), other.into());
+    start < other + other_length.into() && other < start + length.into()
+}
+
+/// Whether no two of these rectangles have a pixel in common. `meets` tells it of two.
+pub fn apart<R: Copy>(rectangles: &[R], meets: impl Fn(R, R) -> bool) -> bool {
+    (1..=rectangles.len()).all(|next| {
+        let (earlier, one) = (&rectangles[..next - 1], rectangles[next - 1]);
+        !earlier.iter().any(|other| meets(*other, one))
+    })
 }
 
 #[cfg(test)]
