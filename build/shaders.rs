@@ -58,7 +58,7 @@ pub fn generate() -> [String; 3] {
     [out, modules, types.source()]
 }
 
-/// Rust source with the compute shader that gives counts of queries their weights, as SPIR-V.
+/// Rust source with the compute shader that gives counts of queries their factors, as SPIR-V.
 pub fn queries() -> String {
     let source = read("queries.wgsl");
     let module = naga::front::wgsl::parse_str(&source)

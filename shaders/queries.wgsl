@@ -1,10 +1,10 @@
-// Counts of queries as the program is told them: each times its weight, in the four forms in which a program may want
+// Counts of queries as the program is told them: each times its factor, in the four forms in which a program may want
 // results, one after another: 64 bits, 64 bits with the availability behind a query's numbers, and both with 32 bits.
 
 // Of each query: its numbers and whether they are available, 64 bits each.
 @group(0) @binding(0) var<storage, read> counted: array<u32>;
-// Numbers of a query, queries; then the weights of each query's numbers, 64 bits each, of which 32 are behind the point.
-@group(0) @binding(1) var<storage, read> weights: array<u32>;
+// Numbers of a query, queries; then the factors of each query's numbers, 64 bits each, of which 32 are behind the point.
+@group(0) @binding(1) var<storage, read> factors: array<u32>;
 @group(0) @binding(2) var<storage, read_write> told: array<u32>;
 
 // The product of two numbers: its lower and its upper half.
@@ -22,12 +22,12 @@ fn sum(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
 }
 
-// A count times a weight, rounded; more than nothing if the count is.
-fn weighed(count: vec2<u32>, weight: vec2<u32>) -> vec2<u32> {
-    let rounded = sum(product(count.x, weight.x), vec2<u32>(0x80000000u, 0u)).y;
-    var result = sum(vec2<u32>(rounded, 0u), product(count.x, weight.y));
-    result = sum(result, product(count.y, weight.x));
-    result.y += count.y * weight.y;
+// A count times a factor, rounded; at least 1 if the count is at least 1.
+fn scaled(count: vec2<u32>, factor: vec2<u32>) -> vec2<u32> {
+    let rounded = sum(product(count.x, factor.x), vec2<u32>(0x80000000u, 0u)).y;
+    var result = sum(vec2<u32>(rounded, 0u), product(count.x, factor.y));
+    result = sum(result, product(count.y, factor.x));
+    result.y += count.y * factor.y;
     if all(result == vec2<u32>(0u)) && any(count != vec2<u32>(0u)) {
         result.x = 1u;
     }
@@ -36,8 +36,8 @@ fn weighed(count: vec2<u32>, weight: vec2<u32>) -> vec2<u32> {
 
 @compute @workgroup_size(64)
 fn tell(@builtin(global_invocation_id) at: vec3<u32>) {
-    let numbers = weights[0];
-    let queries = weights[1];
+    let numbers = factors[0];
+    let queries = factors[1];
     let query = at.x;
     if query >= queries {
         return;
@@ -50,8 +50,8 @@ fn tell(@builtin(global_invocation_id) at: vec3<u32>) {
         let start = 2u * (query * both + i);
         var value = vec2<u32>(counted[start], counted[start + 1u]);
         if i < numbers {
-            let weight = 2u + 2u * (query * numbers + i);
-            value = weighed(value, vec2<u32>(weights[weight], weights[weight + 1u]));
+            let factor = 2u + 2u * (query * numbers + i);
+            value = scaled(value, vec2<u32>(factors[factor], factors[factor + 1u]));
         }
         let clamped = select(value.x, 0xffffffffu, value.y != 0u);
         if i < numbers {

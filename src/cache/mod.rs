@@ -31,9 +31,9 @@ const MOST_FILES: usize = 4096;
 /// does not fill the disk.
 const MOST_WRITTEN: u64 = MOST_BYTES / 2;
 const MOST_WRITTEN_FILES: u64 = 512;
-/// Contents of at most so many bytes stay in memory …
+/// Largest result that is kept in memory, bytes.
 const MOST_IN_MEMORY: usize = 1 << 16;
-/// … the so many that were used last.
+/// Number of results that are kept in memory.
 const REMEMBERED: usize = 64;
 /// The time of a file that is used is renewed when it is older than this.
 const RENEWED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);

@@ -5,8 +5,8 @@
 //! driver can no longer compile: what the program does there (making no context current, for example) works without
 //! Cupola and has to work with it.
 //!
-//! Two signs tell it. Destructors of thread-local values run before all handlers, on the thread that calls `exit`; those of
-//! the initial thread run then only. A handler of ours is for what other threads do.
+//! Two signs show that the process ends. Destructors of thread-local values run before all handlers, on the thread that
+//! calls `exit`; those of the first thread run only then. Our `atexit` handler runs later; it is for the other threads.
 
 use std::cell::Cell;
 use std::sync::Once;
@@ -31,7 +31,7 @@ impl Drop for LastAct {
             act();
         }
         THREAD.set(true);
-        // SAFETY: both only answer numbers.
+        // SAFETY: both calls only return a number.
         if unsafe { libc::gettid() == libc::getpid() } {
             PROCESS.store(true, Ordering::Release);
         }

@@ -38,7 +38,7 @@ pub struct Settings {
     pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
     pub cull: bool,
-    /// … draws of few vertices, too, for which it is not worth it (Vulkan): `CUPOLA_CULL=all`.
+    /// Draws of few vertices are left out, too, though that saves little (Vulkan): `CUPOLA_CULL=all`.
     pub cull_all: bool,
 }
 

@@ -216,7 +216,7 @@ impl Embedded {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projected::projection), if the
+    /// What `cupola_view` holds for a view in the functions of [`correct::projected::projection`](crate::correct::projected::projection), if the
     /// program draws with the perspective `matrix` (column by column, as OpenGL has it).
     ///
     /// # Errors

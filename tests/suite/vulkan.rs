@@ -340,7 +340,7 @@ fn pipelines_that_are_linked() {
 /// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
 fn programs_that_stay_flat_say_why() {
     let reasons = [
-        ("multiview", "notes", "several views itself"),
+        ("multiview", "notes", "multiview or layers"),
         ("independent", "notes", "no room for a descriptor set"),
         ("depths", "notes", "its shaders read what it draws together"),
         ("half", "single_framebuffers", "by passes of another size"),

@@ -188,7 +188,7 @@ impl GlBackend {
     /// areas by the depth farthest from that, so that what is drawn there fails the usual depth tests. Colours and
     /// stencil stay. How many texels were closed: 0 where none are prepared, where the program does not write depth,
     /// and while it counts samples. Allocates nothing; the program's state and errors are put back as by
-    /// [`GlBackend::present`], but the errors are kept for that. What is `known` is not asked for.
+    /// [`GlBackend::present`], but the program's pending error is returned by the next of those. What is `known` is not asked for.
     pub fn close_unsampled(&self, gl: &Gl, cleared: f32, known: &KnownState) -> u64 {
         let Some(unsampled) = &self.unsampled else { return 0 };
         self.take_pending(gl);
@@ -552,8 +552,8 @@ impl GlBackend {
 
 /// Fills a buffer.
 fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
-    // SAFETY: a context is current and gave the name; the array is as long as said. A buffer is none of a kind: bound as
-    // an array it changes no vertex array.
+    // SAFETY: a context is current and gave the name; the array is as long as said. A buffer has no fixed type: bound
+    // as an array it changes no vertex array.
     unsafe {
         gl.bind_buffer(GL_ARRAY_BUFFER, buffer);
         let size = std::mem::size_of_val(values) as isize;

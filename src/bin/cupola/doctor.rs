@@ -181,7 +181,7 @@ fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<boo
 fn vulkan_flat(device: &vk::headless::Headless) -> String {
     format!(
         "a program is shown flat, and the log says why, if it uses all {} descriptor sets of a pipeline, links \
-         pipelines from libraries, uses shader objects, draws several views itself, or copies its scene to the window \
+         pipelines from libraries, uses shader objects, multiview or layered passes, or copies its scene to the window \
          with compute shaders or images of another size",
         device.api.descriptor_sets()
     )

@@ -1,7 +1,7 @@
 //! The GLSL of a geometry stage that divides triangles and lines: `geom::Division` in 32 bits.
 //!
 //! A run of the stage can emit few vertices, so several share a primitive: each follows its own way
-//! down the first cuts. What its share of vertices does not suffice for is emitted as it is. The
+//! down the first cuts. A part for which no vertices are left is emitted undivided. The
 //! build makes SPIR-V of the texts, too (`build/projection.rs`), so that this file uses nothing of
 //! the library but the rule's numbers.
 
@@ -31,8 +31,8 @@ const DEEPEST: usize = 14;
 /// Steps of a run at most: far beyond what its vertices suffice for.
 const STEPS: usize = 8192;
 
-/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program) is
-/// too straight. Ends are put into an order first, so that both triangles of an edge come to the
+/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program) must
+/// be cut, because a straight line would be too far from the curve. Ends are put into an order first, so that both triangles of an edge come to the
 /// same result to the bit. What is no number is not cut: drivers run the stage for primitives that
 /// are none, too.
 const CUTS: &str = "vec3 cupola_seen(vec4 c) {

@@ -100,8 +100,8 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
     }
 }
 
-/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` where the
-/// screen is none on which this is so.
+/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` for
+/// screens where no such vector exists.
 fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
     match &rig.screen {
         None => Some(-(viewer_rotation(rig).transpose() * eye) / rig.dome.radius),
@@ -129,12 +129,12 @@ fn are_told_apart(pixel: f64, offset: DVec3) -> bool {
 const WELL_INSIDE: f64 = 0.999;
 
 /// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None`
-/// for lenses that are no pinholes, for mirrors, and for screens that have none.
+/// for lenses that are no pinholes, for mirrors, for screens without a formula, and where
 ///
-/// Nor does it hold in two cases outside the surface: for a projector that looks partly away from
-/// it, whose rays would meet it backwards, and beside a neighbour there, of whose light the near
-/// side keeps its share although none arrives. Nor does it know a neighbour's lens that is no
-/// pinhole, or its mirror.
+/// - the projector stands outside of the surface and looks partly away from it: its rays would meet
+///   the surface backwards;
+/// - a neighbour stands outside: the formula would give it light on the far side;
+/// - a neighbour has another lens, or a mirror.
 fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<ProjectorSource> {
     let output = &rig.outputs[index];
     let Screen { pose, shape } = rig.surface();

@@ -136,8 +136,7 @@ mod tests {
         }
     }
 
-    /// Large data stands in keys by a sum: one that missed a change would show what an older file
-    /// said.
+    /// Large data stands in keys by a sum. If the sum missed a change, an old result would be used.
     #[test]
     fn every_number_of_large_data_counts_in_keys() {
         fn differ<T: Serialize + std::fmt::Debug>(values: &[T]) {

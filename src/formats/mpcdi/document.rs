@@ -164,7 +164,7 @@ impl Reader<'_, '_> {
         let pixels = |name: &str| {
             let word = self.attribute(region, name)?;
             word.parse::<u64>()
-                .map_err(|_| self.wrong(region, format!("{name} = {} is no width in pixels", shown(word))))
+                .map_err(|_| self.wrong(region, format!("{name} = {} is not a number of pixels", shown(word))))
         };
         let size = checked_size(self.name, pixels("Xresolution")?, pixels("Yresolution")?)?;
         let mut place = [0.0; 4];

@@ -5,7 +5,7 @@
 //! - [`image_graph`]: which images lie between a scene and the window?
 //! - [`flat_program`]: is nothing of the program a scene?
 //! - [`obstacle`]: why is something shown flat, or drawn once only?
-//! - [`query_weights`]: what does a query's count become for the program?
+//! - [`query_scaling`]: what does a query's count become for the program?
 //! - [`report`]: what do the statistics say of a plan?
 //!
 //! ```text
@@ -22,6 +22,6 @@ pub mod flat_program;
 pub mod frame_order;
 pub mod image_graph;
 pub mod obstacle;
-pub mod query_weights;
+pub mod query_scaling;
 pub mod report;
 pub mod viewport;

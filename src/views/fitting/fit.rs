@@ -14,8 +14,8 @@ use crate::views::sampling::output_map::{Sample, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 
-/// The shortage of resolution between samples that is made good in advance: over a 64th of a
-/// picture, twice what the curvature of any map seen so far hides.
+/// Factor on the resolution, for places between samples that need more than the samples do: over a
+/// 64th of a picture, twice what any map seen so far needs.
 const RESERVE: f64 = 1.0001;
 
 /// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent

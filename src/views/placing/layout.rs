@@ -11,22 +11,22 @@ use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 /// Texels around the sampled part of a tile.
 ///
 /// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; an eighth is the overlap of views (`correct::uniforms`), the rest for
-/// the rounding of 32-bit shaders. Places beside a pixel's centre need no more: each is looked up
+/// kernel one and a half; an eighth is the overlap of views (`correct::shaders`), the rest for
+/// the rounding of 32-bit shaders. Further sampling positions in a pixel need no wider guard: each is looked up
 /// in the view that answers for it.
 fn guard(filter: Filter) -> f64 {
     if filter.is_cubic() { 1.65625 } else { 0.65625 }
 }
 
-/// By how much it is widened at least, as a tangent: some four times what rounding to 32 bits moves
-/// a direction. More than the margin only where texels are narrower than two millionths.
+/// Least widening of the sampled part, as a tangent: about four times the rounding error of f32.
+/// More than the margin only where texels are narrower than two millionths.
 const ROUNDING: f64 = 4e-7;
 
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
 
-/// Below this part of the resolution asked for the views are a texel each, and what does not fit is
-/// the window.
+/// At this part of the resolution asked for each view is one texel. If it still does not fit, the tile of the
+/// window is too large.
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.

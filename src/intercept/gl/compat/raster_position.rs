@@ -20,7 +20,7 @@ use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
-use crate::intercept::scene::query_weights::QueryWeights;
+use crate::intercept::scene::query_scaling::QueryScaling;
 use std::ffi::c_void;
 
 /// `glRasterPos`.
@@ -125,7 +125,7 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
     // Bitmaps reach over the border of their tile.
     ctx.draw.wide_primitives.cut = true;
     if !ctx.redirected() {
-        scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights::ONCE);
+        scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
         move_origin(ctx, [0, 0]);
         issue(ctx.driver.gl);
         return true;
@@ -166,7 +166,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
 /// Draws at a position of the scene in each view, and in the program's own picture.
 fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebuffer, issue: &mut dyn FnMut()) {
     let (gl, mode) = (ctx.driver.gl, ctx.app.matrix_mode);
-    scaling::weigh(gl, &mut ctx.queries, QueryWeights::ONCE);
+    scaling::scale(gl, &mut ctx.queries, QueryScaling::ONCE);
     for index in 0..target.session.views().len() {
         let Some(projection) = ctx.compat.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
@@ -184,7 +184,7 @@ fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebu
     }
     projection::load(gl, mode, &ctx.compat.projection.matrix);
     if let Some(tile) = target.primary() {
-        scaling::weigh(gl, &mut ctx.queries, QueryWeights { samples: 0.0, ..QueryWeights::ONCE });
+        scaling::scale(gl, &mut ctx.queries, QueryScaling { samples: 0.0, ..QueryScaling::ONCE });
         own_window_space(ctx, tile);
         placed.as_set(tile);
         issue();
@@ -206,7 +206,7 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
         let samples = if number == 0 { 1.0 } else { 0.0 };
-        scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights { samples, ..QueryWeights::ONCE });
+        scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, ..QueryScaling::ONCE });
         own_window_space(ctx, tile);
         move_origin(ctx, tile.origin());
         let begin = raster_position(gl);

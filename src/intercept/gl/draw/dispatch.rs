@@ -30,7 +30,7 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
-use crate::intercept::scene::query_weights::QueryWeights;
+use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
 
@@ -55,7 +55,7 @@ pub fn draw(
 /// Issues a draw once, as the program means it.
 fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
-    scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights::ONCE);
+    scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
     plain_program(ctx);
     issue(ctx, gl);
 }
@@ -144,11 +144,11 @@ impl Target for Window {
         Some(self.class)
     }
 
-    fn weights(&self, ctx: &mut Context, view: usize, _class: Option<DrawClass>) -> QueryWeights {
+    fn factors(&self, ctx: &mut Context, view: usize, _class: Option<DrawClass>) -> QueryScaling {
         let views = self.session.views().len();
         let primitives = 1.0 / (views + usize::from(self.primary.is_some())) as f64;
         let samples = if view >= views { 0.0 } else { scaling::scene_samples(ctx, &self.session, false) };
-        QueryWeights { samples, primitives }
+        QueryScaling { samples, primitives }
     }
 
     fn issued(&mut self, ctx: &mut Context, view: usize) {
@@ -183,7 +183,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
         own_window_space(ctx, *tile);
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
-        scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights { samples, primitives: 1.0 / pictures as f64 });
+        scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, primitives: 1.0 / pictures as f64 });
         let blending = panel.then(|| PanelBlend::begin(gl, &ctx.driver.known_state));
         repeats.around(gl, number, last, || match &measure {
             Some(measure) if number == 0 => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),

@@ -6,7 +6,7 @@ use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
-use crate::intercept::scene::query_weights::QueryWeights;
+use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
 
@@ -43,12 +43,12 @@ impl<F: Fn(&mut Context, usize) -> DrawClass> Target for CopiesPerView<F> {
         (view < own).then_some(self.class)
     }
 
-    fn weights(&self, ctx: &mut Context, _view: usize, class: Option<DrawClass>) -> QueryWeights {
+    fn factors(&self, ctx: &mut Context, _view: usize, class: Option<DrawClass>) -> QueryScaling {
         let samples = match (self.class, &self.session) {
             (DrawClass::FixedScene | DrawClass::Scene(_), Some(_)) if class.is_none() => 0.0,
             (DrawClass::FixedScene | DrawClass::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
             _ => self.share,
         };
-        QueryWeights { samples, primitives: self.share }
+        QueryScaling { samples, primitives: self.share }
     }
 }

@@ -10,7 +10,7 @@ use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::shader::variants::{InUse, Variant};
-use crate::intercept::scene::query_weights::QueryWeights;
+use crate::intercept::scene::query_scaling::QueryScaling;
 use std::sync::Arc;
 
 /// Where the copies of a draw go: the atlas of the window, or copies per view of a framebuffer of
@@ -20,8 +20,8 @@ pub trait Target {
     /// the program's own picture, with the program's own matrices.
     fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass>;
 
-    /// Weights of the view in the program's queries.
-    fn weights(&self, ctx: &mut Context, view: usize, class: Option<DrawClass>) -> QueryWeights;
+    /// Factors of the view in the program's queries.
+    fn factors(&self, ctx: &mut Context, view: usize, class: Option<DrawClass>) -> QueryScaling;
 
     /// Notes that the draw went to `view`.
     fn issued(&mut self, _ctx: &mut Context, _view: usize) {}
@@ -62,8 +62,8 @@ pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: 
         }
         let class = target.prepare(ctx, view);
         if ctx.queries.any() {
-            let weights = target.weights(ctx, view, class);
-            scaling::weigh(ctx.driver.gl, &mut ctx.queries, weights);
+            let factors = target.factors(ctx, view, class);
+            scaling::scale(ctx.driver.gl, &mut ctx.queries, factors);
         }
         let divided = load_view(ctx, class, view, &mut projection_loaded);
         repeats.around(gl, number, Some(view) == last, || draw(ctx, gl));

@@ -1,4 +1,4 @@
-//! The geometry stage that divides triangles and lines: `correct::division` with what a program's own shaders hand on. What
+//! The geometry stage that divides triangles and lines: `correct::projected::division` with what a program's own shaders hand on. What
 //! is not divided far enough is counted where there are atomic counters.
 
 use crate::correct::projected::division::{Input, cuts, division};

@@ -1,9 +1,9 @@
 //! Methods `vertex` and `primitive`: a view that is an output's own picture, to which the vertices of the program are
 //! projected in its last stage before rasterisation.
 //!
-//! `correct::projection` is what that stage computes. For `primitive` there are [`variants`] of the program, which hand what [`interface`]
-//! finds to a stage that divides ([`stage`]) and get the values of its uniforms ([`mirror`]). Where a program cannot be
-//! served, [`fallback`] gives its window views.
+//! `correct::projected::projection` is what that stage computes. For `primitive` there are [`variants`] of the program:
+//! they hand the outputs of its shaders (`interface`) to a stage that divides (`geometry_stage`) and get the values of its
+//! uniforms (`mirror`). Where a program cannot be served, `fallback` gives its window views.
 
 use crate::correct::projected::division::Input;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};

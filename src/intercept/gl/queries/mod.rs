@@ -2,7 +2,7 @@
 //!
 //! Each draw is issued once per view, so what a query counts is scaled ([`scaling`]); [`results`]
 //! answers the program with the sums. [`conditional_render`] follows `glBeginConditionalRender`. The
-//! weights themselves are those of `intercept::scene::query_weights`.
+//! factors themselves are those of `intercept::scene::query_scaling`.
 
 pub mod conditional_render;
 pub mod results;

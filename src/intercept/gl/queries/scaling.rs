@@ -2,28 +2,29 @@
 //!
 //! OpenGL cannot pause a query. So what must not be counted as it is (our own work, a picture that shows the same
 //! once more, the repetitions of a draw) is kept apart by ending the object that counts and going on with one
-//! of ours. The program gets the sum of these parts, each times its weight:
+//! of ours. The program gets the sum of these parts, each times its factor:
 //!
 //! - samples: all views together, scaled so that what fills the program's own picture counts as many as that has.
-//!   What only a view beside that picture shows is counted too, or the program would leave it out on the dome.
-//!   What was seen at all counts at least one. Flat drawing counts once;
+//!   Samples outside the program's own picture count too: otherwise the program would not draw what only the dome
+//!   shows. A count is at least 1 if anything was seen. Flat drawing counts once;
 //! - primitives and the work of shaders on them: divided by the number of times that the draw was issued;
-//! - time: all of it but our own work; whether any samples passed: in any view.
+//! - time: without our own work;
+//! - whether any samples passed: yes if any passed in any view.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::queries::{Count, Queries, Running, begin_real, end_real, kind, quantity, result};
-use crate::intercept::scene::query_weights::{QueryWeights, weight};
+use crate::intercept::scene::query_scaling::{QueryScaling, factor};
 use crate::runtime::Session;
 
-/// The next draw counts with these weights.
-pub fn weigh(gl: &Gl, queries: &mut Queries, weights: QueryWeights) {
+/// The next draw counts with these factors.
+pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     for number in 0..queries.running.len() {
         let running = &mut queries.running[number];
-        let wanted = weights.of(quantity(running.target));
+        let wanted = factors.of(quantity(running.target));
         match &mut running.now {
-            Some((_, weight)) if weight.is_none_or(|w| w == wanted) && wanted > 0.0 => *weight = Some(wanted),
+            Some((_, factor)) if factor.is_none_or(|w| w == wanted) && wanted > 0.0 => *factor = Some(wanted),
             None if wanted == 0.0 => {}
             _ => {
                 running.end_part(gl);
@@ -43,7 +44,7 @@ pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> 
     if ctx.queries.seen != seen {
         let [width, height] = ctx.app.viewport.size().map(f64::from);
         let own = width * height;
-        ctx.queries.worth = weight(own, session.samples(&lens, own, off_screen));
+        ctx.queries.worth = factor(own, session.samples(&lens, own, off_screen));
         ctx.queries.seen = seen;
     }
     ctx.queries.worth

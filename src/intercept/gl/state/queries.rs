@@ -1,8 +1,8 @@
-//! Queries of the program, as parts with weights.
+//! Queries of the program, as parts with factors.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::LowerLeftRect;
-use crate::intercept::scene::query_weights::Quantity;
+use crate::intercept::scene::query_scaling::Quantity;
 use crate::runtime::session::Intrinsics;
 use std::collections::HashMap;
 
@@ -31,7 +31,7 @@ pub(in crate::intercept::gl) struct Running {
     pub(in crate::intercept::gl) target: u32,
     pub(in crate::intercept::gl) index: u32,
     pub(in crate::intercept::gl) name: u32,
-    /// The object that counts now, with its weight once something was drawn; `None` = nothing counts.
+    /// The object that counts now, with its factor once something was drawn; `None` = nothing counts.
     pub(in crate::intercept::gl) now: Option<(u32, Option<f64>)>,
     pub(in crate::intercept::gl) before: Count,
 }
@@ -40,7 +40,7 @@ pub(in crate::intercept::gl) struct Running {
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Count {
     pub(in crate::intercept::gl) target: u32,
-    /// Objects and weights.
+    /// Objects and factors.
     pub(in crate::intercept::gl) parts: Vec<(u32, f64)>,
     /// Of parts that were read already.
     pub(in crate::intercept::gl) sum: f64,
@@ -121,21 +121,21 @@ impl Queries {
     }
 
     /// Goes on counting with an object of ours, unless one counts already.
-    pub(in crate::intercept::gl) fn begin_part(&mut self, gl: &Gl, number: usize, weight: Option<f64>) {
+    pub(in crate::intercept::gl) fn begin_part(&mut self, gl: &Gl, number: usize, factor: Option<f64>) {
         let target = self.running[number].target;
         let object = self.object(gl, target);
         let running = &mut self.running[number];
         begin_real(gl, running.target, running.index, object);
-        running.now = Some((object, weight));
+        running.now = Some((object, factor));
         if running.before.parts.len() > MOST_PARTS {
             let mut kept = Vec::new();
-            for (object, weight) in std::mem::take(&mut running.before.parts) {
+            for (object, factor) in std::mem::take(&mut running.before.parts) {
                 let count = result(gl, self.wide, object);
                 // One that saw something is kept for conditional rendering.
                 if object == running.name || (count > 0 && kept.len() < 2) {
-                    kept.push((object, weight));
+                    kept.push((object, factor));
                 } else {
-                    running.before.sum += count as f64 * weight;
+                    running.before.sum += count as f64 * factor;
                     self.own.push((target, object));
                 }
             }
@@ -147,9 +147,9 @@ impl Queries {
 impl Running {
     /// Ends the part that counts now.
     pub(in crate::intercept::gl) fn end_part(&mut self, gl: &Gl) {
-        if let Some((object, weight)) = self.now.take() {
+        if let Some((object, factor)) = self.now.take() {
             end_real(gl, self.target, self.index);
-            self.before.parts.push((object, weight.unwrap_or(1.0)));
+            self.before.parts.push((object, factor.unwrap_or(1.0)));
         }
     }
 }
@@ -189,9 +189,9 @@ pub(in crate::intercept::gl) fn available(gl: &Gl, object: u32) -> bool {
 
 impl Count {
     pub(in crate::intercept::gl) fn total(&self, gl: &Gl, wide: bool) -> u64 {
-        let parts = self.parts.iter().map(|(object, weight)| (result(gl, wide, *object), *weight));
-        let (seen, sum) = parts.fold((self.sum > 0.0, self.sum), |(seen, sum), (count, weight)| {
-            (seen || count > 0, sum + count as f64 * weight)
+        let parts = self.parts.iter().map(|(object, factor)| (result(gl, wide, *object), *factor));
+        let (seen, sum) = parts.fold((self.sum > 0.0, self.sum), |(seen, sum), (count, factor)| {
+            (seen || count > 0, sum + count as f64 * factor)
         });
         match self.target {
             api::GL_ANY_SAMPLES_PASSED
@@ -211,7 +211,7 @@ mod tests {
     use super::{Quantity, api, kind, quantity};
 
     #[test]
-    fn each_kind_of_query_has_its_weight() {
+    fn each_kind_of_query_has_its_factor() {
         assert_eq!(quantity(api::GL_SAMPLES_PASSED), Quantity::Samples);
         assert_eq!(quantity(api::GL_PRIMITIVES_GENERATED), Quantity::Primitives);
         for whole in [api::GL_TIME_ELAPSED, api::GL_ANY_SAMPLES_PASSED, api::GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN] {

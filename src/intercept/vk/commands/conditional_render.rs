@@ -39,7 +39,7 @@ pub unsafe fn unconditionally(device: &Device, buffer: vk::CommandBuffer, work: 
 pub fn pass_follows(device: &Device, buffer: vk::CommandBuffer, inline: bool) {
     let holds = device.recordings.with(buffer, |recording| recording.condition.is_some());
     if holds == Some(true) && !inline {
-        device.show_flat("a condition holds for secondary command buffers");
+        device.show_flat("it uses conditional rendering with secondary command buffers");
     }
 }
 

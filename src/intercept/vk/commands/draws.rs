@@ -106,7 +106,7 @@ hooks! {
     ) { |state, next| {
         // Each draw would be captured several times.
         if state.recordings.with(buffer, |recording| recording.pass.is_some()) == Some(true) {
-            state.show_flat("it captures what it draws to the window");
+            state.show_flat("it uses transform feedback in a pass to the window");
         }
         next(buffer, first, count, buffers, offsets)
     } }

@@ -150,7 +150,7 @@ fn replace<'a>(
         return Err(Obstacle::AlreadyFlat);
     }
     if given.info.view_mask != 0 || given.info.layer_count != 1 {
-        return Err("it draws several views itself".into());
+        return Err("it uses multiview or layers".into());
     }
     let atlas_copy = |view: vk::ImageView| match view == vk::ImageView::null() {
         true => Ok(view),
@@ -187,8 +187,8 @@ struct Attachments<'a> {
 }
 
 impl Attachments<'_> {
-    /// Keeps what was there; the clears that have to be made in the place of those that are left
-    /// out.
+    /// Makes all attachments load their content. Returns the clears that must be recorded as
+    /// commands instead.
     fn keep(&mut self) -> Vec<vk::ClearAttachment> {
         use vk::ImageAspectFlags as A;
         let colors = (0..).zip(&mut self.colors).map(|(number, color)| (A::COLOR, number, color));

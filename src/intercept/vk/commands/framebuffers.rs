@@ -181,7 +181,7 @@ fn used<R>(references: &[R], attachment: impl Fn(&R) -> u32) -> Vec<(u32, u32)> 
 }
 
 fn obstacle(multiview: bool) -> Option<&'static str> {
-    multiview.then_some("it draws several views itself")
+    multiview.then_some("it uses multiview or layers")
 }
 
 impl Framebuffers {

@@ -15,7 +15,7 @@ use ash::vk;
 fn seen(device: &Device, write: &Write) {
     let Content::Images(images) = &write.content else { return };
     if write.kind == vk::DescriptorType::INPUT_ATTACHMENT {
-        device.show_flat("it pushes descriptors of attachments");
+        device.show_flat("it sets descriptors of attachments by vkCmdPushDescriptorSetKHR");
     }
     for view in images.iter().map(|info| info.image_view).filter(|_| descriptors::is_picture(write.kind)) {
         device.images.described(device, view, write.kind);
@@ -43,7 +43,9 @@ fn pushed(
     graphics: bool,
     writes: Option<Vec<Write>>,
 ) {
-    let Some(writes) = writes else { return device.show_flat("it pushes descriptors of a kind that is not known") };
+    let Some(writes) = writes else {
+        return device.show_flat("it sets descriptors of an unknown kind by vkCmdPushDescriptorSetKHR");
+    };
     writes.iter().for_each(|write| seen(device, write));
     device.recordings.with(buffer, |recording| match graphics {
         true => keep(recording, number as usize, writes),

@@ -8,7 +8,7 @@ use crate::intercept::vk::descriptors::{push_descriptors, sets};
 use crate::intercept::vk::layer::device;
 use crate::intercept::vk::offscreen::images;
 use crate::intercept::vk::pipelines::{layouts, program_pipelines};
-use crate::intercept::vk::queries::scaling;
+use crate::intercept::vk::queries::hooks as query_hooks;
 use crate::intercept::vk::submit::{host_memory, queue};
 use crate::intercept::vk::swapchain::{create, present};
 use std::collections::HashMap;
@@ -52,7 +52,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             images::HOOKS,
             layouts::HOOKS,
             program_pipelines::HOOKS,
-            scaling::HOOKS,
+            query_hooks::HOOKS,
             host_memory::HOOKS,
             queue::HOOKS,
         ];

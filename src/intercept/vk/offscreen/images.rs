@@ -1,4 +1,4 @@
-//! Images of the program, and the atlas copies that passes draw to in their place.
+//! Images of the program, of the window and beside it, and the atlas copies that passes draw to in their place.
 //!
 //! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the
 //! window. Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 impl Images {
     /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
-    /// not be drawn to an atlas copy in its place, unless it is read as an attachment, which has a
+    /// not be drawn to an atlas copy in its place, unless it is read as an attachment, which has an
     /// atlas copy as well.
     pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
         let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
@@ -177,7 +177,7 @@ impl Images {
     }
 }
 
-/// The first level and layer that an attachment's image needs to have no more of for an atlas copy.
+/// Whether the image may be an attachment.
 fn may_be_attachment(info: &vk::ImageCreateInfo<'_>) -> bool {
     use vk::ImageUsageFlags as U;
     info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)

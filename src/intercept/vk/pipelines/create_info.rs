@@ -99,7 +99,7 @@ impl<'a> Parts<'a> {
         // SAFETY: the program's chain.
         let rendering = unsafe { in_chain::<vk::PipelineRenderingCreateInfo<'_>>(self.info.p_next, rendering) };
         if rendering.is_some_and(|rendering| rendering.view_mask != 0) {
-            return Some("it draws several views itself");
+            return Some("it uses multiview or layers");
         }
         let several = self.viewports.is_some_and(|state| state.viewport_count > 1 || state.scissor_count > 1);
         several.then_some("several viewports")

@@ -24,7 +24,7 @@ include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
 
 /// A copy of results that a program asks for.
 #[derive(Clone, Copy, Debug)]
-pub struct WantedResults {
+pub struct CopiedResults {
     /// The first query and the number of queries.
     pub queries: (u32, u32),
     /// Where they go.
@@ -103,7 +103,7 @@ impl Scratch {
         let mut new = Self {
             queries,
             counted: Buffer::default(),
-            weights: Buffer::default(),
+            factors: Buffer::default(),
             scaled: Buffer::default(),
             pool: vk::DescriptorPool::null(),
             set: vk::DescriptorSet::null(),
@@ -112,10 +112,10 @@ impl Scratch {
             new.counted =
                 Buffer::new(&device.driver.api, size(2 * (numbers + 1)), U::STORAGE_BUFFER | U::TRANSFER_DST)?;
             new.counted.write(&device.driver.api, 0, &vec![0; size(2 * (numbers + 1))])?;
-            new.weights = Buffer::new(&device.driver.api, 8 + size(2 * numbers), U::STORAGE_BUFFER)?;
+            new.factors = Buffer::new(&device.driver.api, 8 + size(2 * numbers), U::STORAGE_BUFFER)?;
             let head = [numbers as u32, queries].map(u32::to_ne_bytes).concat();
-            new.weights.write(&device.driver.api, 0, &head)?;
-            new.weights.write(&device.driver.api, 8, &ONE.to_ne_bytes().repeat(numbers * count))?;
+            new.factors.write(&device.driver.api, 0, &head)?;
+            new.factors.write(&device.driver.api, 8, &ONE.to_ne_bytes().repeat(numbers * count))?;
             new.scaled = Buffer::new(&device.driver.api, size(6 * numbers + 3), U::STORAGE_BUFFER | U::TRANSFER_SRC)?;
             new.describe(device, scaler).map_err(crate::backend::vk::refused("descriptors"))
         };
@@ -124,7 +124,7 @@ impl Scratch {
             return Err(error);
         }
         for query in 0..queries {
-            new.set_weights(&device.driver, query, &pool.weights(query).collect::<Vec<_>>());
+            new.set_factors(&device.driver, query, &pool.factors(query).collect::<Vec<_>>());
         }
         Ok(new)
     }
@@ -142,7 +142,7 @@ impl Scratch {
             let whole = |buffer: &Buffer| {
                 [vk::DescriptorBufferInfo { buffer: buffer.handle, offset: 0, range: vk::WHOLE_SIZE }]
             };
-            let buffers = [&self.counted, &self.weights, &self.scaled].map(whole);
+            let buffers = [&self.counted, &self.factors, &self.scaled].map(whole);
             let write = |(number, buffer): (u32, &'_ [vk::DescriptorBufferInfo; 1])| {
                 let mut write = vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(number);
                 write.descriptor_type = vk::DescriptorType::STORAGE_BUFFER;
@@ -160,7 +160,7 @@ impl Scratch {
     pub fn destroy(&mut self, device: &Device) {
         // SAFETY: ours or null; the program says by destroying its pool that nothing uses it.
         unsafe { device.driver.functions.destroy_descriptor_pool(self.pool, None) };
-        [&mut self.counted, &mut self.weights, &mut self.scaled]
+        [&mut self.counted, &mut self.factors, &mut self.scaled]
             .into_iter()
             .for_each(|buffer| buffer.destroy(&device.driver.api));
     }
@@ -176,7 +176,7 @@ impl Scratch {
         buffer: vk::CommandBuffer,
         scaler: &QueryScaler,
         pool: &Pool,
-        wanted: &WantedResults,
+        wanted: &CopiedResults,
         next: impl FnOnce(vk::Buffer, u64, u64, vk::QueryResultFlags),
     ) {
         use vk::{AccessFlags as A, PipelineStageFlags as S};
@@ -219,7 +219,7 @@ impl Scratch {
 }
 
 impl Queries {
-    /// Records a copy of results with their weights, by `next`, which copies results of the pool:
+    /// Records a copy of results with their factors, by `next`, which copies results of the pool:
     /// to a buffer, its offset, from one result to the next, in which form. Without the means for
     /// it the results are copied as they were counted.
     ///
@@ -231,7 +231,7 @@ impl Queries {
         device: &Device,
         buffer: vk::CommandBuffer,
         handle: vk::QueryPool,
-        wanted: &WantedResults,
+        wanted: &CopiedResults,
         next: impl Fn(vk::Buffer, u64, u64, vk::QueryResultFlags),
     ) {
         let plainly = || next(wanted.to, wanted.place.0, wanted.place.1, wanted.flags);
@@ -239,7 +239,7 @@ impl Queries {
         else {
             return plainly();
         };
-        let queries = pool.weights.locked().len() as u32;
+        let queries = pool.factors.locked().len() as u32;
         let mut scratch = pool.scratch.locked();
         if scratch.is_none() {
             match Scratch::new(device, scaler, &pool, queries) {
@@ -261,7 +261,7 @@ impl Queries {
         }
     }
 
-    /// What gives counts their weights; `None` where queues that draw need not compute, and where
+    /// What gives counts their factors; `None` where queues that draw need not compute, and where
     /// the driver refuses it.
     fn scaler(&self, device: &Device) -> Option<&QueryScaler> {
         use vk::QueueFlags as Q;

@@ -22,7 +22,7 @@ impl Pool {
 }
 
 /// Where a program wants results, and in which form.
-pub struct WantedResults {
+pub struct HostResults {
     /// Where they go.
     pub to: *mut u8,
     /// Number of bytes there.
@@ -33,9 +33,9 @@ pub struct WantedResults {
     pub flags: vk::QueryResultFlags,
 }
 
-impl WantedResults {
-    /// Writes the results of the queries from `first` on, of which the driver says `raw`. What is
-    /// not available leaves its place as it is, unless the program asked for what there is.
+impl HostResults {
+    /// Writes the results of the queries from `first` on, for which the driver returned `raw`. The
+    /// place of a result that is not available is not written, unless the program set `PARTIAL`.
     ///
     /// # Safety
     /// `to` must be the program's memory, with `size` bytes.
@@ -46,7 +46,7 @@ impl WantedResults {
             let Some((available, counts)) = result.split_last() else { return };
             let readable = *available != 0 || self.flags.contains(F::PARTIAL);
             let scaled =
-                counts.iter().zip(pool.weights(first + index as u32)).map(|(c, w)| readable.then(|| scaled(*c, w)));
+                counts.iter().zip(pool.factors(first + index as u32)).map(|(c, w)| readable.then(|| scaled(*c, w)));
             let availability = self.flags.contains(F::WITH_AVAILABILITY).then_some(Some(*available));
             for (place, value) in scaled.chain(availability).enumerate() {
                 let at = index * self.stride + place * length;
@@ -65,21 +65,21 @@ impl WantedResults {
 
 #[cfg(test)]
 mod tests {
-    use super::WantedResults;
-    use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
+    use super::HostResults;
+    use crate::intercept::scene::query_scaling::{Quantity, QueryScaling};
     use crate::intercept::vk::state::queries::Pool;
     use ash::vk::QueryResultFlags as F;
 
     #[test]
     fn results_have_the_form_that_is_asked_for_and_stay_within_their_memory() {
-        let half = QueryWeights { samples: 0.5, primitives: 1.0 };
+        let half = QueryScaling { samples: 0.5, primitives: 1.0 };
         let quantities = vec![Quantity::Primitives, Quantity::Samples];
-        let pool = Pool::new(quantities, vec![QueryWeights::ONCE, half, half]);
+        let pool = Pool::new(quantities, vec![QueryScaling::ONCE, half, half]);
         // Of the query 1, and of 2, which is not available.
         let raw = [10, 20, 1, 30, 40, 0];
         let write = |length: usize, size: usize, flags| {
             let mut to = [7_u32; 12];
-            let wanted = WantedResults { to: to.as_mut_ptr().cast(), size, stride: length * 4, flags };
+            let wanted = HostResults { to: to.as_mut_ptr().cast(), size, stride: length * 4, flags };
             // SAFETY: `size` bytes are in the array.
             unsafe { wanted.write(&pool, 1, &raw) };
             to

@@ -1,7 +1,7 @@
 //! Queries of a command buffer that is submitted: which draws they count, and how often each is
 //! issued.
 
-use crate::intercept::scene::query_weights::{QueryWeights, weight};
+use crate::intercept::scene::query_scaling::{QueryScaling, factor};
 use crate::intercept::vk::commands::panel_clears::clear_pending;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::queries::Pool;
@@ -55,19 +55,20 @@ impl RunningQuery {
         self.issued += vertices as f64 * f64::from(times);
     }
 
-    /// The weights of what it counted.
-    fn weights(&self) -> QueryWeights {
+    /// The factors of what it counted.
+    fn factors(&self) -> QueryScaling {
         let samples = self.sample_scale.unwrap_or(SampleScale::ONCE).factor;
-        QueryWeights { samples, primitives: weight(self.drawn, self.issued) }
+        QueryScaling { samples, primitives: factor(self.drawn, self.issued) }
     }
 
     /// It ends.
     pub fn end(self, device: &Device) {
-        self.pool.set_weights(&device.driver, self.query, self.weights());
+        self.pool.set_factors(&device.driver, self.query, self.factors());
     }
 }
 
-/// A query begins in a command buffer. What is left to be cleared is not the program's to count.
+/// A query begins in a command buffer. Pending clears of ours are done first, so that the query does not
+/// count them.
 ///
 /// # Safety
 /// The command buffer is being recorded.
@@ -93,7 +94,7 @@ pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, quer
 #[cfg(test)]
 mod tests {
     use super::{RunningQuery, SampleScale};
-    use crate::intercept::scene::query_weights::QueryWeights;
+    use crate::intercept::scene::query_scaling::QueryScaling;
     use crate::intercept::vk::state::queries::{Pool, fixed, scaled};
     use std::sync::Arc;
 
@@ -107,13 +108,13 @@ mod tests {
         running.add(SampleScale::ONCE, 30, 1);
         running.add(SampleScale { factor: 0.5, of_scene: true }, 36, 6);
         running.add(SampleScale { factor: 0.25, of_scene: true }, 6, 7);
-        let weights = running.weights();
-        assert_eq!(scaled(30 + 36 * 6 + 6 * 7, fixed(weights.primitives)), 30 + 36 + 6);
-        assert_eq!(weights.samples, 0.5, "the first draw of a scene says it");
+        let factors = running.factors();
+        assert_eq!(scaled(30 + 36 * 6 + 6 * 7, fixed(factors.primitives)), 30 + 36 + 6);
+        assert_eq!(factors.samples, 0.5, "the first draw of a scene says it");
     }
 
     #[test]
-    fn what_counts_nothing_has_usual_weights() {
-        assert_eq!(query().weights(), QueryWeights::ONCE);
+    fn what_counts_nothing_has_usual_factors() {
+        assert_eq!(query().factors(), QueryScaling::ONCE);
     }
 }

@@ -1,7 +1,7 @@
 //! A geometry stage of ours behind a program's vertex shader, which divides triangles or lines and
 //! projects what it emits.
 //!
-//! The arithmetic is `correct::division`, made SPIR-V by the build. What reads the corners and
+//! The arithmetic is `correct::projected::division`, made SPIR-V by the build. What reads the corners and
 //! writes vertices is put together here: what the vertex shader hands on is declared again, once as
 //! an array of the corners' and once as it is.
 
@@ -297,7 +297,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The functions that the arithmetic asks for, in the order of
-    /// `correct::division::STAGE_FUNCTIONS`.
+    /// `correct::projected::division::STAGE_FUNCTIONS`.
     fn bodies(
         &mut self,
         linked: &Linked,

@@ -13,7 +13,7 @@ struct Part {
     ids: &'static [usize],
 }
 
-/// The function `cupola_fix` of `correct::projection`, and what it needs.
+/// The function `cupola_fix` of `correct::projected::projection`, and what it needs.
 pub struct Functions {
     decorations: Part,
     globals: Part,
@@ -25,7 +25,7 @@ pub struct Functions {
     fix: u32,
     /// The function for whose sake they are here: `cupola_fix`, or one that calls it.
     root: u32,
-    /// Functions that the module has to have: those of `correct::division::STAGE_FUNCTIONS`, or
+    /// Functions that the module has to have: those of `correct::projected::division::STAGE_FUNCTIONS`, or
     /// none.
     open: &'static [u32],
     /// The type that `cupola_fix` takes and gives.

@@ -1,7 +1,7 @@
 //! The splice that lets a program's own shader draw into a view.
 //!
 //! The last stage before rasterisation gets an epilogue that re-projects `gl_Position`
-//! (`correct::projection`). All words of the program stay as they are, known or not; functions,
+//! (`correct::projected::projection`). All words of the program stay as they are, known or not; functions,
 //! their types and a uniform block are put in, and the entry point leads to a function of ours that
 //! calls the program's.
 

@@ -2,58 +2,58 @@
 
 use crate::backend::vk::Buffer;
 use crate::intercept::log;
-use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
+use crate::intercept::scene::query_scaling::{Quantity, QueryScaling};
 use crate::intercept::vk::state::driver::Driver;
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// A weight of one: weights have 32 bits behind the point.
+/// A factor of one: factors have 32 fractional bits.
 pub(in crate::intercept::vk) const ONE: u64 = 1 << 32;
 
-/// A weight with 32 bits behind the point.
-pub(in crate::intercept::vk) fn fixed(weight: f64) -> u64 {
-    if weight.is_finite() && weight > 0.0 { (weight * ONE as f64).round() as u64 } else { ONE }
+/// A factor with 32 fractional bits.
+pub(in crate::intercept::vk) fn fixed(factor: f64) -> u64 {
+    if factor.is_finite() && factor > 0.0 { (factor * ONE as f64).round() as u64 } else { ONE }
 }
 
-/// `count` × `weight`, rounded; more than nothing if `count` is.
-pub(in crate::intercept::vk) fn scaled(count: u64, weight: u64) -> u64 {
-    let product = (u128::from(count) * u128::from(weight) + u128::from(ONE / 2)) >> 32;
+/// `count` × `factor`, rounded; at least 1 if `count` is at least 1.
+pub(in crate::intercept::vk) fn scaled(count: u64, factor: u64) -> u64 {
+    let product = (u128::from(count) * u128::from(factor) + u128::from(ONE / 2)) >> 32;
     u64::try_from(product).unwrap_or(u64::MAX).max(u64::from(count > 0))
 }
 
 /// A pool of queries that count.
 pub struct Pool {
     pub(in crate::intercept::vk) quantities: Vec<Quantity>,
-    /// The queries' weights, as of their last submission.
-    pub(in crate::intercept::vk) weights: Mutex<Vec<QueryWeights>>,
+    /// The queries' factors, as of their last submission.
+    pub(in crate::intercept::vk) factors: Mutex<Vec<QueryScaling>>,
     /// Buffers for copies of its results, once there is one.
     pub(in crate::intercept::vk) scratch: Mutex<Option<Scratch>>,
 }
 
 impl Pool {
-    /// The weight of each number of a query's result.
-    pub(in crate::intercept::vk) fn weights(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
-        let all = self.weights.locked();
-        let weights = all.get(query as usize).copied().unwrap_or(QueryWeights::ONCE);
-        self.quantities.iter().map(move |quantity| fixed(weights.of(*quantity)))
+    /// The factor of each number of a query's result.
+    pub(in crate::intercept::vk) fn factors(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
+        let all = self.factors.locked();
+        let factors = all.get(query as usize).copied().unwrap_or(QueryScaling::ONCE);
+        self.quantities.iter().map(move |quantity| fixed(factors.of(*quantity)))
     }
 
-    /// A query that is submitted will count with these weights.
-    pub(in crate::intercept::vk) fn set_weights(&self, driver: &Driver, query: u32, new: QueryWeights) {
-        match self.weights.locked().get_mut(query as usize) {
-            Some(weights) if *weights != new => *weights = new,
+    /// A query that is submitted will count with these factors.
+    pub(in crate::intercept::vk) fn set_factors(&self, driver: &Driver, query: u32, new: QueryScaling) {
+        match self.factors.locked().get_mut(query as usize) {
+            Some(factors) if *factors != new => *factors = new,
             _ => return,
         }
         if let Some(scratch) = &*self.scratch.locked() {
-            scratch.set_weights(driver, query, &self.weights(query).collect::<Vec<_>>());
+            scratch.set_factors(driver, query, &self.factors(query).collect::<Vec<_>>());
         }
     }
 
-    /// Of queries whose weights are these.
-    pub(in crate::intercept::vk) fn new(quantities: Vec<Quantity>, weights: Vec<QueryWeights>) -> Self {
-        Self { quantities, weights: Mutex::new(weights), scratch: Mutex::default() }
+    /// Returns a pool whose queries have these factors.
+    pub(in crate::intercept::vk) fn new(quantities: Vec<Quantity>, factors: Vec<QueryScaling>) -> Self {
+        Self { quantities, factors: Mutex::new(factors), scratch: Mutex::default() }
     }
 }
 
@@ -75,7 +75,7 @@ pub struct QueryScaler {
 pub struct Scratch {
     /// The results of the driver.
     pub(in crate::intercept::vk) counted: Buffer,
-    pub(in crate::intercept::vk) weights: Buffer,
+    pub(in crate::intercept::vk) factors: Buffer,
     /// The scaled results.
     pub(in crate::intercept::vk) scaled: Buffer,
     pub(in crate::intercept::vk) pool: vk::DescriptorPool,
@@ -92,13 +92,13 @@ impl Queries {
 }
 
 impl Scratch {
-    /// A query's numbers will have these weights. A copy of an earlier submission that still runs
+    /// A query's numbers will have these factors. A copy of an earlier submission that still runs
     /// may see them, too: what a query counts seldom becomes something else from one frame to the
     /// next.
-    pub fn set_weights(&self, driver: &Driver, query: u32, weights: &[u64]) {
-        let bytes: Vec<u8> = weights.iter().flat_map(|weight| weight.to_ne_bytes()).collect();
+    pub fn set_factors(&self, driver: &Driver, query: u32, factors: &[u64]) {
+        let bytes: Vec<u8> = factors.iter().flat_map(|factor| factor.to_ne_bytes()).collect();
         let offset = 8 + query as usize * bytes.len();
-        if let Err(error) = self.weights.write(&driver.api, offset, &bytes) {
+        if let Err(error) = self.factors.write(&driver.api, offset, &bytes) {
             log::once(&format!("Vulkan: counts of queries are not scaled: {error}"));
         }
     }

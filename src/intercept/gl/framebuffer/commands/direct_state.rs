@@ -1,8 +1,8 @@
 //! Framebuffers by their name (OpenGL 4.5): the program's 0 is ours here too.
 //!
-//! A command on the window's framebuffer runs as its elder that works on a binding, with the binding
-//! put back. Other framebuffers keep the newer commands, but where the scissor counts, which is a tile's
-//! while the window is bound.
+//! A command on the window's framebuffer is done by the older command that works on the bound framebuffer; then the
+//! binding is put back. Other framebuffers use the newer command, except where the scissor has an effect: while the
+//! window is bound, the scissor is that of a tile.
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -57,7 +57,7 @@ macro_rules! clears {
                 if ctx.drawable.target().is_none() || !exists(ctx, framebuffer) {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else if ctx.compiling() {
-                    // Not a part of the list, as the elder command would be.
+                    // The older command would become part of the list.
                     gl.$method(real(ctx, framebuffer), buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {

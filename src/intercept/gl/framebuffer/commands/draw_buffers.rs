@@ -20,7 +20,8 @@ fn attachment(buffer: u32) -> u32 {
     match buffer {
         api::GL_NONE => buffer,
         _ if is_window_buffer(buffer) => api::GL_COLOR_ATTACHMENT0,
-        // Names of buffers that this window has not: a window's buffer is none of ours, with the same error.
+        // Names of buffers that this window has not. `GL_BACK` is not valid for our framebuffer object, so that the
+        // driver reports the same error.
         api::GL_RIGHT
         | api::GL_FRONT_RIGHT
         | api::GL_BACK_RIGHT
@@ -53,7 +54,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     let gl = ctx.driver.gl;
     // SAFETY: the program's own call, translated.
     unsafe {
-        // Others OpenGL ES does not know; the driver refuses them.
+        // OpenGL ES knows no other names; the driver reports the error.
         let of_es =
             matches!(buffer, api::GL_NONE | api::GL_BACK | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31);
         if ctx.reads_redirected() && (of_es || !ctx.driver.profile.es) {

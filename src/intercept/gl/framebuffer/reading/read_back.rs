@@ -1,6 +1,6 @@
 //! What a program reads from its window: from the primary picture, which is its own.
 //!
-//! Beside that picture lie others. What a program reads of pixels outside of its window stays as it was.
+//! Beside that picture lie others. Memory of the program for pixels outside of its window is not written.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -15,7 +15,7 @@ use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use std::ffi::c_void;
 
-/// Binds what the program's reads of `part` of its window come from; the origin of its picture there.
+/// Binds what the program's reads of `part` of its window come from. Returns where the program's picture begins in it.
 /// `alpha`: the read takes alpha, too.
 pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] {
     let own_picture = |t: &DefaultFramebuffer| {

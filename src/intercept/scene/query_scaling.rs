@@ -1,9 +1,9 @@
-//! Query weights: a draw is issued once per view, and the program is told what its own picture
+//! Query factors: a draw is issued once per view, and the program is told what its own picture
 //! would have counted.
 //!
 //! - Samples: those of all views together, scaled so that what fills the program's own picture
-//!   counts as many as that picture has. What only a view beside that picture shows is counted too,
-//!   or the program would leave it out on the dome.
+//!   counts as many as that picture has. Samples outside the program's own picture count too:
+//!   otherwise the program would not draw what only the dome shows.
 //! - Primitives, vertices and the work of shaders on them: divided by the number of times that the
 //!   draw was issued.
 //! - Time, and whether anything was seen: as they are.
@@ -23,15 +23,15 @@ pub enum Quantity {
 
 /// Factors for the counts of a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QueryWeights {
+pub struct QueryScaling {
     /// Factor for samples; 0 = they are not counted.
     pub samples: f64,
     /// Factor for primitives.
     pub primitives: f64,
 }
 
-impl QueryWeights {
-    /// The weights of what is issued once.
+impl QueryScaling {
+    /// The factors of what is issued once.
     pub const ONCE: Self = Self { samples: 1.0, primitives: 1.0 };
 
     /// The factor for a quantity.
@@ -44,32 +44,32 @@ impl QueryWeights {
     }
 }
 
-/// Weight of a count: `own` things of the program's picture are `issued` things of everything that
+/// Factor of a count: `own` things of the program's picture are `issued` things of everything that
 /// the draw is issued to. 1 where that is no positive number.
-pub fn weight(own: f64, issued: f64) -> f64 {
+pub fn factor(own: f64, issued: f64) -> f64 {
     let ratio = own / issued;
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Quantity, QueryWeights, weight};
+    use super::{Quantity, QueryScaling, factor};
 
     #[test]
-    fn each_quantity_has_its_weight() {
-        let weights = QueryWeights { samples: 0.5, primitives: 0.25 };
+    fn each_quantity_has_its_factor() {
+        let factors = QueryScaling { samples: 0.5, primitives: 0.25 };
         assert_eq!(
-            [Quantity::Samples, Quantity::Primitives, Quantity::Unscaled].map(|q| weights.of(q)),
+            [Quantity::Samples, Quantity::Primitives, Quantity::Unscaled].map(|q| factors.of(q)),
             [0.5, 0.25, 1.0]
         );
-        assert_eq!(QueryWeights::ONCE.of(Quantity::Samples), 1.0);
+        assert_eq!(QueryScaling::ONCE.of(Quantity::Samples), 1.0);
     }
 
     #[test]
-    fn a_weight_is_a_positive_number() {
-        assert_eq!(weight(100.0, 400.0), 0.25);
+    fn a_factor_is_a_positive_number() {
+        assert_eq!(factor(100.0, 400.0), 0.25);
         for (own, issued) in [(0.0, 400.0), (100.0, 0.0), (0.0, 0.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
-            assert_eq!(weight(own, issued), 1.0, "{own} of {issued}");
+            assert_eq!(factor(own, issued), 1.0, "{own} of {issued}");
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Hooks of queries that count draws.
 //!
 //! A query counts all that is issued while it is active. The program gets that number times a
-//! weight (`QueryWeights`), which is known on submission. Each draw is issued a known number of
+//! factor (`QueryScaling`), which is known on submission. Each draw is issued a known number of
 //! times, so that counts of primitives are exact where all draws of a query are issued equally
 //! often, or where the program says how large they are.
 
-use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
-use crate::intercept::vk::queries::results::WantedResults;
+use crate::intercept::scene::query_scaling::{Quantity, QueryScaling};
+use crate::intercept::vk::queries::results::HostResults;
 use crate::intercept::vk::queries::{copies, results, running};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
@@ -29,7 +29,7 @@ fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
             let bits = (0..u32::BITS).map(|bit| S::from_raw(1 << bit));
             let of = |bit| match bit {
                 S::FRAGMENT_SHADER_INVOCATIONS => Quantity::Samples,
-                // What clipping leaves of a primitive is left in the views that show it.
+                // After clipping a primitive remains only in views that show it: the count is not divided.
                 S::CLIPPING_PRIMITIVES | S::COMPUTE_SHADER_INVOCATIONS => Quantity::Unscaled,
                 _ => Quantity::Primitives,
             };
@@ -62,9 +62,9 @@ hooks! {
         let result = next(device, info, allocator, made);
         let quantities = quantities(&*info);
         if result == vk::Result::SUCCESS && !quantities.is_empty() {
-            let weights = vec![QueryWeights::ONCE; (*info).query_count as usize];
+            let factors = vec![QueryScaling::ONCE; (*info).query_count as usize];
             let mut pools = state.queries.pools.locked();
-            pools.insert(*made, Arc::new(Pool::new(quantities, weights)));
+            pools.insert(*made, Arc::new(Pool::new(quantities, factors)));
         }
         result
     } }
@@ -107,7 +107,7 @@ hooks! {
             let (asked, bytes) = (flags | results::RAW, size_of_val(raw.as_slice()));
             let result = next(device, pool, first, count, bytes, raw.as_mut_ptr().cast(), known.stride_in_bytes(), asked);
             if result.as_raw() >= 0 {
-                WantedResults { to: data.cast(), size, stride: stride as usize, flags }.write(&known, first, &raw);
+                HostResults { to: data.cast(), size, stride: stride as usize, flags }.write(&known, first, &raw);
             }
             result
         }
@@ -115,7 +115,7 @@ hooks! {
     cmd_copy_query_pool_results = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, first: u32, count: u32, to: vk::Buffer, offset: vk::DeviceSize, stride: vk::DeviceSize, flags: vk::QueryResultFlags
     ) { |state, next| {
-        let wanted = copies::WantedResults { queries: (first, count), to, place: (offset, stride), flags };
+        let wanted = copies::CopiedResults { queries: (first, count), to, place: (offset, stride), flags };
         state.queries.copy(&state, buffer, pool, &wanted, |to, offset, stride, flags| next(buffer, pool, first, count, to, offset, stride, flags))
     } }
 }
