@@ -6,7 +6,7 @@ use crate::correct::passes::source::Source;
 use crate::correct::plan::blocks::{self, Picture};
 use crate::correct::plan::builder::build;
 use crate::geom::Panorama;
-use crate::geom::panorama::Span;
+use crate::geom::lenses::panorama::Span;
 use crate::rig::{OutputKind, Rig};
 use crate::testing::random::Random;
 use crate::views::sampling::output_map::UNIT_FRUSTUM;

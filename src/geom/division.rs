@@ -8,7 +8,7 @@
 
 pub mod rule;
 
-use super::picture_map::Place;
+use super::lenses::picture_map::Place;
 use super::{PictureLens, PictureMap};
 use glam::{DVec2, DVec3};
 use rule::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};

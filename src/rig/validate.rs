@@ -1,6 +1,6 @@
 //! What the values of a rig must satisfy together.
 
-use super::problems::Problems;
+use super::reading::problems::Problems;
 use super::{Method, Output, OutputKind, Rig, mask};
 use crate::geom::screen::{Faces, Screen, Shape};
 use crate::geom::{Lens, Optics, Pose};

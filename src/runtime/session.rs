@@ -7,7 +7,7 @@ use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, Outcome, Weights};
-use crate::geom::picture_map::Place;
+use crate::geom::lenses::picture_map::Place;
 use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};

@@ -4,7 +4,7 @@ mod calibrated;
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom;
-use crate::geom::panorama::STRIP_FACES;
+use crate::geom::lenses::panorama::STRIP_FACES;
 use crate::geom::{Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
 use crate::rig::{Flip, OutputKind, Rig};
 use calibrated::Calibrated;

@@ -266,7 +266,7 @@ static APART: LazyLock<Vec<Apart>> = LazyLock::new(|| {
     let (position, degrees) = (DVec3::new(0.5, 0.2, 2.5), [40.0, 17.0, 6.0]);
     let pose = crate::geom::Pose::new(position, 0.7, 0.3, 0.1);
     // Not quite a pinhole, so that it is tabulated.
-    let distortion = crate::geom::lens::Distortion { radial: [1e-6, 0.0, 0.0], tangential: [0.0; 2] };
+    let distortion = crate::geom::lenses::lens::Distortion { radial: [1e-6, 0.0, 0.0], tangential: [0.0; 2] };
     let lens = crate::geom::Lens::Pinhole { frustum, distortion, keystone: glam::DMat3::IDENTITY };
     let optics = crate::geom::Optics { pose, lens, mirror: None };
     let tabulated = output("one", OutputKind::Optics { optics: Box::new(optics), even_light: 0.0 });

@@ -3,7 +3,7 @@
 use crate::blend::EdgeWeight;
 use crate::correct::passes::optics::OpticsSource;
 use crate::correct::passes::table::Table;
-use crate::geom::pinhole_rays::RimForms;
+use crate::geom::lenses::pinhole_rays::RimForms;
 use crate::geom::screen::Bounds;
 use crate::geom::{Fisheye, Panorama, PinholeRays, QuadraticForm};
 use glam::{DMat3, DVec2, DVec3};

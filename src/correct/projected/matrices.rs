@@ -2,7 +2,7 @@
 
 use crate::correct::single;
 use crate::geom::division::rule::EDGE_SHARE;
-use crate::geom::picture_map::LEAST_AHEAD;
+use crate::geom::lenses::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
 use crate::geom::{PictureLens, PictureMap};
 use glam::DVec2;

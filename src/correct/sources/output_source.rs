@@ -7,8 +7,8 @@ use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorSourc
 use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::{table_cached, table_coarse};
 use crate::error::Result;
-use crate::geom::fisheye::RadialForm;
-use crate::geom::pinhole_rays::RimForms;
+use crate::geom::lenses::fisheye::RadialForm;
+use crate::geom::lenses::pinhole_rays::RimForms;
 use crate::geom::screen::{ClosedForm, ClosedSurface, Shape};
 use crate::geom::{Optics, Panorama, PinholeRays, Quadric, Screen, Sphere, pose};
 use crate::rig::{Method, Output, OutputKind, Rig};

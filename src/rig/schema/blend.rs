@@ -2,10 +2,10 @@
 
 use super::output::Kind;
 use super::transfer;
-use crate::rig::black;
-use crate::rig::black::{Black, BlackValues};
-use crate::rig::problems::Problems;
-use crate::rig::reader::{Allowed, Section};
+use crate::rig::model::black;
+use crate::rig::model::black::{Black, BlackValues};
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::{Allowed, Section};
 use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 //! `kind = "mesh"`: an output whose map is read from a file.
 
 use super::{OPENING, TILT, angles, lens};
-use crate::rig::calibration;
-use crate::rig::calibration::CalibrationValues;
-use crate::rig::problems::Problems;
-use crate::rig::reader::Section;
+use crate::rig::model::calibration;
+use crate::rig::model::calibration::CalibrationValues;
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::Section;
 use crate::rig::{Dome, OutputKind};
 use std::path::Path;
 use std::sync::Arc;

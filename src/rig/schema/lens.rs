@@ -2,10 +2,10 @@
 //! `distortion` and `keystone`, and fisheyes.
 
 use super::OPENING;
-use crate::geom::lens::Distortion;
+use crate::geom::lenses::lens::Distortion;
 use crate::geom::{Circle, Curve, FisheyeLens, Frustum, Lens, Projection, homography};
-use crate::rig::problems::Problems;
-use crate::rig::reader::{Allowed, Section};
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::{Allowed, Section};
 use glam::{DMat3, DVec2};
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! `method`, `max_error` and `density` of an output.
 
-use crate::rig::method::{
+use crate::rig::model::method::{
     DEFAULT_DENSITY, DEFAULT_DIVISION_ERROR, DEFAULT_ERROR, DENSITY, DIVISION_ERROR, MAX_ERROR, whole,
 };
-use crate::rig::problems::Problems;
-use crate::rig::reader::Section;
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::Section;
 use crate::rig::{Divider, Method};
 
 #[derive(Clone, Copy)]

@@ -12,8 +12,8 @@ mod viewer;
 mod views;
 
 use super::Rig;
-use super::problems::Problems;
-use super::reader::{Allowed, Section};
+use super::reading::problems::Problems;
+use super::reading::reader::{Allowed, Section};
 use std::path::Path;
 use toml::de::DeTable;
 

@@ -1,10 +1,10 @@
 //! `[[output]]`: what every output has, and what each kind has of its own.
 
 use super::{METRES, TILT, angles, blend, calibration, lens, method};
-use crate::geom::panorama::{Panorama, Span};
+use crate::geom::lenses::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, PixelRect, Pose, Sphere};
-use crate::rig::problems::Problems;
-use crate::rig::reader::{Allowed, Section};
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::{Allowed, Section};
 use crate::rig::{Dome, Flip, Output, OutputKind};
 use glam::DVec3;
 use std::path::Path;

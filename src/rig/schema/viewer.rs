@@ -2,8 +2,8 @@
 //! in it.
 
 use super::{METRES, angles};
-use crate::rig::problems::Problems;
-use crate::rig::reader::{Allowed, Section};
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::{Allowed, Section};
 use crate::rig::{Camera, Viewer};
 use glam::DVec3;
 
@@ -19,12 +19,12 @@ pub(super) fn viewer(section: Option<Section>, problems: &mut Problems) -> Viewe
 pub(super) fn camera(section: Option<Section>, problems: &mut Problems) -> Camera {
     let mut camera = Camera::default();
     let Some(mut section) = section else { return camera };
-    camera.zoom = section.number("zoom", &crate::rig::camera::ZOOM, 1.0, problems);
-    camera.shift = section.vector("move", &crate::rig::camera::MOVE, problems);
+    camera.zoom = section.number("zoom", &crate::rig::model::camera::ZOOM, 1.0, problems);
+    camera.shift = section.vector("move", &crate::rig::model::camera::MOVE, problems);
     let units = Allowed::above(0.0, 1e9, "the program's units in a metre");
     camera.units_per_meter = section.number("units_per_meter", &units, 1.0, problems);
     [camera.yaw, camera.pitch, camera.roll] = angles(&mut section, problems);
-    let lens = section.numbers::<2>("lens", &crate::rig::camera::LENS, problems);
+    let lens = section.numbers::<2>("lens", &crate::rig::model::camera::LENS, problems);
     camera.lens = lens.map(|lens| lens.map(f64::to_radians));
     section.finish(&[("position", "[viewer]; the program's camera has `move`")], problems);
     camera

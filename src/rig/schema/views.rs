@@ -1,8 +1,8 @@
 //! `[views]` and `[overlay]`: what is drawn, before it is corrected.
 
 use super::{PITCH, YAW};
-use crate::rig::problems::Problems;
-use crate::rig::reader::{Allowed, Section};
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::{Allowed, Section};
 use crate::rig::{Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;

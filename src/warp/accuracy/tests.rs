@@ -2,8 +2,9 @@
 //! shaders.
 
 use super::*;
+use crate::geom::lenses::fisheye;
 use crate::geom::screen::{ClosedSurface, HalfSpace};
-use crate::geom::{Frustum, PinholeRays, Pose, QuadraticForm, Quadric, Sphere, fisheye, pose};
+use crate::geom::{Frustum, PinholeRays, Pose, QuadraticForm, Quadric, Sphere, pose};
 use crate::rig::{OutputKind, Rig};
 use crate::testing::random::Random;
 use crate::warp::testing::{projector, rig};

@@ -4,7 +4,7 @@
 
 use super::contest::{quantile, sorted};
 use cupola::geom::division::Weights;
-use cupola::geom::picture_map::Place;
+use cupola::geom::lenses::picture_map::Place;
 use cupola::geom::{Division, Face, PictureLens, PictureMap};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};

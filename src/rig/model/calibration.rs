@@ -52,7 +52,7 @@ impl CalibrationValues {
 /// # Errors
 /// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] with place and reason if
 /// it is damaged, of another kind, or a warp mesh whose values are not places in a picture.
-pub(super) fn read(file: &Path, values: CalibrationValues) -> Result<Calibration> {
+pub(in crate::rig) fn read(file: &Path, values: CalibrationValues) -> Result<Calibration> {
     let name = file.display().to_string();
     let invalid = |why: &str| Error::new(ErrorKind::InvalidRig, format!("{name} {why}"));
     let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();

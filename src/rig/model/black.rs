@@ -31,7 +31,7 @@ pub enum BlackValues {
 /// [`ErrorKind::Io`](crate::ErrorKind::Io) if the file cannot be read,
 /// [`ErrorKind::InvalidRig`](crate::ErrorKind::InvalidRig) with the reason if it is no picture or a
 /// value is not 0…1.
-pub(super) fn read(file: &Path, values: BlackValues) -> Result<Black> {
+pub(in crate::rig) fn read(file: &Path, values: BlackValues) -> Result<Black> {
     let levels = levels::read(&file.display().to_string(), &read_file(file)?)?;
     Ok(Black { file: file.to_owned(), levels, values })
 }

@@ -4,7 +4,7 @@
 //! right, y up, −z ahead). Both directions are f64; where one of them has no closed form it is
 //! iterated to rounding, and a point at which the iteration does not arrive has no ray.
 
-use super::{FisheyeLens, Frustum, homography};
+use crate::geom::{FisheyeLens, Frustum, homography};
 use glam::{DMat3, DVec2, DVec3};
 
 /// A lens of a projector.

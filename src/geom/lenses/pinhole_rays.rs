@@ -1,8 +1,8 @@
 //! The rays of a pinhole before a screen that has a closed form.
 
-use super::QuadraticForm;
-use super::quadratic::linear_at;
-use super::screen::{Bounds, ClosedSurface, HalfSpace, Join, Sides};
+use crate::geom::QuadraticForm;
+use crate::geom::quadratic::linear_at;
+use crate::geom::screen::{Bounds, ClosedSurface, HalfSpace, Join, Sides};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) before a surface,
@@ -56,7 +56,7 @@ impl PinholeRays {
     }
 
     /// Whether no pixel (x and y in −1…1) has the surface behind it: the condition under which the
-    /// forms have no ghosts, but for those of double cones, which [`super::screen::Bounds`] tell.
+    /// forms have no ghosts, but for those of double cones, which [`crate::geom::screen::Bounds`] tell.
     /// True for every pinhole inside; for one outside, or before a plane, whose whole picture looks
     /// towards the surface.
     pub fn looks_at_it(&self) -> bool {

@@ -1,8 +1,8 @@
 //! Where the light of a rig falls, and from where it is looked at.
 
-use super::{Dome, Output, Rig};
 use crate::geom::screen::{Ellipsoid, Region, Screen, Shape};
 use crate::geom::{Pose, pose};
+use crate::rig::{Dome, Output, Rig};
 use glam::DVec3;
 
 impl Dome {

@@ -1,13 +1,13 @@
 //! Keys and numbers in one line, as the command line and the environment have them:
 //! `yaw=90,move=0,0,-20`.
 
-use super::problems::closest;
-use super::reader::Allowed;
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::reading::problems::closest;
+use crate::rig::reading::reader::Allowed;
 use glam::DVec3;
 
 /// A line, and what it is about.
-pub(super) struct OneLine<'a> {
+pub(in crate::rig) struct OneLine<'a> {
     /// What the line says something of.
     pub what: &'static str,
     /// A right one.
@@ -17,7 +17,7 @@ pub(super) struct OneLine<'a> {
 }
 
 /// A key of a line with its numbers.
-pub(super) struct Entry<'a> {
+pub(in crate::rig) struct Entry<'a> {
     line: &'a OneLine<'a>,
     /// The key.
     pub key: &'a str,

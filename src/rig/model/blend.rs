@@ -1,7 +1,7 @@
 //! How bright an output is where.
 
-use super::Transfer;
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::Transfer;
 
 /// Blend weights of an output's pixels, and response of its display.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

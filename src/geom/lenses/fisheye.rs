@@ -1,6 +1,6 @@
 //! The ideal fisheye lens, and the polynomials with which shaders evaluate it.
 
-use super::{FisheyeLens, Projection};
+use crate::geom::{FisheyeLens, Projection};
 use glam::{DVec2, DVec3};
 
 /// An equidistant fisheye: the distance from the image's centre grows in proportion to the angle

@@ -1,7 +1,9 @@
 //! Pictures of all directions around a point: fisheyes, equirectangular and cylindrical pictures,
 //! the faces of a cube.
 
-use super::{FisheyeLens, lens::Circle};
+use crate::geom::FisheyeLens;
+
+use crate::geom::lenses::lens::Circle;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,10 +1,10 @@
 //! How an output's picture is made of the views, and how that is replaced for one run.
 
-use super::one_line::OneLine;
-use super::problems::Problems;
-use super::reader::Allowed;
-use super::{Rig, validate};
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::reading::one_line::OneLine;
+use crate::rig::reading::problems::Problems;
+use crate::rig::reading::reader::Allowed;
+use crate::rig::{Rig, validate};
 
 /// Method that makes an output's picture from the views.
 ///
@@ -60,17 +60,17 @@ pub enum Divider {
 
 /// Range of `max_error`: below, 32-bit interpolation is no more exact; above, pixels would sample
 /// what no view has to show.
-pub(super) const MAX_ERROR: Allowed = Allowed::closed(0.005, 2.0, "an error in pixels");
+pub(in crate::rig) const MAX_ERROR: Allowed = Allowed::closed(0.005, 2.0, "an error in pixels");
 /// Default: a tenth of a pixel is invisible.
-pub(super) const DEFAULT_ERROR: f64 = 0.1;
+pub(in crate::rig) const DEFAULT_ERROR: f64 = 0.1;
 /// Range of `max_error` of divided primitives: below, triangles are as small as pixels.
-pub(super) const DIVISION_ERROR: Allowed = Allowed::closed(0.05, 16.0, "an error in pixels");
+pub(in crate::rig) const DIVISION_ERROR: Allowed = Allowed::closed(0.05, 16.0, "an error in pixels");
 /// Default: half a pixel, the error of any raster.
-pub(super) const DEFAULT_DIVISION_ERROR: f64 = 0.5;
+pub(in crate::rig) const DEFAULT_DIVISION_ERROR: f64 = 0.5;
 /// Range of `density`.
-pub(super) const DENSITY: Allowed = Allowed::closed(4.0, 512.0, "whole cells along the edge of a cube");
+pub(in crate::rig) const DENSITY: Allowed = Allowed::closed(4.0, 512.0, "whole cells along the edge of a cube");
 /// Default.
-pub(super) const DEFAULT_DENSITY: f64 = 32.0;
+pub(in crate::rig) const DEFAULT_DENSITY: f64 = 32.0;
 
 /// The words for the methods, with the keys that go with them.
 const EXAMPLE: &str = "mesh,max_error=0.1";
@@ -143,7 +143,7 @@ impl Method {
 }
 
 /// A density, if it is a whole number.
-pub(super) fn whole(density: f64) -> Option<u32> {
+pub(in crate::rig) fn whole(density: f64) -> Option<u32> {
     (density.fract() == 0.0).then_some(density as u32)
 }
 

@@ -1,6 +1,6 @@
 //! A projector with any lens, perhaps before a convex spherical mirror.
 
-use super::{Lens, Pose, Sphere};
+use crate::geom::{Lens, Pose, Sphere};
 use glam::{DVec2, DVec3};
 
 /// Optics of a projector: its lens, and perhaps a mirror.

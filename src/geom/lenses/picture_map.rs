@@ -6,7 +6,7 @@
 //! fisheye at the dome's centre) that lights it. No arc cosine is taken: near the axis and near its
 //! antipode it would lose half of the digits.
 
-use super::Frustum;
+use crate::geom::Frustum;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -225,7 +225,8 @@ mod tests {
         let h = (x * x + y * y).sqrt();
         let (near, far) = (h.min(z.abs()), h.max(z.abs()));
         let t = near / far.max(1e-30);
-        let sum = crate::geom::fisheye::ATAN_COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * t * t + *c as f32);
+        let sum =
+            crate::geom::lenses::fisheye::ATAN_COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * t * t + *c as f32);
         let octant = t + t * t * t * sum;
         let quadrant = if h > z.abs() { std::f32::consts::FRAC_PI_2 - octant } else { octant };
         let angle = if z < 0.0 { std::f32::consts::PI - quadrant } else { quadrant };

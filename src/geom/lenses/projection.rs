@@ -1,7 +1,7 @@
 //! How fisheye lenses put angles into a picture: the published projections, polynomials, and
 //! measured curves.
 
-use super::Curve;
+use crate::geom::Curve;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

@@ -1,17 +1,17 @@
 //! The program's camera: defaults, and the one-line form of the command line and the environment.
 
-use super::Camera;
-use super::one_line::OneLine;
-use super::reader::Allowed;
 use crate::error::Result;
+use crate::rig::Camera;
+use crate::rig::reading::one_line::OneLine;
+use crate::rig::reading::reader::Allowed;
 use glam::DVec3;
 
-pub(super) const ZOOM: Allowed = Allowed::closed(1e-3, 1e3, "a factor on the size of what the program draws");
-pub(super) const MOVE: Allowed =
+pub(in crate::rig) const ZOOM: Allowed = Allowed::closed(1e-3, 1e3, "a factor on the size of what the program draws");
+pub(in crate::rig) const MOVE: Allowed =
     Allowed::closed(-1e9, 1e9, "[right, up, backward] in the program's own units, along its camera's axes");
-pub(super) const LENS: Allowed =
+pub(in crate::rig) const LENS: Allowed =
     Allowed::closed(0.1, 179.0, "[horizontal, vertical] opening of the program's own lens in degrees");
-pub(super) const ANGLE: Allowed = Allowed::closed(-360.0, 360.0, "an angle in degrees");
+pub(in crate::rig) const ANGLE: Allowed = Allowed::closed(-360.0, 360.0, "an angle in degrees");
 
 impl Default for Camera {
     /// The program's camera as it is.

@@ -3,13 +3,13 @@
 //! Tables are walked by hand and not deserialised with serde, because serde stops at the first
 //! problem and knows neither the key path nor which keys were possible when something is misspelt.
 
-use super::problems::{Problems, closest};
+use crate::rig::reading::problems::{Problems, closest};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use toml::de::{DeArray, DeTable, DeValue};
 
 /// The numbers that a key may have.
-pub(super) struct Allowed {
+pub(in crate::rig) struct Allowed {
     /// Least value.
     least: f64,
     /// Greatest value.
@@ -22,27 +22,27 @@ pub(super) struct Allowed {
 
 impl Allowed {
     /// From `least` to `greatest`, both included.
-    pub(super) const fn closed(least: f64, greatest: f64, what: &'static str) -> Self {
+    pub(in crate::rig) const fn closed(least: f64, greatest: f64, what: &'static str) -> Self {
         Self { least, greatest, open: (false, false), what }
     }
 
     /// Greater than `least`, up to and including `greatest`.
-    pub(super) const fn above(least: f64, greatest: f64, what: &'static str) -> Self {
+    pub(in crate::rig) const fn above(least: f64, greatest: f64, what: &'static str) -> Self {
         Self { least, greatest, open: (true, false), what }
     }
 
     /// Between `least` and `greatest`, both excluded.
-    pub(super) const fn between(least: f64, greatest: f64, what: &'static str) -> Self {
+    pub(in crate::rig) const fn between(least: f64, greatest: f64, what: &'static str) -> Self {
         Self { least, greatest, open: (true, true), what }
     }
 
     /// From and including `least`, less than `greatest`.
-    pub(super) const fn below(least: f64, greatest: f64, what: &'static str) -> Self {
+    pub(in crate::rig) const fn below(least: f64, greatest: f64, what: &'static str) -> Self {
         Self { least, greatest, open: (false, true), what }
     }
 
     /// Why `value` is not allowed, if so.
-    pub(super) fn refuse(&self, value: f64) -> Option<String> {
+    pub(in crate::rig) fn refuse(&self, value: f64) -> Option<String> {
         if !value.is_finite() {
             return Some(format!("{value} is no number that can be used; expected {}, {}", self.what, self.words()));
         }
@@ -60,7 +60,7 @@ impl Allowed {
 }
 
 /// A table of the file that is being read.
-pub(super) struct Section<'a> {
+pub(in crate::rig) struct Section<'a> {
     table: &'a DeTable<'a>,
     path: String,
     asked: BTreeSet<&'static str>,
@@ -68,27 +68,27 @@ pub(super) struct Section<'a> {
 
 impl<'a> Section<'a> {
     /// The table `table` at the key path `path` (empty for the file itself).
-    pub(super) fn new(table: &'a DeTable<'a>, path: String) -> Self {
+    pub(in crate::rig) fn new(table: &'a DeTable<'a>, path: String) -> Self {
         Self { table, path, asked: BTreeSet::new() }
     }
 
     /// The key path of `key` in this table.
-    pub(super) fn path(&self, key: &str) -> String {
+    pub(in crate::rig) fn path(&self, key: &str) -> String {
         if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
     /// The key is in the file.
-    pub(super) fn has(&self, key: &str) -> bool {
+    pub(in crate::rig) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
 
     /// The key is in the file, and is a table.
-    pub(super) fn is_table(&self, key: &str) -> bool {
+    pub(in crate::rig) fn is_table(&self, key: &str) -> bool {
         self.table.get(key).is_some_and(|value| value.get_ref().is_table())
     }
 
     /// The key is in the file, and is a list.
-    pub(super) fn is_list(&self, key: &str) -> bool {
+    pub(in crate::rig) fn is_list(&self, key: &str) -> bool {
         self.table.get(key).is_some_and(|value| value.get_ref().is_array())
     }
 
@@ -100,7 +100,7 @@ impl<'a> Section<'a> {
     }
 
     /// A number; `default` if the key is absent (or wrong, after adding the problem).
-    pub(super) fn number(
+    pub(in crate::rig) fn number(
         &mut self,
         key: &'static str,
         allowed: &Allowed,
@@ -111,7 +111,7 @@ impl<'a> Section<'a> {
     }
 
     /// A number that may be absent.
-    pub(super) fn optional_number(
+    pub(in crate::rig) fn optional_number(
         &mut self,
         key: &'static str,
         allowed: &Allowed,
@@ -122,7 +122,12 @@ impl<'a> Section<'a> {
     }
 
     /// A number that must be there.
-    pub(super) fn required_number(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> f64 {
+    pub(in crate::rig) fn required_number(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        problems: &mut Problems,
+    ) -> f64 {
         if !self.has(key) {
             self.asked.insert(key);
             problems.add(&self.path(key), format!("is missing; expected {}, {}", allowed.what, allowed.words()));
@@ -131,7 +136,7 @@ impl<'a> Section<'a> {
     }
 
     /// `count` numbers in an array; `None` if the key is absent or wrong.
-    pub(super) fn numbers<const COUNT: usize>(
+    pub(in crate::rig) fn numbers<const COUNT: usize>(
         &mut self,
         key: &'static str,
         allowed: &Allowed,
@@ -154,7 +159,7 @@ impl<'a> Section<'a> {
     }
 
     /// A list of pairs of numbers; `None` if the key is absent or wrong.
-    pub(super) fn number_pairs(
+    pub(in crate::rig) fn number_pairs(
         &mut self,
         key: &'static str,
         allowed: &Allowed,
@@ -186,12 +191,12 @@ impl<'a> Section<'a> {
     }
 
     /// Three numbers; zero if the key is absent or wrong.
-    pub(super) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
+    pub(in crate::rig) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
         self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
     }
 
     /// One to `most` different vectors; `None` if the key is absent or wrong.
-    pub(super) fn vectors(
+    pub(in crate::rig) fn vectors(
         &mut self,
         key: &'static str,
         most: usize,
@@ -227,7 +232,7 @@ impl<'a> Section<'a> {
     }
 
     /// `COUNT` whole numbers of pixels, each within its own range.
-    pub(super) fn pixels<const COUNT: usize>(
+    pub(in crate::rig) fn pixels<const COUNT: usize>(
         &mut self,
         key: &'static str,
         ranges: [(u32, u32); COUNT],
@@ -260,7 +265,7 @@ impl<'a> Section<'a> {
     }
 
     /// A truth value; `default` if the key is absent or wrong.
-    pub(super) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
+    pub(in crate::rig) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
         let Some(value) = self.value(key, problems) else { return default };
         value.as_bool().unwrap_or_else(|| {
             problems.add(&self.path(key), format!("{} is neither true nor false (without quotes)", describe(value)));
@@ -269,7 +274,7 @@ impl<'a> Section<'a> {
     }
 
     /// Text that may be absent.
-    pub(super) fn text(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Option<&'a str> {
+    pub(in crate::rig) fn text(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Option<&'a str> {
         let value = self.value(key, problems)?;
         if value.as_str().is_none() {
             problems.add(&self.path(key), format!("{} is not text; expected {what} in quotes", describe(value)));
@@ -278,7 +283,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of a few words.
-    pub(super) fn choice<T: Clone>(
+    pub(in crate::rig) fn choice<T: Clone>(
         &mut self,
         key: &'static str,
         choices: &[(&'static str, T)],
@@ -297,7 +302,7 @@ impl<'a> Section<'a> {
     }
 
     /// A table in this one; an empty one if the key is absent or wrong.
-    pub(super) fn section(&mut self, key: &'static str, problems: &mut Problems) -> Option<Section<'a>> {
+    pub(in crate::rig) fn section(&mut self, key: &'static str, problems: &mut Problems) -> Option<Section<'a>> {
         let value = self.value(key, problems)?;
         let table = value.as_table();
         if table.is_none() {
@@ -307,7 +312,12 @@ impl<'a> Section<'a> {
     }
 
     /// The tables of an array of tables; empty if the key is absent or wrong.
-    pub(super) fn sections(&mut self, key: &'static str, example: &str, problems: &mut Problems) -> Vec<Section<'a>> {
+    pub(in crate::rig) fn sections(
+        &mut self,
+        key: &'static str,
+        example: &str,
+        problems: &mut Problems,
+    ) -> Vec<Section<'a>> {
         let Some(value) = self.value(key, problems) else { return Vec::new() };
         let path = self.path(key);
         let Some(array) = value.as_array() else {
@@ -330,7 +340,7 @@ impl<'a> Section<'a> {
 
     /// Adds a problem for every key that nobody asked for. `elsewhere` says of keys where they
     /// belong.
-    pub(super) fn finish(self, elsewhere: &[(&str, &str)], problems: &mut Problems) {
+    pub(in crate::rig) fn finish(self, elsewhere: &[(&str, &str)], problems: &mut Problems) {
         let known: Vec<&str> = self.asked.iter().copied().collect();
         for (key, _) in self.table.iter().filter(|(key, _)| !self.asked.contains(key.get_ref().as_ref())) {
             let name = key.get_ref().as_ref();

@@ -7,7 +7,7 @@ use std::ops::Range;
 const SHOWN: usize = 20;
 
 /// The problems found so far, and the line of every key that was read.
-pub(super) struct Problems {
+pub(in crate::rig) struct Problems {
     /// Byte offset at which each line starts.
     line_starts: Vec<usize>,
     /// Key path → line.
@@ -18,20 +18,20 @@ pub(super) struct Problems {
 
 impl Problems {
     /// No problems in `text` yet.
-    pub(super) fn new(text: &str) -> Self {
+    pub(in crate::rig) fn new(text: &str) -> Self {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         Self { line_starts: std::iter::once(0).chain(newlines).collect(), lines: BTreeMap::new(), found: Vec::new() }
     }
 
     /// Remembers where the key `path` stands.
-    pub(super) fn place(&mut self, path: &str, span: &Range<usize>) {
+    pub(in crate::rig) fn place(&mut self, path: &str, span: &Range<usize>) {
         let line = self.line_at(span.start);
         self.lines.insert(path.to_owned(), line);
     }
 
     /// Adds a problem of the key `path`; where that was not in the file, its nearest parent's line
     /// stands.
-    pub(super) fn add(&mut self, path: &str, why: impl Into<String>) {
+    pub(in crate::rig) fn add(&mut self, path: &str, why: impl Into<String>) {
         let mut parent = path;
         let line = loop {
             if let Some(line) = self.lines.get(parent) {
@@ -46,18 +46,18 @@ impl Problems {
     }
 
     /// Adds a problem of the text at `span`, which belongs to no key.
-    pub(super) fn add_at(&mut self, span: Option<Range<usize>>, why: impl Into<String>) {
+    pub(in crate::rig) fn add_at(&mut self, span: Option<Range<usize>>, why: impl Into<String>) {
         let line = span.map_or(1, |span| self.line_at(span.start));
         self.found.push((line, String::new(), why.into()));
     }
 
     /// Nothing was found.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::rig) fn is_empty(&self) -> bool {
         self.found.is_empty()
     }
 
     /// The message for people: one `file:line: key: reason` per problem, in the file's order.
-    pub(super) fn message(&self, file_name: &str) -> String {
+    pub(in crate::rig) fn message(&self, file_name: &str) -> String {
         let mut found: Vec<_> = self.found.iter().collect();
         found.sort_by_key(|(line, _, _)| *line);
         let mut lines: Vec<String> = found
@@ -81,7 +81,7 @@ impl Problems {
 }
 
 /// The one of `known` that `word` most likely is a misspelling of, if any is near enough.
-pub(super) fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+pub(in crate::rig) fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     let allowed = (word.chars().count() / 3).max(1);
     known

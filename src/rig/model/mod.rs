@@ -1,0 +1,206 @@
+//! The rig: what stands where, in radians and metres.
+//!
+//! The parts are files of their own; `camera`, `viewer` and `method` can also be written on a
+//! command line, and are read from there.
+
+pub mod black;
+pub mod blend;
+pub mod calibration;
+pub mod camera;
+pub mod flip;
+pub mod method;
+pub mod response;
+pub mod surface;
+pub mod viewer;
+pub mod views;
+
+use crate::geom::PixelRect;
+use crate::rig::{Black, Blend, Calibration, Flip, Method, Views};
+use glam::DVec3;
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+/// Everything a rig file says.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Rig {
+    /// Name: the preset's, or the file's.
+    pub name: String,
+    /// The program's own framebuffer is left alone (preset `identity`); `outputs` is empty then.
+    pub passthrough: bool,
+    /// The dome: what domemasters and angles of ramps are measured from, and the screen where
+    /// `screen` says no other.
+    pub dome: Dome,
+    /// What light falls on; `None` = the dome itself. [`Rig::surface`] has either.
+    pub screen: Option<crate::geom::Screen>,
+    /// The correct point of view.
+    pub viewer: Viewer,
+    /// Adaptation of the program's own camera.
+    pub camera: Camera,
+    /// Choice of the views.
+    pub views: Views,
+    /// Where flat (orthographic) drawing appears.
+    pub overlay: Overlay,
+    /// The outputs.
+    pub outputs: Vec<Output>,
+}
+
+impl Rig {
+    /// The rig whose outputs are not mirrored.
+    pub fn upright(&self) -> Cow<'_, Self> {
+        if self.outputs.iter().all(|output| output.flip.is_none()) {
+            return Cow::Borrowed(self);
+        }
+        let mut upright = self.clone();
+        upright.outputs.iter_mut().for_each(|output| output.flip = Flip::default());
+        Cow::Owned(upright)
+    }
+}
+
+/// A spherical dome, centred at the origin.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Dome {
+    /// Radius, metres, > 0.
+    pub radius: f64,
+    /// Angle from straight up to the dome's pole, towards the front, radians: 0 = zenith up, π/2 =
+    /// pole straight ahead.
+    pub tilt: f64,
+    /// Opening angle of the cap that is screen, radians, 0 < coverage ≤ 2π.
+    pub coverage: f64,
+}
+
+/// The correct point of view.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Viewer {
+    /// Metres from the dome's centre.
+    pub position: DVec3,
+    /// Right-positive, radians.
+    pub yaw: f64,
+    /// Up-positive, radians.
+    pub pitch: f64,
+    /// Clockwise-positive as the viewer sees it, radians.
+    pub roll: f64,
+}
+
+/// Adaptation of the program's own camera.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Camera {
+    /// Factor on the tangents of every direction that the program draws, > 0.
+    pub zoom: f64,
+    /// Motion of the eye along the program's camera axes, in the program's units.
+    pub shift: DVec3,
+    /// The program's units in a metre of the dome, > 0: how far apart the eyes of stereo outputs
+    /// are for the program.
+    pub units_per_meter: f64,
+    /// The camera is turned right by this, radians.
+    pub yaw: f64,
+    /// The camera is turned up by this, radians.
+    pub pitch: f64,
+    /// The camera is rolled clockwise by this, radians.
+    pub roll: f64,
+    /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for
+    /// draws of which the program's matrices tell none.
+    pub lens: Option<[f64; 2]>,
+}
+
+/// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with
+/// the window's aspect.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Overlay {
+    /// Direction of its centre, right-positive, radians from the viewer's forward direction.
+    pub yaw: f64,
+    /// Direction of its centre, up-positive, radians.
+    pub pitch: f64,
+    /// Angle that its width fills, radians, 0 < width < π.
+    pub width: f64,
+}
+
+/// One picture that is presented.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Output {
+    /// Name, unique in the rig; letters, digits, `-`, `_`, `.`.
+    pub name: String,
+    /// Kind.
+    pub kind: OutputKind,
+    /// Method that makes its picture from the views.
+    pub method: Method,
+    /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in
+    /// the window.
+    pub size: Option<(u32, u32)>,
+    /// Its place in the window. `None` = the
+    /// planner's grid.
+    pub window: Option<PixelRect>,
+    /// Blending into its neighbours.
+    pub blend: Blend,
+    /// A grey image that is multiplied in, absolute path.
+    pub mask: Option<PathBuf>,
+    /// Values for black, pixel by pixel.
+    pub black: Option<std::sync::Arc<Black>>,
+    /// Distance of the output's eye to the right of the viewer's position, metres (stereo).
+    pub eye: f64,
+    /// Mirroring of the finished picture; everything else refers to the picture before it.
+    pub flip: Flip,
+}
+
+/// Kinds of outputs.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub enum OutputKind {
+    /// An equidistant fisheye picture, circle inscribed and centred.
+    Domemaster {
+        /// Opening angle, radians, 0 < aperture ≤ 2π.
+        aperture: f64,
+        /// Angle from straight up to the circle's centre, towards the front, radians (π/2: the
+        /// centre is straight ahead).
+        tilt: f64,
+    },
+    /// A picture of all directions from the dome's centre, in other projections than a
+    /// domemaster's.
+    Panorama {
+        /// Its projection.
+        panorama: crate::geom::Panorama,
+        /// Direction of its middle relative to the viewer, radians: right-positive, up-positive,
+        /// clockwise-positive.
+        angles: [f64; 3],
+    },
+    /// A pinhole projector, anywhere inside or outside the dome.
+    Projector {
+        /// Where its lens is, metres from the dome's centre.
+        position: DVec3,
+        /// Aim, radians: right-positive, up-positive, clockwise-positive.
+        angles: [f64; 3],
+        /// Its opening, lens shift included (tangents).
+        frustum: crate::geom::Frustum,
+    },
+    /// A projector with a lens that is no ideal pinhole, or before a mirror.
+    Optics {
+        /// Place, lens and mirror, in metres from the dome's centre.
+        optics: Box<crate::geom::Optics>,
+        /// Part by which small pixels are dimmed for the larger ones' sake, 0…1.
+        even_light: f64,
+    },
+    /// Calibration of each pixel from a file.
+    Mesh(std::sync::Arc<Calibration>),
+    /// A flat perspective picture as the viewer would see it through a window.
+    Perspective {
+        /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
+        angles: [f64; 3],
+        /// Its opening; `None` = the program's own lens, whatever it is (preset
+        /// `identity-captured`).
+        frustum: Option<crate::geom::Frustum>,
+    },
+}
+
+impl OutputKind {
+    /// Whether the output lights the screen from a place of its own.
+    pub fn is_projector(&self) -> bool {
+        matches!(self, Self::Projector { .. } | Self::Optics { .. })
+    }
+
+    /// Whether the picture is a circle inscribed in the output, black around it.
+    pub fn is_circular(&self) -> bool {
+        match self {
+            Self::Domemaster { .. } => true,
+            Self::Panorama { panorama, .. } => panorama.is_circular(),
+            _ => false,
+        }
+    }
+}
