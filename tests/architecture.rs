@@ -342,7 +342,9 @@ fn the_checks_find_violations() {
     assert_eq!(modules.into_iter().collect::<Vec<_>>(), ["error", "geom", "rig", "views"]);
     assert!(is_lost_test("#[test]\nfn lost() {}") && !is_lost_test("tests! { found }"));
     let violation = |path: &str, code: &str| OpenGl::of(&code_of(code)).violation(path);
-    for code in ["gl.Enable(GL_BLEND)", "use api::GL_BLEND;", "fn draw(gl: &Gl)", "use crate::backend::gl::headless;"] {
+    for code in
+        ["gl.Enable(GL_BLEND)", "use api::GL_BLEND;", "fn draw(gl: &Gl)", "use crate::backend::gl::driver::headless;"]
+    {
         assert!(violation("src/correct/plan.rs", code).is_some(), "{code}");
         assert_eq!(violation("src/backend/gl/state.rs", code), None, "{code}");
     }

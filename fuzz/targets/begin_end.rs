@@ -3,7 +3,7 @@
 //! Arrays are given with exactly the length that OpenGL reads; the driver's functions read them whole.
 #![no_main]
 
-use cupola::backend::gl::api::{self, Gl};
+use cupola::backend::gl::driver::api::{self, Gl};
 use cupola::backend::null;
 use cupola::intercept::gl::context::current::set_driver;
 use cupola::intercept::gl::entry::{contexts, table};

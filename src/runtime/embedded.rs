@@ -4,8 +4,8 @@ pub mod vulkan;
 
 use super::cache;
 use super::session::{Extras, MatrixClass, Session, classify};
-use crate::backend::gl::api::Gl;
-use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
+use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::objects::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::LowerLeftRect;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};

@@ -2,12 +2,12 @@
 //!
 //! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11 bits.
 
-use super::api::Gl;
-use super::known_state::KnownState;
-use super::own_names;
-use super::program::{ATLAS_UNIT, link};
+use super::driver::api::Gl;
+use super::driver::own_names;
+use super::objects::program::{ATLAS_UNIT, link};
 use super::state::Capabilities;
-use crate::backend::gl::api;
+use super::state::known_state::KnownState;
+use crate::backend::gl::driver::api;
 use crate::backend::gl::state;
 use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};

@@ -1,9 +1,9 @@
 //! The map that the shaders compute, read back: the very programs that correct, with another last stage.
 
-use super::api::*;
+use super::driver::api::*;
+use super::driver::values::integer;
+use super::objects::target::Target;
 use super::passes::GlBackend;
-use super::target::Target;
-use super::values::integer;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::map::MapPixel;
 use crate::correct::{LowerLeftRect, Plan};

@@ -1,33 +1,25 @@
 //! OpenGL and OpenGL ES.
+//!
+//! ```text
+//! driver ◄── state ◄── objects ◄── passes, accumulation, map
+//! ```
+//!
+//! `driver` is the function table with what answers questions, `state` what is put back, `objects`
+//! are programs, textures and framebuffers of ours, `passes` the correction of a frame.
 
 pub mod accumulation;
-pub mod api;
-mod binaries;
-mod cleared_views;
-mod current_program;
-mod errors;
-mod full_clear;
-pub mod glx;
-pub mod headless;
-mod known_state;
+pub mod driver;
 mod map;
-pub mod own_names;
+pub mod objects;
 mod passes;
-mod program;
 mod state;
-pub mod surface;
-mod target;
-mod textures;
-mod unsampled_areas;
-pub(crate) mod values;
 
 pub use crate::correct::shaders::map::MapPixel;
-pub use cleared_views::ClearedViews;
-pub use current_program::CurrentProgram;
-pub use known_state::KnownState;
 pub use map::gpu_map;
-pub use passes::GlBackend;
-pub use target::Target;
+pub use objects::target::Target;
+pub use passes::{ClearedViews, GlBackend};
+pub use state::current_program::CurrentProgram;
+pub use state::known_state::KnownState;
 
 #[cfg(test)]
 mod tests;

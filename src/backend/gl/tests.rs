@@ -5,8 +5,8 @@ mod state;
 mod targets;
 mod unsampled_areas;
 
-use super::api::{GL_NO_ERROR, GL_RGBA8};
-use super::headless::{Api, Headless};
+use super::driver::api::{GL_NO_ERROR, GL_RGBA8};
+use super::driver::headless::{Api, Headless};
 use super::{GlBackend, MapPixel, Target, gpu_map};
 use crate::backend::tests::{Driver, run_all_cases};
 use crate::correct::Plan;

@@ -1,8 +1,8 @@
 //! The functions of the null driver. What is not here does nothing and answers zero, as
-//! [`Gl`](crate::backend::gl::api::Gl) does for functions that a driver lacks.
+//! [`Gl`](crate::backend::gl::driver::api::Gl) does for functions that a driver lacks.
 
 use super::{DrawCall, Record, note};
-use crate::backend::gl::api::*;
+use crate::backend::gl::driver::api::*;
 use crate::correct::LowerLeftRect;
 use std::ffi::{CStr, c_void};
 

@@ -71,8 +71,8 @@ pub fn recorded() -> Record {
 }
 
 /// The function table of the driver.
-pub fn driver() -> crate::backend::gl::api::Gl {
-    crate::backend::gl::api::Gl::load(find)
+pub fn driver() -> crate::backend::gl::driver::api::Gl {
+    crate::backend::gl::driver::api::Gl::load(find)
 }
 
 /// Counts a call, and notes it.
@@ -81,7 +81,7 @@ fn note<R>(work: impl FnOnce(&mut Record) -> R) -> R {
         record.calls += 1;
         if record.fails_at.is_some_and(|at| record.calls >= at) {
             record.fails_at = None;
-            record.error = crate::backend::gl::api::GL_OUT_OF_MEMORY;
+            record.error = crate::backend::gl::driver::api::GL_OUT_OF_MEMORY;
         }
         work(record)
     })

@@ -154,7 +154,7 @@ fn computed(
     let plan = cupola::correct::build(rig, &request)?;
     let (pixels, driver) = match backend {
         Backend::Gl => {
-            let context = gl::headless::Headless::new(gl::headless::Api::Core)?;
+            let context = gl::driver::headless::Headless::new(gl::driver::headless::Api::Core)?;
             (gl::gpu_map(&context.gl, context.is_gles, &plan, output)?, context.driver())
         }
         Backend::Vk => {

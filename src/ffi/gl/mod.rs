@@ -14,7 +14,7 @@ use super::rig::cupola_rig;
 use super::sized::{self, SizedPlace};
 use super::status::{call, cupola_status};
 use super::view::{Matrices, name_of};
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
 use crate::error::Result;
 use crate::rig::{Rig, Viewer};

@@ -1,6 +1,6 @@
 //! Textures of pictures, and places to draw.
 
-use crate::backend::gl::api::*;
+use crate::backend::gl::driver::api::*;
 pub use crate::backend::tests::picture::Picture;
 use crate::correct::LowerLeftRect;
 

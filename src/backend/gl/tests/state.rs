@@ -2,8 +2,8 @@
 
 use super::canvas::{Canvas, Picture};
 use super::{contexts, headless};
-use crate::backend::gl::api::*;
-use crate::backend::gl::headless::{Api, Headless};
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::driver::headless::{Api, Headless};
 use crate::backend::gl::{GlBackend, Target, gpu_map};
 use crate::backend::tests::plans::*;
 use glam::DVec3;

@@ -2,7 +2,7 @@
 
 use super::canvas::Canvas;
 use super::contexts;
-use crate::backend::gl::api::*;
+use crate::backend::gl::driver::api::*;
 use crate::backend::gl::{ClearedViews, GlBackend, KnownState, Target};
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::*;

@@ -3,8 +3,8 @@
 use super::canvas::{Canvas, Picture};
 use super::headless;
 use super::state::{snapshot, spoil};
-use crate::backend::gl::api::*;
-use crate::backend::gl::headless::{Api, Headless};
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::driver::headless::{Api, Headless};
 use crate::backend::gl::{GlBackend, KnownState};
 use crate::correct::Tile;
 

@@ -1,7 +1,7 @@
 //! Vulkan shows what OpenGL shows.
 
 use super::headless;
-use crate::backend::gl::headless::{Api, Headless};
+use crate::backend::gl::driver::headless::{Api, Headless};
 use crate::backend::tests::Driver;
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::present::waves;

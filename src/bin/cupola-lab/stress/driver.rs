@@ -20,7 +20,7 @@ pub enum Backend {
 /// An open driver, or none.
 pub enum Driver {
     /// A context, current on this thread.
-    Gl(Box<gl::headless::Headless>),
+    Gl(Box<gl::driver::headless::Headless>),
     /// A device.
     Vk(Box<vk::headless::Headless>),
     /// The formulas themselves.
@@ -31,9 +31,9 @@ impl Driver {
     /// Opens a driver for the case with this seed. OpenGL and OpenGL ES take turns, so that only
     /// one context is current.
     pub fn new(backend: Backend, seed: u64) -> Result<Self, Failure> {
-        let api = if seed.is_multiple_of(2) { gl::headless::Api::Core } else { gl::headless::Api::Es3 };
+        let api = if seed.is_multiple_of(2) { gl::driver::headless::Api::Core } else { gl::driver::headless::Api::Es3 };
         Ok(match backend {
-            Backend::Gl => Self::Gl(Box::new(gl::headless::Headless::new(api)?)),
+            Backend::Gl => Self::Gl(Box::new(gl::driver::headless::Headless::new(api)?)),
             Backend::Vk => Self::Vk(Box::new(vk::headless::Headless::new(&[])?)),
             Backend::Cpu => Self::Cpu,
         })

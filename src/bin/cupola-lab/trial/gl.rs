@@ -3,8 +3,8 @@
 //! All corrections are drawn in turn, round by round, so that other load on the machine affects all
 //! of them equally.
 
-use cupola::backend::gl::api::*;
-use cupola::backend::gl::headless::{Api, Headless};
+use cupola::backend::gl::driver::api::*;
+use cupola::backend::gl::driver::headless::{Api, Headless};
 use cupola::backend::gl::{GlBackend, Target};
 use cupola::correct::LowerLeftRect;
 use cupola::correct::Plan;

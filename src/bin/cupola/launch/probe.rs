@@ -3,7 +3,7 @@
 
 use super::{Environment, apply};
 use crate::failure::Failure;
-use cupola::backend::gl::{glx, headless};
+use cupola::backend::gl::driver::{glx, headless};
 use cupola::backend::vk;
 use serde_json::{Value, json};
 use std::process::{Command, ExitCode, Stdio};

@@ -1,6 +1,6 @@
 //! What a program asks about its state: what it set, not what a view needs.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;

@@ -2,7 +2,7 @@
 //!
 //! Views are made of the first ones. Draws of programs that choose one by its index are flat where these differ.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::app_state::getters::is_answered;
 use crate::intercept::gl::app_state::known_state;

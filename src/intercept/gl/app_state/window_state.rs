@@ -1,6 +1,6 @@
 //! Window-space state: what the program set, and what the driver has while a view is drawn.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::app_state::known_state;
 use crate::intercept::gl::context::gl_context::Context;

@@ -4,7 +4,7 @@
 //! program's errors as it would without us. Display lists are called when the draw is issued, and so are
 //! elements of arrays, which go into lists of ours. Begin or End may lie in a list of the program.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{ListState, Primitive};

@@ -4,7 +4,7 @@
 //! in real lists of the driver (the first under the program's own name); commands that we follow
 //! (matrices, viewport, clears, nested lists …) are kept beside them and run through our hooks.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::app_state::window_state;
 use crate::intercept::gl::compat::{begin_end, raster_position};
 use crate::intercept::gl::context::gl_context::Context;

@@ -1,6 +1,6 @@
 //! The fixed-function projection: what the program has in `GL_PROJECTION`, and each view's.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;

@@ -4,7 +4,7 @@
 //! A position in the scene has another place in every view, so it is kept with its model-view
 //! matrix and set again in each view before something is drawn there.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::compat::scene_position::{Placed, is_valid, move_by, raster_position};
 use crate::intercept::gl::context::gl_context::Context;

@@ -1,6 +1,6 @@
 //! A raster position of the scene in the driver.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 

@@ -3,7 +3,7 @@
 //! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form, but are
 //! allowed between Begin and End, are below it.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::compat::begin_end;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;

@@ -1,6 +1,6 @@
 //! The contexts of the process, and which one is current on a thread.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::log;
 use crate::lock::Lock;

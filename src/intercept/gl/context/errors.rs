@@ -1,6 +1,6 @@
 //! OpenGL's error flag, which the program's calls and ours share.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::log;

@@ -1,6 +1,6 @@
 //! One context of the program, in parts.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::list_recording::{ListState, Lists};
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::compat::Compat;

@@ -1,6 +1,6 @@
 //! Recording of display lists: commands that are kept beside the lists of the driver.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::draw::bounds::Bounds;

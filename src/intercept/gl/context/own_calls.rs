@@ -7,7 +7,7 @@
 //! }                                                        all is back, also after a panic
 //! ```
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use std::ops::{Deref, DerefMut};
 

@@ -1,6 +1,6 @@
 //! Reads of pixels of our own.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::runtime::report::Picture;
 

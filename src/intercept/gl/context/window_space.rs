@@ -1,6 +1,6 @@
 //! Viewports and scissors of the driver.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;

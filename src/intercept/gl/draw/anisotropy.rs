@@ -4,7 +4,7 @@
 //! turned to the side surfaces reach the eye at flatter angles than in the program's own picture: where a
 //! footprint is billions of texels long, drawing does not end. There, textures are filtered without anisotropy.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;

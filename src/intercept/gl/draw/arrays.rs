@@ -3,7 +3,7 @@
 //! Arrays in the program's memory are looked through at every draw, since they may change without a call. Arrays
 //! in buffers are read once and then known until the buffer changes ([`crate::intercept::gl::vertex_input::ranges`]).
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::draw::commands::draw_command;

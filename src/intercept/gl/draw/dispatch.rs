@@ -11,7 +11,7 @@
 //!                                        └──── per_view::issue ┘
 //! ```
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;

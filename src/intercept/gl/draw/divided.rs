@@ -1,6 +1,6 @@
 //! Draws of the fixed-function pipeline whose primitives the processor divides.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::draw::commands::draw_command;

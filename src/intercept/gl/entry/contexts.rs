@@ -1,6 +1,6 @@
 //! The contexts of the process, by their handles.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{CURRENT, HANDLE, after_panic, current};
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};

@@ -1,6 +1,6 @@
 //! The EGL vendor wrapper: libEGL loads us from a JSON file, we load the real vendor.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};

@@ -1,6 +1,6 @@
 //! The GLX vendor wrapper: libGLX loads us as the vendor "cupola", we load the real one.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};

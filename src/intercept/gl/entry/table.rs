@@ -99,7 +99,7 @@ fn core_name(name: &str) -> &str {
         | "glGetFramebufferAttachmentParameterivOES"
         | "glIsFramebufferOES" => &name[..name.len() - 3],
         "glDrawBuffersNV" | "glReadBufferNV" => &name[..name.len() - 2],
-        _ => crate::backend::gl::api::core_name(name),
+        _ => crate::backend::gl::driver::api::core_name(name),
     }
 }
 

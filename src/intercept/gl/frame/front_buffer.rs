@@ -3,7 +3,7 @@
 //! Such a program ends a picture with `glFlush` or `glFinish`. Each is a frame for us if something was
 //! drawn since the last one.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::context::gl_context::Context;

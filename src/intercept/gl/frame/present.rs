@@ -1,6 +1,6 @@
 //! The end of a frame: correct it into the window, count, capture.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};

@@ -1,6 +1,6 @@
 //! Copies between framebuffers, and from them into textures, where one side is once per view.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;

@@ -1,7 +1,7 @@
 //! Whether a flat draw that samples an image fills the window, as one that shows a scene does, or a part of it, as
 //! a map in a corner does. Counted by an occlusion query, once for each kind of draw.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;

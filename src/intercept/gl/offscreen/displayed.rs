@@ -1,6 +1,6 @@
 //! Flat draws to the window that show what was drawn off screen: each view is filled with its own picture.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::blits::{End, resample, window_format};

@@ -1,6 +1,6 @@
 //! Draws to the program's own framebuffers: once for each view that can show them.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::sampling;
 use crate::intercept::gl::offscreen::target::each_view;

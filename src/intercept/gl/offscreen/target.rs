@@ -1,6 +1,6 @@
 //! The target of draws that go to copies per view off screen.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
 use crate::intercept::gl::queries::scaling;

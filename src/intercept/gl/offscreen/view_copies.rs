@@ -12,7 +12,7 @@
 //! views, `blits` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
 //! its corner.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
@@ -92,7 +92,9 @@ pub fn leave(ctx: &mut Context) {
     if std::mem::take(&mut ctx.view_copies.bound) {
         // SAFETY: what the program bound.
         unsafe {
-            ctx.driver.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer)
+            ctx.driver
+                .gl
+                .bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer)
         };
         ctx.restore_window_space();
     }
@@ -318,7 +320,7 @@ pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     ctx.view_copies.bound = true;
     let view_copy = ctx.view_copies.framebuffers[index].view_copy;
     // SAFETY: a framebuffer of ours; `leave` puts the program's back.
-    unsafe { ctx.driver.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, view_copy) };
+    unsafe { ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, view_copy) };
     true
 }
 

@@ -1,6 +1,6 @@
 //! Issue of a draw once per view.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::projected_vertices;

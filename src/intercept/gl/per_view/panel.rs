@@ -1,7 +1,7 @@
 //! The flat panel: its blending and its clears.
 
 use crate::backend::gl::KnownState;
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 

@@ -3,7 +3,7 @@
 //! A viewport cuts triangles, but of a point or a line only its middle: the rest would be drawn into the neighbouring
 //! tile. Changing the scissor with each view is dear on software renderers, so tiles are cut for these only.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::draw::primitives::{Patch, Shape};

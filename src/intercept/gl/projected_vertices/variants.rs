@@ -4,7 +4,7 @@
 //! linked when a draw first needs it; before each draw it gets the values of the program's uniforms.
 
 use crate::backend::gl::CurrentProgram;
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::errors;

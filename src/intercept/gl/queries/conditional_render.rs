@@ -1,6 +1,6 @@
 //! Conditional rendering: it holds for what the program draws, not for our own work in between.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::queries::scaling;

@@ -1,6 +1,6 @@
 //! Answers to a program about its queries: its own names, and the sums of their parts.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::{hooks, list_recording};
 use crate::intercept::gl::queries::scaling::{begin, end};
 use crate::intercept::gl::state::driver::Driver;

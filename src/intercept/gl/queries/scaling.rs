@@ -11,7 +11,7 @@
 //! - time: without our own work;
 //! - whether any samples passed: yes if any passed in any view.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::queries::{Count, Queries, Running, begin_real, end_real, kind, quantity, result};

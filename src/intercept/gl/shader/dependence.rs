@@ -5,7 +5,7 @@
 //! doubt: all branches of conditional compilation, variables of one name as one variable, all words of a statement into
 //! each variable that it writes, all words of a function's body into its value, and all conditions into every variable.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::prover::tokens::{self, is_name};
 use crate::intercept::gl::state::shader::uniforms::PositionNames;
 use std::collections::{HashMap, HashSet};

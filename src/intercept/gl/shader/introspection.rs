@@ -1,6 +1,6 @@
 //! What a program asks about its shaders: our uniform is not among the answers.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::programs;

@@ -1,6 +1,6 @@
 //! Positions of a program that are proven from the text of its vertex shader.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::shader::prover::{self, Attribute, Proof};
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position};
 use crate::intercept::gl::state::shader::uniforms::Uniforms;

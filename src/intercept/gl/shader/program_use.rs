@@ -1,6 +1,6 @@
 //! Which program is in use, and the deletion of programs.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};

@@ -1,6 +1,6 @@
 //! The program's shaders: patched when they are linked, and which lens they draw with.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;

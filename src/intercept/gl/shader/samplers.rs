@@ -1,6 +1,6 @@
 //! Samplers of a program.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::Sampler;
 use std::ffi::{CStr, c_char};
 

@@ -1,6 +1,6 @@
 //! Finds the projection among a program's 4×4 matrices.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::{program_pipelines, programs};
 use crate::intercept::gl::state::driver::profile::Profile;

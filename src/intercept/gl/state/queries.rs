@@ -1,6 +1,6 @@
 //! Queries of the program, as parts with factors.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::scene::query_scaling::Quantity;
 use crate::runtime::session::Intrinsics;

@@ -2,7 +2,7 @@
 //!
 //! `GL_ELEMENT_ARRAY_BUFFER` belongs to a vertex array object ([`crate::intercept::gl::vertex_input::vertex_arrays`]).
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::state::driver::Driver;

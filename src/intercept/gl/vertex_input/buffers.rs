@@ -4,7 +4,7 @@
 //! feedback, storage blocks, read-backs, images over buffers), what stays mapped, and names that came back after a
 //! buffer was deleted (a vertex array may still hold the old one) are not known any more, for good.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::vertex_input::VertexInput;

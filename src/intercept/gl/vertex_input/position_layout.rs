@@ -1,6 +1,6 @@
 //! How the array of positions lies in memory.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::shader::programs::Array;
 use crate::intercept::gl::state::vertex_input::vertex_arrays::{Pointer, Source, width};

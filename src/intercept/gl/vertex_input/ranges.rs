@@ -4,7 +4,7 @@
 //! no memory, and nothing for what is never drawn as a scene. A read-back is a wait for the driver, so a program that
 //! writes its vertices anew in each frame must not have it: a buffer is read only once it has outlasted a frame.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::driver::Driver;

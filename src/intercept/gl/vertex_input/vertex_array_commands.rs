@@ -3,8 +3,8 @@
 //! The rows come from the registry (`build/gl_arrays.rs`): each makes unknown what it may have changed. Those whose arguments
 //! are noted have hooks below. Some are allowed between Begin and End, with a result that is not defined.
 
-use crate::backend::gl::api;
-use crate::backend::gl::values::integer;
+use crate::backend::gl::driver::api;
+use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::driver::Driver;

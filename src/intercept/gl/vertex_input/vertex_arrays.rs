@@ -4,8 +4,8 @@
 //! What the usual calls set is noted from their arguments, where OpenGL cannot have refused them; every other call that may
 //! change an array makes it unknown again (`vertex_array_commands`). Only attributes that a draw has asked about are kept.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::values::integer;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;

@@ -1,7 +1,7 @@
 //! `glAccum`: motion blur and the like, of all views at once.
 
 use crate::backend::gl::accumulation::{Accumulation, Operation};
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;

@@ -1,7 +1,7 @@
 //! Framebuffers: the program's 0 is ours; bindings and attachments.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::values::integer;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::commands::window_answers;

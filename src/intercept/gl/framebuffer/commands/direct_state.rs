@@ -4,7 +4,7 @@
 //! binding is put back. Other framebuffers use the newer command, except where the scissor has an effect: while the
 //! window is bound, the scissor is that of a tile.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::commands::{bindings, blits, clears, draw_buffers, window_answers};

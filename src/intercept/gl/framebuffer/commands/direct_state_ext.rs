@@ -1,7 +1,7 @@
 //! Framebuffers by their names as of `GL_EXT_direct_state_access`: the program's 0 is ours here too. Unlike the commands of
 //! OpenGL 4.5 these make the object of a name that was only asked for.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::commands::direct_state::{bound, is_window, real};
 use crate::intercept::gl::framebuffer::commands::{draw_buffers, window_answers};

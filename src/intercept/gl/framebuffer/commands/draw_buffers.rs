@@ -1,7 +1,7 @@
 //! Buffers that the program draws to and reads from: front and back of the window are one image.
 
-use crate::backend::gl::api;
-use crate::backend::gl::values::integer;
+use crate::backend::gl::driver::api;
+use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};

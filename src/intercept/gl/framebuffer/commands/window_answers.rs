@@ -1,6 +1,6 @@
 //! What a program asks about its window's framebuffer, and hints about it.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::offscreen::view_copies;

@@ -1,6 +1,8 @@
 //! The program's own picture, resampled from the views for its first read.
 
-use crate::backend::gl::{GlBackend, Target, api};
+use crate::backend::gl::{GlBackend, Target};
+
+use crate::backend::gl::driver::api;
 use crate::correct::{Batch, LowerLeftRect, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::gl::context::errors::take_own_errors;

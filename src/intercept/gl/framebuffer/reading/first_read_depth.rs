@@ -1,7 +1,7 @@
 //! Depth and stencil of the program's own picture for a read that comes before anything was drawn to it: each pixel
 //! takes those of the view that shows its direction, from the texel that it falls into.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::read_pixels;
@@ -161,7 +161,7 @@ pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) ->
 pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content: Content, pixels: &[u32]) {
     let [width, height] = tile.size();
     let [x0, y0, x1, y1] = tile.corners();
-    let texture = crate::backend::gl::own_names::texture(gl);
+    let texture = crate::backend::gl::driver::own_names::texture(gl);
     let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {
         let start = pixels.as_ptr().cast();

@@ -1,6 +1,6 @@
 //! A framebuffer of ours with one texture.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 
 /// A framebuffer with one texture of 8 bits.
 pub struct OwnFramebuffer {

@@ -2,7 +2,7 @@
 //!
 //! Beside that picture lie others. Memory of the program for pixels outside of its window is not written.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;

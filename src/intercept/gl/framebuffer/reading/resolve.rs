@@ -1,6 +1,6 @@
 //! The samples of the atlas, resolved for reads; and its alpha, for windows without one.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;

@@ -1,7 +1,7 @@
 //! Puts the atlas of the rig's views in the place of a window's framebuffer, and follows the window and the rig file.
 
 use crate::backend::gl::KnownState;
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;

@@ -1,6 +1,6 @@
 //! More tiles in the atlas: the panel and the program's own picture, from their first use on.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;

@@ -1,7 +1,7 @@
 //! Makes the atlas for a plan: its textures and the objects of the correction.
 
-use crate::backend::gl::api::Gl;
-use crate::backend::gl::surface::{Surface, greatest_texture};
+use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::objects::surface::{Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::gl::context::gl_context::Context;

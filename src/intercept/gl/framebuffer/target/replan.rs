@@ -5,7 +5,7 @@
 //! number is that of the program's own draws, whether or not some of them are left out of views: what is left out never
 //! changes a picture.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::target::attach::plan_for;

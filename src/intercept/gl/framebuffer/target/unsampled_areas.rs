@@ -9,7 +9,7 @@
 //! read beyond the border of what is sampled.
 
 use crate::backend::gl::GlBackend;
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::{self, Plan};
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;

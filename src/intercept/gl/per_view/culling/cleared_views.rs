@@ -1,7 +1,7 @@
 //! Views that hold nothing but the colour of the last clear, and where others hold more: their part of the correction is
 //! that colour, but for where something was drawn.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 
 /// The program cleared all views' colours by `glClear`, to what it has set to have set.

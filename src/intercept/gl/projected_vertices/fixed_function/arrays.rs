@@ -3,7 +3,7 @@
 //! Triangles and lines from buffers are left to a geometry stage where there is one: to read them back the processor would
 //! have to wait.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods;

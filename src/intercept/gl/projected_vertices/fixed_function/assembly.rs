@@ -1,6 +1,6 @@
 //! How vertices of Begin/End or of arrays become lines and triangles (OpenGL 2.1, section 2.6.1).
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 
 /// A triangle of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 //! The positions of the new vertices are the program's own, in between; what stands in for the pipeline's vertex stage
 //! projects them, and lights them, as it does the others.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;

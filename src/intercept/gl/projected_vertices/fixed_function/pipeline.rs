@@ -1,7 +1,7 @@
 //! What of the fixed-function pipeline's vertex stage is switched on.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::values::integer;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{

@@ -3,7 +3,7 @@
 //! The position is the pipeline's own, so that what stands behind it can go on from there. Values (lights, materials,
 //! planes, matrices) are read from GLSL's own uniforms.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{Followed, Generated, Lighting, Pipeline};
 use std::fmt::Write;
 

@@ -7,7 +7,7 @@
 //! Where primitives have to be divided, [`vertices`] are read from what was recorded or from [`arrays`], become triangles
 //! and lines ([`assembly`]) and are given to the driver with what is between them ([`division`]).
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;

@@ -1,6 +1,6 @@
 //! Vertices of the fixed-function pipeline as numbers, so that there can be some between them.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
 use crate::intercept::gl::state::compat::vertex_recorder::{Recorded, Recorder, Sets};
 

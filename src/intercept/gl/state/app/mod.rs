@@ -5,7 +5,7 @@
 pub mod attribute_stack;
 pub mod window_arrays;
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
 use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};

@@ -1,6 +1,6 @@
 //! The fixed-function projection of the program and of each view.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::runtime::Session;
 use crate::runtime::session::{MatrixClass, classify};
 

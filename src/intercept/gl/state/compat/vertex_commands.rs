@@ -2,7 +2,7 @@
 //!
 //! The rows come from the registry (`build/gl_attributes.rs`).
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 
 macro_rules! attribute_commands {
     ({ $( $commands:tt )* }

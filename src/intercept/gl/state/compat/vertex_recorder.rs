@@ -4,7 +4,7 @@
 //! components as an array, so that OpenGL's rules for integers, packed numbers and generic attributes are the
 //! driver's. The memory is used again for the next Begin/End.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_commands::{self, Command};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 

@@ -1,6 +1,6 @@
 //! Primitives of the next draw, and of the one that is being issued.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 
 /// What a draw consists of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

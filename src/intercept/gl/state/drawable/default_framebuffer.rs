@@ -1,7 +1,7 @@
 //! The atlas that stands in for a window's framebuffer, and what corrects it.
 
-use crate::backend::gl::api::Gl;
-use crate::backend::gl::surface::Surface;
+use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::objects::surface::Surface;
 use crate::backend::gl::{ClearedViews, GlBackend, Target};
 use crate::correct::projected::matrices::LensConstants;
 use crate::correct::{LowerLeftRect, TexelSpan};

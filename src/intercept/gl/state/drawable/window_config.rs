@@ -1,6 +1,6 @@
 //! What the window's own framebuffer is, so that ours can be like it.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::driver::profile::Profile;
 

@@ -6,7 +6,7 @@ pub mod profile;
 pub mod window_space;
 
 use crate::backend::gl::KnownState;
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::window_arrays::{self, WindowArrays};
 use crate::intercept::gl::state::driver::profile::{Profile, is_endless, profile};

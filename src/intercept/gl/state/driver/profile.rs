@@ -1,6 +1,6 @@
 //! Version and profile of a context.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use std::ffi::CStr;
 
 /// Which OpenGL a context speaks.

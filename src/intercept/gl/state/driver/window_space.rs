@@ -1,6 +1,6 @@
 //! Viewport and scissor of the driver.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 
 /// What is really set in the driver, where known; saves redundant calls.

@@ -1,6 +1,6 @@
 //! Flat draws to the window that sample images that are followed.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::images::Set;
 

@@ -1,6 +1,6 @@
 //! Pictures of the window's size, one for each view.
 
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 
 /// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program

@@ -1,7 +1,7 @@
 //! The program's framebuffers that it draws into, what is attached to them, and what stands for them.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::own_names;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Image, Name};
 use crate::intercept::scene::obstacle::Obstacle;
 

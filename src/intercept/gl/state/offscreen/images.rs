@@ -1,9 +1,9 @@
 //! What a program draws into off screen: levels of textures, and renderbuffers. A *view copy* of such an image has
 //! a tile of the image's size for each view.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::own_names;
-use crate::backend::gl::surface::greatest_texture;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
+use crate::backend::gl::objects::surface::greatest_texture;
 use crate::correct::LowerLeftRect;
 
 /// An image of the program's.
@@ -458,7 +458,7 @@ pub type Set = u64;
 #[cfg(test)]
 mod tests {
     use super::{TileGrid, sized};
-    use crate::backend::gl::api;
+    use crate::backend::gl::driver::api;
 
     #[test]
     fn tiles_are_apart_and_inside() {

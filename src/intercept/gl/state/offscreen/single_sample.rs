@@ -1,7 +1,7 @@
 //! Pictures of our own, with one sample per pixel: for what cannot be done in a view of another size.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::own_names;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name};
 
 /// A framebuffer with colours only.

@@ -1,6 +1,6 @@
 //! Switches of the fixed-function vertex stage.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 
 /// Lights that every driver has.
 pub const LIGHTS: usize = 8;

@@ -1,7 +1,7 @@
 //! Counts what the dividing stage did not divide far enough, for the statistics.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::backend::gl::own_names;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
 
 /// An atomic counter in a buffer of ours.
 pub struct Counter {

@@ -1,6 +1,6 @@
 //! Program pipelines.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use std::collections::HashMap;
 
 /// The pipelines of a context.

@@ -1,6 +1,6 @@
 //! The values of one program's uniforms, brought to another that has uniforms of the same names.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use std::ffi::{CStr, CString, c_char};
 
 /// Which uniforms and blocks two programs have in common.

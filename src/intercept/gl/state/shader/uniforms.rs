@@ -1,6 +1,6 @@
 //! The 4×4 matrices of a program.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::Lens;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::lens::{self, transposed};

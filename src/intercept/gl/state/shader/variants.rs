@@ -1,7 +1,7 @@
 //! Programs of ours beside a program of the program's, which divide primitives.
 
 use crate::backend::gl::CurrentProgram;
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::correct::projected::division::Input;
 use crate::intercept::gl::state::draw::primitives::Patch;
 use crate::intercept::gl::state::shader::division_counter::Before;

@@ -1,6 +1,6 @@
 //! Buffers that a context has bound.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 
 /// The targets that are followed, each with the name of its binding.
 pub(in crate::intercept::gl) const TARGETS: [(u32, u32); 8] = [

@@ -1,6 +1,6 @@
 //! Vertex arrays of a context.
 
-use crate::backend::gl::api;
+use crate::backend::gl::driver::api;
 use std::collections::HashMap;
 
 /// How the numbers of an array are written.

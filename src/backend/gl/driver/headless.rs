@@ -1,6 +1,6 @@
 //! A context without a window: EGL on no surface.
 
-use super::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 use crate::error::{Error, ErrorKind, Result};
 use libloading::Library;
 use std::ffi::{CStr, c_char, c_void};
@@ -180,7 +180,9 @@ impl Headless {
 
     /// What the driver calls itself.
     pub fn driver(&self) -> String {
-        let mut parts = [super::api::GL_RENDERER, super::api::GL_VERSION].map(|name| self.gl.text(name)).to_vec();
+        let mut parts = [crate::backend::gl::driver::api::GL_RENDERER, crate::backend::gl::driver::api::GL_VERSION]
+            .map(|name| self.gl.text(name))
+            .to_vec();
         parts.retain(|part| !part.is_empty());
         parts.join(", ")
     }

@@ -2,13 +2,13 @@
 //!
 //! Drivers keep what they compile, too, most of them; what is saved beside that is reading the shaders' language.
 
-use super::api::*;
+use crate::backend::gl::driver::api::*;
 use crate::cache::{self, Cache, RawBytes};
 use crate::error::{Error, Result};
 
 /// Where linked programs come from and go to.
 #[derive(Default)]
-pub(super) struct Binaries {
+pub(in crate::backend::gl) struct Binaries {
     cache: Cache,
     /// The driver's name and version; empty where it gives out no programs.
     driver: String,

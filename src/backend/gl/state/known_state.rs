@@ -1,12 +1,12 @@
 //! State that whoever sees all calls of a context can follow, so that it need not be asked for: once known it is kept until
 //! it is noted anew or forgotten.
 
-use super::api::*;
-use super::values::integer;
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::driver::values::integer;
 use std::cell::Cell;
 
-/// The switches that are followed; the first of them are off while we draw (`super::state`).
-pub(super) const SWITCHES: [u32; 28] = [
+/// The switches that are followed; the first of them are off while we draw (`crate::backend::gl::state`).
+pub(in crate::backend::gl) const SWITCHES: [u32; 28] = [
     GL_DEPTH_TEST,
     GL_STENCIL_TEST,
     GL_CULL_FACE,
@@ -54,10 +54,10 @@ fn bit(switch: u32) -> u32 {
 }
 
 /// Most colour buffers whose masks are kept.
-pub(super) const MOST_DRAW_BUFFERS: usize = 16;
+pub(in crate::backend::gl) const MOST_DRAW_BUFFERS: usize = 16;
 
 /// The masks of all colour buffers.
-pub(super) type Masks = [[u8; 4]; MOST_DRAW_BUFFERS];
+pub(in crate::backend::gl) type Masks = [[u8; 4]; MOST_DRAW_BUFFERS];
 
 /// What is known of a context's state.
 #[derive(Clone, Default)]
@@ -87,7 +87,7 @@ impl KnownState {
     }
 
     /// Whether subroutines may have been chosen.
-    pub(super) fn may_have_subroutines(&self) -> bool {
+    pub(in crate::backend::gl) fn may_have_subroutines(&self) -> bool {
         !self.no_subroutines.get()
     }
 
@@ -155,7 +155,7 @@ impl KnownState {
     }
 
     /// The masks of the first `count` colour buffers, which the context has; one where they have one in common.
-    pub(super) fn masks(&self, gl: &Gl, count: usize, indexed: bool) -> Masks {
+    pub(in crate::backend::gl) fn masks(&self, gl: &Gl, count: usize, indexed: bool) -> Masks {
         if let Some(masks) = self.masks.get() {
             return masks;
         }

@@ -1,6 +1,6 @@
 //! OpenGL's error flag.
 
-use crate::backend::gl::api::{GL_NO_ERROR, Gl};
+use crate::backend::gl::driver::api::{GL_NO_ERROR, Gl};
 
 /// Errors that are asked for at once, at most.
 pub const MOST_ERRORS: u64 = 64;

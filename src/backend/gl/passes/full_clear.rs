@@ -3,7 +3,7 @@
 //! Of all ways to make pixels black this is the cheapest: hardware only notes it, and llvmpipe takes 0.4 ns for a pixel,
 //! where a rectangle takes 1.2 ns and a clear within a scissor that leaves something out 2 ns.
 
-use super::target::Target;
+use crate::backend::gl::objects::target::Target;
 use crate::correct::apart;
 
 /// A framebuffer with less to fill is filled by rectangles: a clear reaches the other pixels, too.
@@ -11,7 +11,7 @@ const WORTHWHILE: f64 = 0.2;
 
 /// The framebuffer that outputs share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct FullClear {
+pub(in crate::backend::gl) struct FullClear {
     /// Its name.
     framebuffer: u32,
     /// The outputs cover it.

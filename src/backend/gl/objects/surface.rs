@@ -1,8 +1,8 @@
 //! An atlas to draw views into: a framebuffer with colour, depth and stencil.
 
-use super::api::Gl;
-use crate::backend::gl::errors::drain;
-use crate::backend::gl::{api, own_names};
+use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::driver::errors::drain;
+use crate::backend::gl::driver::{api, own_names};
 use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 

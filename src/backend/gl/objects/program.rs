@@ -1,25 +1,25 @@
 //! Compiling the correction shaders.
 
-use super::api::*;
-use super::binaries::Binaries;
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::objects::binaries::Binaries;
 use crate::correct::shaders::glsl::Specialised;
 use crate::error::{Error, ErrorKind, Result};
 use std::ffi::CString;
 
 /// Texture unit of the atlas.
-pub(super) const ATLAS_UNIT: u32 = 0;
+pub(in crate::backend::gl) const ATLAS_UNIT: u32 = 0;
 /// Texture unit of the mask.
-pub(super) const MASK_UNIT: u32 = 1;
+pub(in crate::backend::gl) const MASK_UNIT: u32 = 1;
 /// Texture unit of a table.
-pub(super) const TABLE_UNIT: u32 = 2;
+pub(in crate::backend::gl) const TABLE_UNIT: u32 = 2;
 /// Texture unit of a picture of black.
-pub(super) const BLACK_UNIT: u32 = 3;
+pub(in crate::backend::gl) const BLACK_UNIT: u32 = 3;
 
 /// Compiles and links, or takes what was kept; leaves the program current. The caller deletes it.
 ///
 /// # Errors
 /// [`ErrorKind::Graphics`] with the driver's log.
-pub(super) fn build(gl: &Gl, text: &Specialised, binaries: &Binaries) -> Result<u32> {
+pub(in crate::backend::gl) fn build(gl: &Gl, text: &Specialised, binaries: &Binaries) -> Result<u32> {
     let (vertex, fragment) = (text.vertex, text.fragment.as_str());
     let program = binaries.program(gl, [vertex, fragment], || linked(gl, vertex, fragment, binaries.are_kept()))?;
     // SAFETY: a context is current; the program was linked.
@@ -42,7 +42,7 @@ pub(super) fn build(gl: &Gl, text: &Specialised, binaries: &Binaries) -> Result<
 ///
 /// # Errors
 /// As for [`build`].
-pub(super) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Result<u32> {
+pub(in crate::backend::gl) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Result<u32> {
     let program = linked(gl, vertex, fragment, false)?;
     // SAFETY: a context is current; the program was linked.
     unsafe { gl.use_program(program) };

@@ -1,6 +1,6 @@
 //! Values of a context's state, one at a time.
 
-use super::api::Gl;
+use crate::backend::gl::driver::api::Gl;
 
 /// One integer of the context; 0 where it knows no such name.
 pub(crate) fn integer(gl: &Gl, name: u32) -> i32 {
@@ -11,7 +11,7 @@ pub(crate) fn integer(gl: &Gl, name: u32) -> i32 {
     values[0]
 }
 
-pub(super) fn boolean(gl: &Gl, name: u32) -> bool {
+pub(in crate::backend::gl) fn boolean(gl: &Gl, name: u32) -> bool {
     let mut value = 0;
     // SAFETY: a context is current; the name has one value.
     unsafe { gl.get_booleanv(name, &mut value) };

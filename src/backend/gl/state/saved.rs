@@ -3,106 +3,13 @@
 //! Nothing here allocates, but for programs with subroutines. What is not in [`Saved`] is not touched. Two things of OpenGL cannot be
 //! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
 
-use super::api::*;
-use super::current_program::CurrentProgram;
-use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
-use super::values::{boolean, integer};
-use crate::backend::gl::known_state;
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::driver::values::{boolean, integer};
+use crate::backend::gl::state::capabilities::Capabilities;
+use crate::backend::gl::state::current_program::CurrentProgram;
+use crate::backend::gl::state::known_state;
+use crate::backend::gl::state::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
 use crate::correct::LowerLeftRect;
-use std::ffi::CStr;
-
-/// What a context can do, found once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Capabilities {
-    /// OpenGL ES.
-    pub gles: bool,
-    /// Version: 10·major + minor.
-    pub version: i32,
-    /// The fixed-function state exists.
-    compatibility: bool,
-    clip_control: bool,
-    framebuffer_srgb: bool,
-    /// A sampler can be told not to decode sRGB textures.
-    pub srgb_decode: bool,
-    /// 16-bit normalised textures.
-    pub norm16: bool,
-    depth_bounds: bool,
-    clip_distances: bool,
-    indexed_blend: bool,
-    viewport_array: bool,
-    /// Transform feedback can be paused.
-    feedback_pauses: bool,
-    /// Linked programs can be had from the driver and given back.
-    pub program_binaries: bool,
-    draw_buffers: u32,
-}
-
-impl Capabilities {
-    /// Those of the current context.
-    pub fn of(gl: &Gl, gles: bool) -> Self {
-        let version = 10 * integer(gl, GL_MAJOR_VERSION) + integer(gl, GL_MINOR_VERSION);
-        // GL_CONTEXT_PROFILE_MASK exists from 3.2 on; older contexts have all of the old state.
-        let compatibility = !gles
-            && (version < 32
-                || integer(gl, GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_COMPATIBILITY_PROFILE_BIT as i32 != 0);
-        let mut found = Self {
-            gles,
-            version,
-            compatibility,
-            clip_control: !gles && version >= 45,
-            framebuffer_srgb: !gles,
-            srgb_decode: false,
-            norm16: !gles,
-            depth_bounds: false,
-            clip_distances: !gles,
-            indexed_blend: if gles { version >= 32 } else { version >= 30 },
-            viewport_array: !gles && version >= 41,
-            feedback_pauses: gles || version >= 40,
-            program_binaries: version >= if gles { 30 } else { 41 },
-            draw_buffers: integer(gl, GL_MAX_DRAW_BUFFERS).clamp(1, MOST_DRAW_BUFFERS as i32) as u32,
-        };
-        for i in 0..integer(gl, GL_NUM_EXTENSIONS).max(0) as u32 {
-            // SAFETY: the index is below the number of extensions.
-            let name = unsafe { gl.get_stringi(GL_EXTENSIONS, i) };
-            if name.is_null() {
-                break; // More are counted than there are.
-            }
-            // SAFETY: GL strings end with a zero.
-            match unsafe { CStr::from_ptr(name.cast()) }.to_bytes() {
-                b"GL_ARB_clip_control" | b"GL_EXT_clip_control" => found.clip_control = true,
-                b"GL_EXT_sRGB_write_control" => found.framebuffer_srgb = true,
-                b"GL_EXT_texture_sRGB_decode" => found.srgb_decode = true,
-                b"GL_EXT_texture_norm16" => found.norm16 = true,
-                b"GL_ARB_transform_feedback2" => found.feedback_pauses = true,
-                b"GL_ARB_get_program_binary" => found.program_binaries = true,
-                b"GL_EXT_depth_bounds_test" => found.depth_bounds = true,
-                b"GL_EXT_clip_cull_distance" | b"GL_APPLE_clip_distance" => found.clip_distances = true,
-                _ => {}
-            }
-        }
-        found
-    }
-
-    /// The version for [`CurrentProgram::save`].
-    fn subroutines(&self) -> i32 {
-        if self.gles { 0 } else { self.version }
-    }
-
-    /// Whether the context knows the switch.
-    fn knows(&self, switch: u32) -> bool {
-        let (desktop, version) = (!self.gles, self.version);
-        match switch {
-            GL_SAMPLE_MASK => version >= if desktop { 32 } else { 31 },
-            GL_SAMPLE_SHADING => version >= if desktop { 40 } else { 32 },
-            GL_COLOR_LOGIC_OP | GL_POLYGON_SMOOTH | GL_PRIMITIVE_RESTART => desktop,
-            GL_ALPHA_TEST | GL_POLYGON_STIPPLE => self.compatibility,
-            GL_FRAMEBUFFER_SRGB => self.framebuffer_srgb,
-            GL_DEPTH_BOUNDS_TEST_EXT => self.depth_bounds,
-            GL_CLIP_DISTANCE0..=GL_CLIP_DISTANCE7 => self.clip_distances,
-            _ => true,
-        }
-    }
-}
 
 /// Switches that are off while we draw, scissor apart.
 const SWITCHES: [u32; 25] = match known_state::SWITCHES.first_chunk() {
@@ -111,10 +18,10 @@ const SWITCHES: [u32; 25] = match known_state::SWITCHES.first_chunk() {
 };
 
 /// Units whose bindings are kept at most: the atlas, the mask, a table, a picture of black.
-pub(super) const UNITS: usize = 4;
+pub(in crate::backend::gl) const UNITS: usize = 4;
 
 /// What was found before drawing.
-pub(super) struct Saved {
+pub(in crate::backend::gl) struct Saved {
     /// Bit i: `SWITCHES[i]` was on.
     switches: u32,
     scissor: bool,
@@ -135,14 +42,14 @@ pub(super) struct Saved {
 
 /// Whether anything can be drawn: not while a display list is compiled or picking is under way,
 /// both of which would swallow our calls.
-pub(super) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
+pub(in crate::backend::gl) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
     !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)
 }
 
 /// Reads the state, as far as it is not `known`, and sets what drawing needs; a program, a vertex array, textures on the first
 /// `units` units and a viewport
 /// are for the caller to set.
-pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &KnownState) -> Saved {
+pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &KnownState) -> Saved {
     let mut saved = Saved {
         switches: 0,
         scissor: false,
@@ -202,7 +109,7 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &K
 }
 
 /// Pauses transform feedback, while which no other program can be put in use. Whether it is to be resumed.
-fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
+pub(super) fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
     let runs =
         caps.feedback_pauses && boolean(gl, GL_TRANSFORM_FEEDBACK_ACTIVE) && !boolean(gl, GL_TRANSFORM_FEEDBACK_PAUSED);
     if runs {
@@ -214,13 +121,13 @@ fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
 
 impl Saved {
     /// The program's mask of the first colour buffer.
-    pub(super) fn color_mask(&self) -> [u8; 4] {
+    pub(in crate::backend::gl) fn color_mask(&self) -> [u8; 4] {
         self.color_masks[0]
     }
 }
 
 /// Puts everything back.
-pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
+pub(in crate::backend::gl) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
     // SAFETY: as in `save_and_set`; the values are those that the context gave.
     unsafe {
         for (bit, &switch) in SWITCHES.iter().enumerate() {
@@ -266,13 +173,13 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
 }
 
 /// Clears a rectangle of the first colour buffer, between [`save_and_set`] and [`restore`]; opaque.
-pub(super) fn clear(gl: &Gl, caps: &Capabilities, rect: LowerLeftRect, [red, green, blue]: [f32; 3]) {
+pub(in crate::backend::gl) fn clear(gl: &Gl, caps: &Capabilities, rect: LowerLeftRect, [red, green, blue]: [f32; 3]) {
     // SAFETY: a context is current; the colour has four numbers.
     within(gl, caps, rect, || unsafe { gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr()) });
 }
 
 /// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and [`restore`].
-pub(super) fn within(gl: &Gl, caps: &Capabilities, part: LowerLeftRect, draw: impl FnOnce()) {
+pub(in crate::backend::gl) fn within(gl: &Gl, caps: &Capabilities, part: LowerLeftRect, draw: impl FnOnce()) {
     let LowerLeftRect { x, y, width, height } = part;
     let mut scissor = [0; 4];
     // SAFETY: a context is current; the box has four numbers.
@@ -297,7 +204,11 @@ pub(super) fn within(gl: &Gl, caps: &Capabilities, part: LowerLeftRect, draw: im
 }
 
 /// Sets the viewport that we draw with.
-pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, LowerLeftRect { x, y, width, height }: LowerLeftRect) {
+pub(in crate::backend::gl) fn set_viewport(
+    gl: &Gl,
+    caps: &Capabilities,
+    LowerLeftRect { x, y, width, height }: LowerLeftRect,
+) {
     // SAFETY: a context is current.
     unsafe {
         if caps.viewport_array {
@@ -309,7 +220,7 @@ pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, LowerLeftRect { x, y, w
 }
 
 /// Whether colours are written to the first colour buffer; the others are closed while we draw.
-pub(super) fn set_color_writes(gl: &Gl, caps: &Capabilities, on: bool) {
+pub(in crate::backend::gl) fn set_color_writes(gl: &Gl, caps: &Capabilities, on: bool) {
     let on = u8::from(on);
     // SAFETY: a context is current.
     unsafe {
@@ -375,78 +286,6 @@ unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &Masks) {
         } else {
             let [r, g, b, a] = masks[0];
             gl.color_mask(r, g, b, a);
-        }
-    }
-}
-
-/// What uploading textures and vertices touches.
-struct SavedUpload {
-    program: CurrentProgram,
-    vertex_array: u32,
-    array_buffer: u32,
-    unpack_buffer: u32,
-    texture: u32,
-    /// Values of `UNPACK`.
-    unpack: [i32; 6],
-    feedback: bool,
-}
-
-const UNPACK: [u32; 6] = [
-    GL_UNPACK_ALIGNMENT,
-    GL_UNPACK_ROW_LENGTH,
-    GL_UNPACK_SKIP_ROWS,
-    GL_UNPACK_SKIP_PIXELS,
-    GL_UNPACK_SWAP_BYTES,
-    GL_UNPACK_LSB_FIRST,
-];
-
-/// Of `UNPACK`, how many a context knows: OpenGL ES has no swapping of bytes.
-fn unpack_count(caps: &Capabilities) -> usize {
-    if caps.gles { 4 } else { 6 }
-}
-
-/// Runs `work` with tightly packed rows; what uploading touches is put back.
-pub(super) fn while_uploading<R>(gl: &Gl, caps: &Capabilities, work: impl FnOnce() -> R) -> R {
-    let saved = save_upload(gl, caps);
-    let result = work();
-    restore_upload(gl, caps, &saved);
-    result
-}
-
-fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
-    let mut saved = SavedUpload {
-        program: CurrentProgram::save(gl, caps.subroutines()),
-        vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
-        array_buffer: integer(gl, GL_ARRAY_BUFFER_BINDING) as u32,
-        unpack_buffer: integer(gl, GL_PIXEL_UNPACK_BUFFER_BINDING) as u32,
-        texture: integer(gl, GL_TEXTURE_BINDING_2D) as u32,
-        unpack: [0; 6],
-        feedback: pause_feedback(gl, caps),
-    };
-    // SAFETY: a context is current and knows the names.
-    unsafe {
-        for (i, &name) in UNPACK.iter().enumerate().take(unpack_count(caps)) {
-            saved.unpack[i] = integer(gl, name);
-            gl.pixel_storei(name, if name == GL_UNPACK_ALIGNMENT { 1 } else { 0 });
-        }
-        gl.bind_buffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    }
-    saved
-}
-
-fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
-    // SAFETY: a context is current; the values are those that it gave.
-    unsafe {
-        for (i, &name) in UNPACK.iter().enumerate().take(unpack_count(caps)) {
-            gl.pixel_storei(name, saved.unpack[i]);
-        }
-        gl.bind_buffer(GL_PIXEL_UNPACK_BUFFER, saved.unpack_buffer);
-        gl.bind_texture(GL_TEXTURE_2D, saved.texture);
-        gl.bind_vertex_array(saved.vertex_array);
-        gl.bind_buffer(GL_ARRAY_BUFFER, saved.array_buffer);
-        saved.program.restore(gl);
-        if saved.feedback {
-            gl.resume_transform_feedback();
         }
     }
 }

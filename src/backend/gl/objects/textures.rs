@@ -1,14 +1,14 @@
 //! Masks, tables and pictures of black as textures.
 
-use super::api::*;
-use super::own_names;
-use super::state::Capabilities;
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::driver::own_names;
+use crate::backend::gl::state::Capabilities;
 use crate::correct::BlackPicture;
 use crate::correct::Mask;
 use crate::correct::Table;
 
 /// A texture of the mask's weights.
-pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
+pub(in crate::backend::gl) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
     let texture;
     let (width, height) = (mask.width as i32, mask.height as i32);
     if mask.weights.len() != mask.width as usize * mask.height as usize {
@@ -33,7 +33,7 @@ pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
 }
 
 /// A texture of what black is raised to.
-pub(super) fn upload_black(gl: &Gl, caps: &Capabilities, black: &BlackPicture) -> u32 {
+pub(in crate::backend::gl) fn upload_black(gl: &Gl, caps: &Capabilities, black: &BlackPicture) -> u32 {
     let (width, height) = (black.width as i32, black.height as i32);
     if black.codes.len() != black.width as usize * black.height as usize {
         return 0;
@@ -57,7 +57,7 @@ pub(super) fn upload_black(gl: &Gl, caps: &Capabilities, black: &BlackPicture) -
 }
 
 /// A texture of the table's directions and weights.
-pub(super) fn upload_table(gl: &Gl, table: &Table) -> u32 {
+pub(in crate::backend::gl) fn upload_table(gl: &Gl, table: &Table) -> u32 {
     let (width, height) = (table.entries().0 as i32, table.entries().1 as i32);
     let texels = table.texels().as_flattened().as_ptr().cast();
     // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four floats as entries.

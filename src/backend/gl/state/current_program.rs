@@ -1,7 +1,7 @@
 //! The program in use, which is put back with what `glUseProgram` resets.
 
-use super::api::{self, Gl};
-use super::values::integer;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::values::integer;
 
 /// Stages that have subroutines, each with the interface of these.
 const STAGES: [(u32, u32); 6] = [

@@ -3,14 +3,14 @@
 //! All rectangles are one draw. Clearing each within the scissor needs no state at all, but software renderers take
 //! 0.2 ms for each rectangle.
 
-use super::api::*;
-use super::binaries::Binaries;
-use super::known_state::KnownState;
-use super::own_names;
-use super::program;
-use super::state::Capabilities;
-use super::values;
+use crate::backend::gl::driver::api::*;
+use crate::backend::gl::driver::own_names;
+use crate::backend::gl::driver::values;
+use crate::backend::gl::objects::binaries::Binaries;
+use crate::backend::gl::objects::program;
 use crate::backend::gl::state;
+use crate::backend::gl::state::Capabilities;
+use crate::backend::gl::state::known_state::KnownState;
 use crate::correct::shaders::glsl::Specialised;
 use crate::correct::{LowerLeftRect, Tile};
 use crate::error::Result;
@@ -31,7 +31,7 @@ macro_rules! texts {
 
 /// Rectangles of the atlas on one context.
 #[derive(Debug)]
-pub(super) struct UnsampledAreas {
+pub(in crate::backend::gl) struct UnsampledAreas {
     vertex_array: u32,
     buffer: u32,
     program: u32,

@@ -1,6 +1,6 @@
 //! Which driver GLX programs get on the current display: a small context off screen, asked for its names.
 
-use super::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
+use crate::backend::gl::driver::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
 use crate::error::{Error, ErrorKind, Result};
 use libloading::Library;
 use std::ffi::{c_char, c_int, c_ulong, c_void};

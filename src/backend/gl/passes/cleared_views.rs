@@ -16,7 +16,7 @@ pub struct ClearedViews<'a> {
 
 /// What becomes of the colour of views that hold a single one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shows {
+pub(in crate::backend::gl) enum Shows {
     /// It is shown as it is.
     Same,
     /// Black stays black: other colours are weighted, or have a rim.
@@ -27,7 +27,7 @@ pub(super) enum Shows {
 
 /// One draw call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Draw {
+pub(in crate::backend::gl) struct Draw {
     pub program: u32,
     /// First index, number of indices.
     pub first: i32,
@@ -44,7 +44,7 @@ const WORTHWHILE: f64 = 0.7;
 
 /// The part of an output of `size` pixels outside of which draws that can be
 /// narrowed show the colour of the views; `None` where that is not known, or saves little.
-pub(super) fn part(
+pub(in crate::backend::gl) fn part(
     cleared: &ClearedViews,
     draws: &[Draw],
     footprints: Option<&Footprints>,
@@ -78,7 +78,7 @@ impl Draw {
 }
 
 /// What a draw with these constants makes of a single colour.
-pub(super) fn shows(constants: &Constants) -> Shows {
+pub(in crate::backend::gl) fn shows(constants: &Constants) -> Shows {
     // Only the pass that shows black has no views.
     let Some(shared) = constants.shared() else { return Shows::Black };
     if shared.with_panel != 0 || shared.with_black != 0 || shared.black != [0.0; 3] || shared.lift != 0.0 {

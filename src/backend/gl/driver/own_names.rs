@@ -3,7 +3,7 @@
 //! Programs of the old profile and of OpenGL ES may use names that they never asked for, mostly from 1 on. Ours are far from
 //! those there.
 
-use super::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl};
 
 /// So many names are left to programs that use some without having asked for them.
 const PROGRAM_NAMES: usize = 4096;

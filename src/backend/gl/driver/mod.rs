@@ -1,0 +1,8 @@
+//! The driver: its function table, its errors, names of objects, contexts without a program.
+
+pub mod api;
+pub mod errors;
+pub mod glx;
+pub mod headless;
+pub mod own_names;
+pub mod values;

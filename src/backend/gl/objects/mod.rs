@@ -1,0 +1,7 @@
+//! Objects of ours in the program's context: programs, textures, framebuffers.
+
+pub mod binaries;
+pub mod program;
+pub mod surface;
+pub mod target;
+pub mod textures;
