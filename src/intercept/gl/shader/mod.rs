@@ -7,6 +7,7 @@
 //! these in the linked program.
 
 pub mod dependence;
+pub mod elements;
 pub mod introspection;
 pub mod patch;
 pub mod position;

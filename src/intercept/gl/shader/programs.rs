@@ -11,8 +11,8 @@ use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::{dependence, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::programs::{Lens, Position, Program};
-use crate::intercept::gl::state::shader::uniforms::PositionNames;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
 use crate::lock::Lock;
@@ -37,7 +37,9 @@ impl Program {
         if !uniforms.any() && !self.fixed_matrices {
             return given(ctx);
         }
-        uniforms.lens(ctx.driver.gl, ctx.vertex_input.blocks.generation(), &buffers::of(&ctx.share))
+        let generation = ctx.vertex_input.blocks.generation();
+        let lens = uniforms.lens(ctx.driver.gl, generation, &buffers::of(&ctx.share));
+        if uniforms.unclear { given(ctx) } else { lens }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Linked programs.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
-use crate::intercept::gl::state::shader::uniforms::{PositionNames, Uniforms};
+use crate::intercept::gl::state::shader::position_names::PositionNames;
+use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
 use crate::runtime::session::Intrinsics;
 use std::collections::{HashMap, HashSet};
