@@ -1,6 +1,7 @@
 /*
  * Direction test in a core 4.5 context by a shader that has its matrix from a vertex attribute. `--mode`: `array`, an array
- * with a value for each instance; `second`, the same from its second value on; `constant`, no array.
+ * with a value for each instance; `second`, the same from its second value on; `constant`, no array; `vertices`, an array
+ * with a value for each vertex.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -23,12 +24,13 @@ enum { PLACE = 4, HEAD = 32 };
 
 static mesh cube;
 static GLuint program, buffer;
-static bool constant, second;
+static bool constant, second, vertices;
 
 static void setup(app *a)
 {
     constant = a->mode && strcmp(a->mode, "constant") == 0;
     second = a->mode && strcmp(a->mode, "second") == 0;
+    vertices = a->mode && strcmp(a->mode, "vertices") == 0;
     const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     cube = mesh_cube();
@@ -39,7 +41,7 @@ static void setup(app *a)
     glBindBuffer(GL_ARRAY_BUFFER, buffer);
     for (GLuint i = 0; i < 4; i++) {
         glVertexAttribPointer(PLACE + i, 4, GL_FLOAT, GL_FALSE, sizeof(matrix4), (char *)NULL + HEAD + 16 * i);
-        glVertexAttribDivisor(PLACE + i, 1);
+        glVertexAttribDivisor(PLACE + i, vertices ? 0 : 1);
         glEnableVertexAttribArray(PLACE + i);
     }
 }
@@ -49,9 +51,9 @@ static void draw(app *a)
     /* The first value has another lens than the second, if that is the one that is drawn with. */
     const double aspect = (double)a->window.width / a->window.height;
     const matrix4 other = matrix_perspective(0.6 * a->fov, aspect, a->near, a->far);
-    matrix4 values[2];
-    values[0] = matrix_multiply(second ? other : a->projection, a->modelview);
-    values[1] = matrix_multiply(a->projection, a->modelview);
+    matrix4 values[CUBE_CORNERS];
+    for (int i = 0; i < CUBE_CORNERS; i++)
+        values[i] = matrix_multiply(i == 0 && second ? other : a->projection, a->modelview);
     app_clear();
     glUseProgram(program);
     mesh_bind(&cube);

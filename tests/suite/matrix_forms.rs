@@ -12,6 +12,7 @@ tests! {
     rows_row_vectors_and_64_bit_numbers,
     an_element_of_an_array,
     an_element_that_is_not_known,
+    an_attribute_of_each_instance,
 }
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
@@ -81,4 +82,9 @@ fn flat_but_for_a_given_lens(program: &str, form: &str) {
 fn an_element_that_is_not_known() {
     flat_but_for_a_given_lens("matrix_arrays", "instance");
     flat_but_for_a_given_lens("matrix_arrays", "block_instance");
+}
+
+fn an_attribute_of_each_instance() {
+    right("instanced_matrix", &["array", "second", "constant"]);
+    flat_but_for_a_given_lens("instanced_matrix", "vertices");
 }
