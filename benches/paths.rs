@@ -113,6 +113,35 @@ mod start {
     }
 }
 
+mod link {
+    use super::*;
+    use cupola::intercept::gl::shader::dependence::position_names;
+    use std::collections::HashMap;
+    use std::fmt::Write;
+    use std::sync::Arc;
+
+    const VERTEX_SHADER: u32 = 0x8B31;
+
+    /// A vertex shader as translators write them: matrices as arrays of vectors, and so many statements.
+    fn translated(statements: usize) -> String {
+        let mut text = "#version 330\nuniform vec4 vp[4]; uniform vec4 m[64];\nin vec4 v; out vec4 s;\n".to_owned();
+        text.push_str("vec4 t0; vec4 t1;\nvoid main() {\n    t0 = v.yyyy * vp[1];\n    t0 = vp[0] * v.xxxx + t0;\n");
+        text.push_str("    t0 = vp[2] * v.zzzz + t0;\n    gl_Position = vp[3] * v.wwww + t0;\n");
+        for i in 0..statements {
+            let (to, from, element) = (i % 2, (i + 1) % 2, i % 64);
+            let _ = writeln!(text, "    t{to}.xyz = dot(t{from}.xyzw, m[{element}].xyzw) * v.xyz + m[{element}].xyz;");
+        }
+        text + "    s = t0 + t1;\n}\n"
+    }
+
+    /// What flows into the position.
+    #[divan::bench(args = [10, 100, 1000])]
+    fn position(bencher: Bencher, statements: usize) {
+        let sources = HashMap::from([(1, Arc::from(translated(statements)))]);
+        bencher.bench(|| position_names(black_box(&sources), &[(1, VERTEX_SHADER)]).expect("understood"));
+    }
+}
+
 mod draw {
     use super::*;
     use cupola::correct::projected::matrices::ReprojectionMatrix;

@@ -1,6 +1,7 @@
 //! The program's cameras: which lenses it draws with, and each view's transform for them.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
+use crate::intercept::lens::same;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 
@@ -22,16 +23,13 @@ pub struct Cameras {
     spare: Vec<Vec<ReprojectionMatrix>>,
 }
 
-/// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
-const TOLERANCE: f64 = 1e-5;
-
 /// More lenses in a frame than this are not told apart from noise.
 const GREATEST: usize = 16;
 
 impl Cameras {
     /// Index of the camera with `intrinsics`, made if new.
     pub fn index(&mut self, intrinsics: &Intrinsics, session: &Session) -> usize {
-        if let Some(found) = self.list.iter().position(|c| close(&c.intrinsics, intrinsics)) {
+        if let Some(found) = self.list.iter().position(|c| same(&c.intrinsics, intrinsics)) {
             self.list[found].used = true;
             return found;
         }
@@ -73,9 +71,4 @@ fn forget(camera: &mut Camera, spare: &mut Vec<Vec<ReprojectionMatrix>>) {
     let mut rows = std::mem::take(&mut camera.rows);
     rows.clear();
     spare.push(rows);
-}
-
-fn close(a: &Intrinsics, b: &Intrinsics) -> bool {
-    let near = |x: f64, y: f64| (x - y).abs() <= TOLERANCE * x.abs().max(y.abs()).max(1.0);
-    near(a.a, b.a) && near(a.b, b.b) && near(a.c, b.c) && near(a.d, b.d) && near(a.e, b.e)
 }

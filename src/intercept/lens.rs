@@ -1,22 +1,105 @@
 //! Finds the lens among a program's 4×4 matrices. No graphics API is named.
 
 use crate::runtime::session::{Intrinsics, MatrixClass, classify};
+use std::collections::BTreeSet;
 
-/// The lens that `matrices` (how much their names promise, values column by column) hold, and how it was found;
-/// `None`: what they draw is flat.
-pub fn find<'a>(matrices: impl Iterator<Item = (u8, &'a [f64; 16])>) -> Option<(Intrinsics, &'static str)> {
-    let mut best: Option<(u8, Intrinsics, &'static str)> = None;
-    for (rank, matrix) in matrices {
-        let turned = transposed(matrix);
-        let (value, pure) = if is_projection(&turned) { (&turned, true) } else { (matrix, is_projection(matrix)) };
-        let MatrixClass::Perspective(intrinsics) = classify(value) else { continue };
-        let rank = rank * 2 + u8::from(!pure);
-        if best.as_ref().is_none_or(|b| rank < b.0) {
-            let how = if pure { "projection matrix uniform" } else { "model-view-projection matrix uniform" };
-            best = Some((rank, intrinsics, how));
+/// A matrix that may hold the lens.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate<'a> {
+    /// How much its name promises, as [`rank`] says.
+    pub rank: u8,
+    /// Its values, column by column.
+    pub value: &'a [f64; 16],
+    /// What is known of its order.
+    pub order: Order,
+}
+
+/// Whether a shader means what a program gives as columns by columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// They are columns.
+    Columns,
+    /// They are rows.
+    Rows,
+    /// They may be either: the shader may multiply column vectors or row vectors.
+    Either,
+}
+
+/// A lens, and how much speaks for it: the smaller, the more.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    intrinsics: Intrinsics,
+    pure: bool,
+    doubt: (bool, u8),
+}
+
+impl Candidate<'_> {
+    /// A matrix of either order.
+    pub fn either(rank: u8, value: &[f64; 16]) -> Candidate<'_> {
+        Candidate { rank, value, order: Order::Either }
+    }
+
+    /// The lens that it holds.
+    pub fn lens(&self) -> Option<Intrinsics> {
+        self.found().map(|found| found.intrinsics)
+    }
+
+    fn found(&self) -> Option<Found> {
+        let turned = transposed(self.value);
+        let found = |value: &[f64; 16], pure: bool, guessed: bool| match classify(value) {
+            MatrixClass::Perspective(intrinsics) => {
+                Some(Found { intrinsics, pure, doubt: (guessed, self.rank * 2 + u8::from(!pure)) })
+            }
+            _ => None,
+        };
+        if is_projection(&turned) {
+            return found(&turned, true, false);
+        }
+        match self.order {
+            Order::Columns => found(self.value, is_projection(self.value), false),
+            Order::Rows => found(&turned, false, false),
+            Order::Either if is_projection(self.value) => found(self.value, true, false),
+            // The transpose of a translation looks like a perspective.
+            Order::Either if [self.value, &turned].iter().any(|value| classify(value) == MatrixClass::Affine) => None,
+            Order::Either => found(self.value, false, false).or_else(|| found(&turned, false, true)),
         }
     }
-    best.map(|(_, intrinsics, how)| (intrinsics, how))
+}
+
+/// The lens that the matrices hold, how it was found, and the number of the matrix that holds it; `None`: what they draw
+/// is flat. A product that only reads as a perspective by its rows counts if no other matrix does.
+pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Intrinsics, &'static str, usize)> {
+    let mut best: Option<(Found, usize)> = None;
+    for (number, candidate) in candidates.enumerate() {
+        let Some(found) = candidate.found() else { continue };
+        if best.as_ref().is_none_or(|(known, _)| found.doubt < known.doubt) {
+            best = Some((found, number));
+        }
+    }
+    best.map(|(found, number)| {
+        let how = if found.pure { "projection matrix uniform" } else { "model-view-projection matrix uniform" };
+        (found.intrinsics, how, number)
+    })
+}
+
+/// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
+const TOLERANCE: f64 = 1e-5;
+
+/// Whether two lenses are one.
+pub fn same(a: &Intrinsics, b: &Intrinsics) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= TOLERANCE * x.abs().max(y.abs()).max(1.0);
+    near(a.a, b.a) && near(a.b, b.b) && near(a.c, b.c) && near(a.d, b.d) && near(a.e, b.e)
+}
+
+/// The first numbers of groups of four that follow each other: where elements of an array of vectors may be a matrix.
+/// The groups begin with the first of a row of such numbers, or end with its last.
+pub fn fours(numbers: &[u32]) -> BTreeSet<u32> {
+    let mut firsts = BTreeSet::new();
+    for row in numbers.chunk_by(|before, after| before.checked_add(1) == Some(*after)) {
+        firsts.extend(row.chunks_exact(4).map(|four| four[0]));
+        firsts.extend(row.rchunks_exact(4).map(|four| four[0]));
+    }
+    firsts
 }
 
 /// `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 ∓1 0]`, column by column.
@@ -45,7 +128,7 @@ pub fn rank(name: &str) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{find, is_projection, rank, transposed};
+    use super::{Candidate, Order, find, fours, is_projection, rank, transposed};
 
     const PROJECTION: [f64; 16] = [1.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.1, 0.2, -1.01, -1.0, 0.0, 0.0, -0.2, 0.0];
 
@@ -64,13 +147,53 @@ mod tests {
         assert!(rank("matrix") < rank("shadowProjection"));
     }
 
+    fn lens(list: &[Candidate<'_>]) -> Option<f64> {
+        find(list.iter().copied()).map(|(lens, _, _)| lens.a)
+    }
+
     #[test]
     fn the_purest_and_most_promising_matrix_is_believed() {
         let mut wider = PROJECTION;
         wider[0] = 0.7;
-        let lens = |list: &[(u8, &[f64; 16])]| find(list.iter().copied()).map(|(lens, _)| lens.a);
-        assert_eq!(lens(&[(1, &PROJECTION), (0, &wider)]), Some(0.7));
-        assert_eq!(lens(&[(1, &transposed(&PROJECTION)), (1, &wider)]), Some(1.5));
+        assert_eq!(lens(&[Candidate::either(1, &PROJECTION), Candidate::either(0, &wider)]), Some(0.7));
+        let turned = transposed(&PROJECTION);
+        assert_eq!(lens(&[Candidate::either(1, &turned), Candidate::either(1, &wider)]), Some(1.5));
         assert_eq!(lens(&[]), None);
+    }
+
+    /// `PROJECTION` after a turn by 90° and a shift.
+    const PRODUCT: [f64; 16] = [0.1, 0.2, -1.01, -1.0, 0.0, 2.0, 0.0, 0.0, -1.5, 0.0, 0.0, 0.0, 3.0, 4.0, 5.0, 6.0];
+
+    #[test]
+    fn a_product_is_found_by_its_rows_where_nothing_else_is() {
+        let rows = transposed(&PRODUCT);
+        let close = |found: Option<f64>| found.is_some_and(|a| (a - 1.5).abs() < 1e-9);
+        for (value, order) in [(&PRODUCT, Order::Columns), (&rows, Order::Rows)] {
+            assert!(close(lens(&[Candidate { rank: 1, value, order }])), "{order:?}");
+            assert!(close(lens(&[Candidate::either(1, value)])), "{order:?}");
+        }
+        for (value, order) in [(&PRODUCT, Order::Rows), (&rows, Order::Columns)] {
+            assert_eq!(lens(&[Candidate { rank: 1, value, order }]), None, "{order:?}");
+        }
+        let mut wider = PROJECTION;
+        wider[0] = 0.7;
+        assert_eq!(lens(&[Candidate::either(0, &rows), Candidate::either(2, &wider)]), Some(0.7));
+    }
+
+    #[test]
+    fn a_translation_by_rows_is_no_lens() {
+        let translation = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -5.0, 1.0];
+        for value in [translation, transposed(&translation)] {
+            assert_eq!(lens(&[Candidate::either(0, &value)]), None);
+        }
+    }
+
+    #[test]
+    fn four_numbers_in_a_row_are_a_group() {
+        let firsts = |numbers: &[u32]| fours(numbers).into_iter().collect::<Vec<_>>();
+        assert_eq!(firsts(&[0, 1, 2, 3]), [0]);
+        assert_eq!(firsts(&[0, 2, 3, 4, 6, 7, 8, 9, 10]), [6, 7]);
+        assert_eq!(firsts(&[1, 2, 3]), [0; 0]);
+        assert_eq!(firsts(&[u32::MAX - 1, u32::MAX, 0, 1]), [0; 0]);
     }
 }

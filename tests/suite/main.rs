@@ -24,6 +24,7 @@ mod hidden;
 mod injection;
 mod live;
 mod load;
+mod matrix_forms;
 mod offscreen;
 mod outlines;
 mod picture;
@@ -60,6 +61,7 @@ harness::tests! {
     injection,
     live,
     load,
+    matrix_forms,
     offscreen,
     outlines,
     random_order,

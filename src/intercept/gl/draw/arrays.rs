@@ -88,17 +88,19 @@ unsafe fn around_all(ctx: &mut Context, draws: i32, vertices: impl Fn(usize) -> 
 /// Hooks of draws whose vertices are those of the arrays that the program has set. Instances show the same vertices:
 /// of what tells them apart nothing is proven, so that the positions of a proven draw do not depend on it.
 macro_rules! array_hooks {
-    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr; )*) => {
+    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr $(, from $instance:expr)?; )*) => {
         hooks! {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
                 let read = projected_vertices::read_arrays(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
                 let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.draw.wide_primitives.issued(mode), $($p),*);
                 ctx.draw.wide_primitives.mode = Some(mode);
+                $( ctx.draw.first_instance = $instance; )?
                 match read {
                     Some(vertices) => divided::draw_arrays(ctx, mode, vertices, bounds, issue),
                     None => draw_command(ctx, Shape::of_mode(mode), bounds, issue),
                 }
+                ctx.draw.first_instance = 0;
             }; )*
             "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32) = |ctx, _gl| {
                 let vertices = |i: usize| Vertices::Range { first: *first.add(i), count: *count.add(i) };
@@ -119,13 +121,13 @@ macro_rules! array_hooks {
 array_hooks! {
     "glDrawArrays" draw_arrays(first: i32, count: i32) of Vertices::Range { first, count };
     "glDrawArraysInstanced" draw_arrays_instanced(first: i32, count: i32, instances: i32) of Vertices::Range { first, count };
-    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(first: i32, count: i32, instances: i32, instance: u32) of Vertices::Range { first, count };
+    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(first: i32, count: i32, instances: i32, instance: u32) of Vertices::Range { first, count }, from instance;
     "glDrawElements" draw_elements(count: i32, kind: u32, indices: *const c_void) of Vertices::Elements { count, kind, indices, base: 0 };
     "glDrawElementsInstanced" draw_elements_instanced(count: i32, kind: u32, indices: *const c_void, instances: i32) of Vertices::Elements { count, kind, indices, base: 0 };
-    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(count: i32, kind: u32, indices: *const c_void, instances: i32, instance: u32) of Vertices::Elements { count, kind, indices, base: 0 };
+    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(count: i32, kind: u32, indices: *const c_void, instances: i32, instance: u32) of Vertices::Elements { count, kind, indices, base: 0 }, from instance;
     "glDrawElementsBaseVertex" draw_elements_base_vertex(count: i32, kind: u32, indices: *const c_void, base: i32) of Vertices::Elements { count, kind, indices, base };
     "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32) of Vertices::Elements { count, kind, indices, base };
-    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32, instance: u32) of Vertices::Elements { count, kind, indices, base };
+    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32, instance: u32) of Vertices::Elements { count, kind, indices, base }, from instance;
     "glDrawRangeElements" draw_range_elements(start: u32, end: u32, count: i32, kind: u32, indices: *const c_void) of Vertices::Elements { count, kind, indices, base: 0 };
     "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32) of Vertices::Elements { count, kind, indices, base };
 }

@@ -6,8 +6,9 @@
 //! each variable that it writes, all words of a function's body into its value, and all conditions into every variable.
 
 use crate::backend::gl::driver::api;
+use crate::intercept::gl::shader::elements::{self, Usage};
 use crate::intercept::gl::shader::prover::tokens::{self, is_name};
-use crate::intercept::gl::state::shader::uniforms::PositionNames;
+use crate::intercept::gl::state::shader::position_names::PositionNames;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -52,8 +53,13 @@ fn of_stage<'a>(texts: impl IntoIterator<Item = &'a str>) -> Option<PositionName
             None => tokens::words(line, &mut text.words),
         }
     }
+    text.arrays = elements::arrays(&text.words);
+    text.words = elements::joined_in_bodies(&whole, &text.words, &text.arrays);
+    for words in text.macros.values_mut() {
+        *words = elements::joined(&whole, words, &text.arrays);
+    }
     text.functions();
-    Some(PositionNames::new(text.flow().reached()))
+    Some(text.position_names())
 }
 
 /// `names` and every name in `text`, a stage before theirs.
@@ -77,7 +83,10 @@ struct Function<'a> {
 #[derive(Default)]
 struct Text<'a> {
     words: Vec<&'a str>,
+    /// What macros stand for, with their parameters.
     macros: HashMap<&'a str, Vec<&'a str>>,
+    /// Uniforms that are arrays.
+    arrays: HashSet<&'a str>,
     functions: HashMap<&'a str, Function<'a>>,
 }
 
@@ -92,7 +101,7 @@ impl<'a> Text<'a> {
             if words.iter().any(hides) {
                 return None;
             }
-            self.macros.entry(name).or_default().extend(words.iter().filter(|word| is_name(word)));
+            self.macros.entry(name).or_default().extend(words);
         }
         (!text.starts_with("include")).then_some(())
     }
@@ -115,12 +124,26 @@ impl<'a> Text<'a> {
         }
     }
 
+    fn position_names(&self) -> PositionNames {
+        let flow = self.flow();
+        let reached = flow.reached();
+        let stands_for = |word: &str| match self.macros.get(word)?[..] {
+            [element] | ["(", element, ")"] => elements::parts(element).map(|_| element),
+            _ => None,
+        };
+        let is_written = |name: &str| flow.into.contains_key(name);
+        let usage = Usage::new(&self.words, &self.arrays, stands_for);
+        let elements = usage.elements(&self.arrays, &reached, |name| !is_written(name));
+        let names = reached.iter().map(|name| elements::parts(name).map_or(*name, |(array, _)| array).to_owned());
+        PositionNames::new(names.collect(), elements)
+    }
+
     /// What a word may call: itself, and what macros make of it.
     fn called(&self, word: &'a str) -> Vec<&'a str> {
         let mut found = vec![word];
         let mut next = 0;
         while let Some(word) = found.get(next) {
-            for inner in self.macros.get(word).into_iter().flatten() {
+            for inner in self.macros.get(word).into_iter().flatten().filter(|word| is_name(word)) {
                 if !found.contains(inner) {
                     found.push(inner);
                 }
@@ -133,7 +156,7 @@ impl<'a> Text<'a> {
     fn flow(&self) -> Flow<'a> {
         let mut flow = Flow::default();
         for (name, words) in &self.macros {
-            flow.add(name, words.iter().copied());
+            flow.add(name, words.iter().copied().filter(|word| is_name(word)));
         }
         let (mut depth, mut body_of, mut after_for) = (0usize, None, false);
         for (start, end) in statements(&self.words) {
@@ -188,10 +211,10 @@ impl<'a> Flow<'a> {
     }
 
     /// All that flows into a position.
-    fn reached(&self) -> HashSet<String> {
-        let mut found: HashSet<&str> =
+    fn reached(&self) -> HashSet<&'a str> {
+        let mut found: HashSet<&'a str> =
             ["gl_Position", "gl_out"].into_iter().chain(self.conditions.iter().copied()).collect();
-        let mut open: Vec<&str> = found.iter().copied().collect();
+        let mut open: Vec<&'a str> = found.iter().copied().collect();
         while let Some(name) = open.pop() {
             for source in self.into.get(name).into_iter().flatten() {
                 if found.insert(source) {
@@ -199,7 +222,7 @@ impl<'a> Flow<'a> {
                 }
             }
         }
-        found.into_iter().map(str::to_owned).collect()
+        found
     }
 }
 
@@ -250,6 +273,8 @@ fn statements<'w>(words: &'w [&str]) -> impl Iterator<Item = (usize, usize)> + '
 #[cfg(test)]
 mod tests {
     use super::{of_stage, with_all_of};
+    use crate::intercept::gl::state::shader::position_names::Choice;
+    use crate::intercept::lens::Order;
 
     fn flows(text: &str, name: &str) -> bool {
         of_stage([text]).expect("understood").contain(name)
@@ -287,6 +312,65 @@ mod tests {
         ] {
             assert!(!flows(text, "m"), "{text}");
         }
+    }
+
+    /// `uniform vec4 m[…]` and a body; the groups of four that flow into the position.
+    fn fours(declared: &str, body: &str) -> Vec<(u32, Order)> {
+        let text = format!("{declared}\nin vec4 v; in vec3 n; out vec3 s;\nvoid main() {{ {body} }}");
+        let names = of_stage([&*text]).expect("understood");
+        assert!(names.contain("m[0]"), "{text}");
+        names.elements("m[0]").expect("an array").fours().collect()
+    }
+
+    #[test]
+    fn four_vectors_are_columns_or_rows_by_their_use() {
+        let sum = "vec4 t = v.yyyy * m[1]; t = m[0] * v.xxxx + t; t = m[2]*v.zzzz + t; gl_Position = t + m[3];";
+        assert_eq!(fours("uniform vec4 m[4];", sum), [(0, Order::Columns)]);
+        let products = "gl_Position.x = dot(m[5], v); gl_Position.y = dot(v, m[6].xyzw); gl_Position.zw = vec2(dot((m[7]), v), dot(v, m [ 8 ]));";
+        assert_eq!(fours("uniform highp vec4 m[32];", products), [(5, Order::Rows)]);
+        let lit = format!("s = vec3(dot(m[20], v), m[21].x, m[22].x) * m[23].xyz; {products}");
+        assert_eq!(
+            fours("layout(std140) uniform B { vec4 t; vec4 m[32]; };", &lit),
+            [(5, Order::Rows)],
+            "other elements"
+        );
+        let built = "gl_Position = mat4(m[0], m[1], m[2], m[3]) * v;";
+        assert_eq!(fours("uniform vec4[4] m;", built), [(0, Order::Either)]);
+        let both = format!("{sum} gl_Position.x += dot(m[3], v);");
+        assert_eq!(fours("uniform vec4 m[4];", &both), [(0, Order::Either)]);
+        let defined = "#define a m[2]\n#define b m[3]\n#define c (m[4])\n#define d m[5]\nuniform vec4 m[8];";
+        let products = "gl_Position = vec4(dot(a, v), dot(b, v), dot(c, v), dot(d, v));";
+        assert_eq!(fours(defined, products), [(2, Order::Rows)]);
+    }
+
+    #[test]
+    fn elements_that_are_chosen_by_a_variable_are_known_by_its_name() {
+        let others = |body: &str| {
+            let text = format!("uniform mat4 m[4]; uniform int i; in vec4 v; void main() {{ {body} }}");
+            let names = of_stage([&*text]).expect("understood");
+            names.elements("m[0]").expect("an array").others.clone().map(|(choice, _)| choice)
+        };
+        let by_uniform = Some(Choice::ByUniform("i".to_owned()));
+        assert_eq!(others("gl_Position = m[i] * v;"), by_uniform);
+        assert_eq!(others("gl_Position = m[2] * v;"), None);
+        assert_eq!(others("vec4 w = m[i] * v; gl_Position = m[1] * w;"), by_uniform);
+        for unknown in [
+            "gl_Position = m[i + 1] * v;",
+            "int i = gl_VertexID; gl_Position = m[i] * v;",
+            "gl_Position = m[i] * m[gl_VertexID] * v;",
+            "mat4 all[4] = m; gl_Position = all[1] * v;",
+        ] {
+            assert_eq!(others(unknown), Some(Choice::Unknown), "{unknown}");
+        }
+    }
+
+    #[test]
+    fn of_an_array_of_structures_only_the_elements_that_are_named_flow() {
+        let text =
+            "struct S { vec4 e; mat4 m; }; uniform S all[4]; in vec4 v; void main() { gl_Position = all[2].m * v; }";
+        assert_eq!([1, 2].map(|number| flows(text, &format!("all[{number}].m"))), [false, true]);
+        let text = text.replace("all[2]", "all[gl_InstanceID]");
+        assert_eq!([1, 2].map(|number| flows(&text, &format!("all[{number}].m"))), [true, true]);
     }
 
     #[test]

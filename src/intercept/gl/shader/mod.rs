@@ -1,12 +1,14 @@
 //! The program's shaders.
 //!
 //! Answers compiling and linking ([`programs`]), pipelines ([`program_pipelines`]), matrices
-//! ([`uniforms`]) and questions about programs ([`introspection`]). The last stage before
+//! ([`uniforms`], [`attribute_matrices`]) and questions about programs ([`introspection`]). The last stage before
 //! rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]). [`prover`] proves from
 //! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
 //! these in the linked program.
 
+pub mod attribute_matrices;
 pub mod dependence;
+pub mod elements;
 pub mod introspection;
 pub mod patch;
 pub mod position;

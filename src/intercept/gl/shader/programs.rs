@@ -7,12 +7,13 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::methods;
+use crate::intercept::gl::shader::attribute_matrices::{self, Found};
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::{dependence, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::programs::{Lens, Position, Program};
-use crate::intercept::gl::state::shader::uniforms::PositionNames;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
 use crate::lock::Lock;
@@ -33,11 +34,40 @@ impl Program {
                 return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
             }
         }
+        let (lens, known) = self.uniforms_lens(ctx);
+        if lens != Lens::Flat {
+            return lens;
+        }
+        let mut matrices = self.attribute_matrices.locked();
+        if matrices.is_empty() {
+            return if known { lens } else { given(ctx) };
+        }
+        match attribute_matrices::lens(ctx, &mut matrices) {
+            Found::Lens(intrinsics) => Lens::Perspective(intrinsics, "matrix of a vertex attribute"),
+            _ if known => Lens::Flat,
+            Found::Nothing => given(ctx),
+            Found::Unreadable => {
+                let lens = given(ctx);
+                if ctx.session().and_then(Session::given_lens).is_none() {
+                    log::once(
+                        "a shader has its matrix from a vertex attribute that cannot be read: what it draws is flat. If it \
+                         is a scene, set camera.lens in the rig",
+                    );
+                }
+                lens
+            }
+        }
+    }
+
+    /// The lens that its uniforms hold now, and whether that says everything about uniforms.
+    fn uniforms_lens(&self, ctx: &Context) -> (Lens, bool) {
         let mut uniforms = self.uniforms.locked();
         if !uniforms.any() && !self.fixed_matrices {
-            return given(ctx);
+            return (Lens::Flat, false);
         }
-        uniforms.lens(ctx.driver.gl, ctx.vertex_input.blocks.generation(), &buffers::of(&ctx.share))
+        let generation = ctx.vertex_input.blocks.generation();
+        let lens = uniforms.lens(ctx.driver.gl, generation, &buffers::of(&ctx.share));
+        (lens, !uniforms.unclear)
     }
 }
 
@@ -355,6 +385,8 @@ fn read_program(
     // SAFETY: as above.
     let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
     let (uniforms, own_uniform) = uniforms::read(gl, profile, name, projection::UNIFORM, position_names.as_ref());
+    let attributes =
+        if patched { attribute_matrices::of_program(gl, name, position_names.as_ref()) } else { Vec::new() };
     Program {
         name,
         location,
@@ -369,6 +401,7 @@ fn read_program(
         chooses_viewport: false,
         position_names,
         uniforms: Mutex::new(uniforms),
+        attribute_matrices: Mutex::new(attributes),
         uploaded: Mutex::default(),
         texts: Vec::new(),
         flat: false,

@@ -27,6 +27,27 @@ impl Layout {
         usable.then_some(Self { components: given.min(components), ..layout })
     }
 
+    /// The value of a generic attribute for an instance, if the attribute is an array of values for instances.
+    pub fn of_instances(ctx: &mut Context, location: u32, instance: usize) -> Option<Self> {
+        if !vertex_arrays::is_on(ctx, location) {
+            return None;
+        }
+        let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
+        width(format.kind).filter(|_| divisor > 0 && !format.integer && (1..=4).contains(&format.components))?;
+        let layout = Self::at(source, format.components, format.kind, format.normalised);
+        let start = if source.buffer == 0 {
+            let mut start = std::ptr::null_mut();
+            // SAFETY: writes one pointer.
+            unsafe {
+                ctx.driver.gl.get_vertex_attrib_pointerv(location, api::GL_VERTEX_ATTRIB_ARRAY_POINTER, &mut start);
+            }
+            Some(start as usize).filter(|start| *start != 0)?
+        } else {
+            source.start
+        };
+        Some(Self { start: start.checked_add(instance.checked_mul(source.stride)?)?, ..layout })
+    }
+
     fn at(Source { buffer, start, stride }: Source, components: usize, kind: u32, normalised: bool) -> Self {
         Self { buffer, start, stride, components, kind, normalised }
     }

@@ -4,12 +4,13 @@
 //! frames the images are found that perspective draws reach and that lead to the window: by a flat
 //! draw of a few vertices over all of it that samples the image, or by a copy of the whole.
 
+use crate::intercept::lens::{self, Candidate};
+use crate::intercept::settings;
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::draw_groups::MatrixSource;
-use crate::intercept::{lens, settings};
 use ash::vk;
 
 /// A frame ended: images that were found to hold a scene on its way to the window are drawn for
@@ -83,7 +84,7 @@ pub fn pictures(device: &Device, recording: &Recording) -> Vec<vk::Image> {
 pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     let matrices: Vec<_> =
         sources.iter().filter_map(|source| matrix(device, source).map(|m| (source.matrix.rank, m))).collect();
-    if lens::find(matrices.iter().map(|(rank, value)| (*rank, value))).is_none() {
+    if lens::find(matrices.iter().map(|(rank, value)| Candidate::either(*rank, value))).is_none() {
         return;
     }
     for target in targets {

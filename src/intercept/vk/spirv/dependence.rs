@@ -4,9 +4,10 @@
 //! members are told apart. In doubt something flows: all conditions, whichever function they are in, and all that a
 //! call is given.
 
+use crate::intercept::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A member of the program's blocks: the variable, and the members that lead there.
 type Member = (u32, Vec<u32>);
@@ -32,14 +33,8 @@ impl PositionLoads {
     pub fn fours(&self, variable: u32, path: &[u32]) -> Vec<(u32, bool)> {
         let Some(elements) = self.elements.get(&(variable, path.to_vec())) else { return Vec::new() };
         let numbers: Vec<u32> = elements.keys().copied().collect();
-        let rows = numbers.chunk_by(|before, after| before.checked_add(1) == Some(*after));
-        let mut firsts = BTreeSet::new();
-        for row in rows {
-            firsts.extend(row.chunks_exact(4).map(|four| four[0]));
-            firsts.extend(row.rchunks_exact(4).map(|four| four[0]));
-        }
         let by_rows = |first: u32| elements.range(first..first + 4).all(|(_, products_only)| *products_only);
-        firsts.into_iter().map(|first| (first, by_rows(first))).collect()
+        lens::fours(&numbers).into_iter().map(|first| (first, by_rows(first))).collect()
     }
 
     /// Those of a module; `None` where it writes through pointers that are not followed, or has no position.

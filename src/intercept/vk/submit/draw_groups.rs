@@ -5,7 +5,7 @@
 //! moved out of it.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
-use crate::intercept::lens;
+use crate::intercept::lens::{self, Candidate};
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
 use crate::intercept::vk::state::device::Device;
@@ -135,7 +135,8 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let facts = &group.facts;
     let matrices: Vec<_> = facts.sources.iter().filter_map(ranked).collect();
     if matrices != group.matrices {
-        group.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
+        let candidates = matrices.iter().map(|(rank, value)| Candidate::either(*rank, value));
+        group.lens = lens::find(candidates).map(|(intrinsics, how, _)| (intrinsics, how));
         group.matrices = matrices;
     }
     if group.matrices.is_empty() && facts.deep {

@@ -22,4 +22,6 @@ pub struct DrawState {
     pub(in crate::intercept::gl) wide_primitives: WidePrimitives,
     /// The greatest width of points and lines so far.
     pub(in crate::intercept::gl) max_width: MaxWidth,
+    /// The number that its first instance has for attributes.
+    pub(in crate::intercept::gl) first_instance: u32,
 }

@@ -1,7 +1,9 @@
 //! Linked programs.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
-use crate::intercept::gl::state::shader::uniforms::{PositionNames, Uniforms};
+use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
+use crate::intercept::gl::state::shader::position_names::PositionNames;
+use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
 use crate::runtime::session::Intrinsics;
 use std::collections::{HashMap, HashSet};
@@ -96,6 +98,8 @@ pub struct Program {
     pub position_names: Option<PositionNames>,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
+    /// The 4×4 matrices of its vertices' attributes.
+    pub attribute_matrices: Mutex<Vec<AttributeMatrix>>,
     pub(in crate::intercept::gl) uploaded: Mutex<Uploaded>,
     /// The kinds and texts of its shaders, if its primitives may have to be divided.
     pub texts: Vec<(u32, Arc<str>)>,

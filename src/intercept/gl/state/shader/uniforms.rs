@@ -3,57 +3,74 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::Lens;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
-use crate::intercept::lens::{self, transposed};
-use std::collections::HashSet;
+use crate::intercept::lens::{self, Candidate, Order, transposed};
+use crate::intercept::log;
 
 /// The 4×4 matrices of a program.
 #[derive(Default)]
 pub struct Uniforms {
     /// Those that may flow into the position.
     pub(in crate::intercept::gl) matrices: Vec<Matrix>,
+    /// Arrays that some of them are elements of.
+    pub(in crate::intercept::gl) arrays: Vec<ChosenFrom>,
+    /// The program's name.
+    pub(in crate::intercept::gl) program: u32,
     pub(in crate::intercept::gl) lens: Option<Lens>,
     pub(in crate::intercept::gl) generation: u64,
     /// A block's buffer is mapped for good: the program may write to it at any time, and no call tells.
     pub(in crate::intercept::gl) live: bool,
-}
-
-/// Names in shaders that may flow into a position.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PositionNames(HashSet<String>);
-
-impl PositionNames {
-    /// These and no others.
-    pub fn new(names: HashSet<String>) -> Self {
-        Self(names)
-    }
-
-    /// Adds more names.
-    pub fn add<'a>(&mut self, names: impl Iterator<Item = &'a str>) {
-        self.0.extend(names.map(str::to_owned));
-    }
-
-    /// Whether the uniform that OpenGL calls `name` (`block.member`, `array[0]`) may flow into the position.
-    pub fn contain(&self, name: &str) -> bool {
-        let member = name.rsplit('.').next().unwrap_or(name);
-        self.0.contains(member.split('[').next().unwrap_or(member))
-    }
+    /// Nothing tells which of several lenses is the one that is drawn with.
+    pub(in crate::intercept::gl) unclear: bool,
 }
 
 pub(in crate::intercept::gl) struct Matrix {
     pub(in crate::intercept::gl) place: MatrixLocation,
     /// How much its name promises: the lower, the sooner it is believed.
     pub(in crate::intercept::gl) rank: u8,
+    pub(in crate::intercept::gl) order: Order,
     pub(in crate::intercept::gl) value: [f64; 16],
     pub(in crate::intercept::gl) name: Box<str>,
     /// The buffer that a block's value was read from, and its version then; `None` where it may change unseen.
     pub(in crate::intercept::gl) read: Option<(u32, u64)>,
+    /// Its array among those that a shader chooses an element of, and its number there.
+    pub(in crate::intercept::gl) element: Option<(usize, u32)>,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intercept::gl) enum MatrixLocation {
     /// Its location.
     Uniform(i32),
-    /// Binding point of its block, offset in bytes, distance between columns in bytes, row by row.
-    Block { binding: u32, offset: usize, stride: usize, row_major: bool },
+    /// The first location of four vectors.
+    Vectors(i32),
+    /// Binding point of its block, offset in bytes, distance between columns in bytes, row by row, of 64-bit numbers.
+    Block { binding: u32, offset: usize, stride: usize, row_major: bool, double: bool },
+}
+
+/// An array of which a shader chooses an element while it runs.
+pub(in crate::intercept::gl) struct ChosenFrom {
+    /// Its name, without numbers.
+    pub(in crate::intercept::gl) name: Box<str>,
+    pub(in crate::intercept::gl) index: IndexLocation,
+    /// The element that is chosen now, if that is known.
+    pub(in crate::intercept::gl) chosen: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::intercept::gl) enum IndexLocation {
+    Unknown,
+    /// The location of an integer.
+    Uniform(i32),
+    /// Binding point of an integer's block, offset in bytes.
+    Block {
+        binding: u32,
+        offset: usize,
+    },
+}
+
+impl Matrix {
+    fn candidate(&self) -> Candidate<'_> {
+        Candidate { rank: self.rank, value: &self.value, order: self.order }
+    }
 }
 
 impl Uniforms {
@@ -63,6 +80,18 @@ impl Uniforms {
             self.generation = generation;
             if self.read_blocks(gl, buffers) {
                 self.lens = None;
+            }
+        }
+        for array in &mut self.arrays {
+            if let IndexLocation::Uniform(location) = array.index {
+                let mut number = -1;
+                // SAFETY: writes one integer, which is one in the program, too.
+                unsafe { gl.get_uniformiv(self.program, location, &mut number) };
+                let chosen = u32::try_from(number).ok();
+                if array.chosen != chosen {
+                    array.chosen = chosen;
+                    self.lens = None;
+                }
             }
         }
         if self.lens.is_none() {
@@ -85,7 +114,7 @@ impl Uniforms {
     pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<[f64; 16]> {
         let matrix = self.matrices.get(number)?;
         match (&matrix.place, matrix.read) {
-            (MatrixLocation::Uniform(_), _) => Some(matrix.value),
+            (MatrixLocation::Uniform(_) | MatrixLocation::Vectors(_), _) => Some(matrix.value),
             (MatrixLocation::Block { .. }, Some((buffer, version))) => {
                 buffers.content(buffer).filter(|content| content.0 == version).map(|_| matrix.value)
             }
@@ -93,21 +122,41 @@ impl Uniforms {
         }
     }
 
-    fn find(&self) -> Lens {
-        match lens::find(self.matrices.iter().map(|matrix| (matrix.rank, &matrix.value))) {
-            Some((intrinsics, how)) => Lens::Perspective(intrinsics, how),
-            None => Lens::Flat,
+    fn find(&mut self) -> Lens {
+        // An element that is not looked at says nothing.
+        let is_kept = |array: usize, number: u32| self.matrices.iter().any(|m| m.element == Some((array, number)));
+        let chosen = |array: usize| self.arrays.get(array)?.chosen.filter(|number| is_kept(array, *number));
+        let is_used = |matrix: &&Matrix| {
+            matrix.element.is_none_or(|(array, number)| chosen(array).is_none_or(|chosen| chosen == number))
+        };
+        let used = || self.matrices.iter().filter(is_used);
+        let found = lens::find(used().map(Matrix::candidate));
+        let Some((intrinsics, how, number)) = found else {
+            self.unclear = false;
+            return Lens::Flat;
+        };
+        let array = used().nth(number).and_then(|matrix| matrix.element).map(|(array, _)| array);
+        let beside = used().filter(|matrix| array.is_some() && matrix.element.map(|(array, _)| array) == array);
+        let unclear = beside.filter_map(|matrix| matrix.candidate().lens()).any(|lens| !lens::same(&lens, &intrinsics));
+        self.unclear = unclear;
+        if unclear {
+            log::once(
+                "a shader chooses one of several matrices with different lenses in a way that is not known: what it draws \
+                 is flat. If it is a scene, set camera.lens in the rig",
+            );
+            return Lens::Flat;
         }
+        Lens::Perspective(intrinsics, how)
     }
 
-    /// Reads the matrices in uniform blocks again; whether any changed.
+    /// Reads the matrices in uniform blocks again, and the numbers that choose among them; whether any changed.
     fn read_blocks(&mut self, gl: &Gl, buffers: &Buffers) -> bool {
         let mut changed = false;
         self.live = false;
         for matrix in &mut self.matrices {
             matrix.read = None;
-            if let MatrixLocation::Block { binding, offset, stride, row_major } = matrix.place
-                && let Some((value, mapped, buffer)) = block_matrix(gl, binding, offset, stride)
+            if let MatrixLocation::Block { binding, offset, stride, row_major, double } = matrix.place
+                && let Some((value, mapped, buffer)) = block_matrix(gl, binding, offset, stride, double)
             {
                 self.live |= mapped;
                 matrix.read = buffers.content(buffer).map(|content| (buffer, content.0));
@@ -116,28 +165,76 @@ impl Uniforms {
                 matrix.value = value;
             }
         }
+        for array in &mut self.arrays {
+            if let IndexLocation::Block { binding, offset } = array.index {
+                let number = |bytes: &[u8]| bytes.try_into().map_or(u32::MAX, u32::from_ne_bytes);
+                let read = block_bytes(gl, binding, offset, size_of::<u32>(), number);
+                self.live |= read.is_some_and(|(_, mapped, _)| mapped);
+                let chosen = read.map(|(number, ..)| number);
+                changed |= chosen != array.chosen;
+                array.chosen = chosen;
+            }
+        }
         changed
     }
 
     /// A matrix was set by its location.
     pub(in crate::intercept::gl) fn set(&mut self, location: i32, value: &[f64; 16]) {
         for matrix in &mut self.matrices {
-            if matches!(matrix.place, MatrixLocation::Uniform(at) if at == location) && matrix.value != *value {
+            if matrix.place == MatrixLocation::Uniform(location) && matrix.value != *value {
                 matrix.value = *value;
                 self.lens = None;
             }
         }
     }
+
+    /// A vector was set by its location.
+    pub(in crate::intercept::gl) fn set_vector(&mut self, location: i32, vector: [f32; 4]) {
+        let vector = vector.map(f64::from);
+        for matrix in &mut self.matrices {
+            let MatrixLocation::Vectors(first) = matrix.place else { continue };
+            let number = usize::try_from(location.wrapping_sub(first)).unwrap_or(usize::MAX);
+            if let Some(column) = matrix.value.as_chunks_mut::<4>().0.get_mut(number)
+                && *column != vector
+            {
+                *column = vector;
+                self.lens = None;
+            }
+        }
+    }
+
+    /// Whether some matrix is made of vectors that are set by their locations.
+    pub(in crate::intercept::gl) fn has_vectors(&self) -> bool {
+        self.matrices.iter().any(|matrix| matches!(matrix.place, MatrixLocation::Vectors(_)))
+    }
 }
 
-/// Sixteen floats at `offset` of the buffer bound to a uniform block's binding point, whether it is mapped for good, and
+/// Sixteen numbers at `offset` of the buffer bound to a uniform block's binding point, whether it is mapped for good, and
 /// its name.
-pub(in crate::intercept::gl) fn block_matrix(
+fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize, double: bool) -> Option<([f64; 16], bool, u32)> {
+    let width = if double { size_of::<f64>() } else { size_of::<f32>() };
+    let matrix = |bytes: &[u8]| {
+        std::array::from_fn(|i| {
+            let at = i / 4 * stride + i % 4 * width;
+            match bytes.get(at..at + width) {
+                Some(number) if double => number.try_into().map_or(0.0, f64::from_ne_bytes),
+                Some(number) => f64::from(number.try_into().map_or(0.0, f32::from_ne_bytes)),
+                None => 0.0,
+            }
+        })
+    };
+    block_bytes(gl, binding, offset, 3 * stride + 4 * width, matrix)
+}
+
+/// What `read` makes of `length` bytes at `offset` of the buffer bound to a uniform block's binding point, whether it is
+/// mapped for good, and its name.
+fn block_bytes<T>(
     gl: &Gl,
     binding: u32,
     offset: usize,
-    stride: usize,
-) -> Option<([f64; 16], bool, u32)> {
+    length: usize,
+    read: impl FnOnce(&[u8]) -> T,
+) -> Option<(T, bool, u32)> {
     // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that is borrowed
     // for it is put back.
     unsafe {
@@ -148,14 +245,13 @@ pub(in crate::intercept::gl) fn block_matrix(
         if buffer == 0 {
             return None;
         }
+        let first = usize::try_from(start).ok()?.checked_add(offset)?;
         let mut previous = 0;
         gl.get_integerv(api::GL_COPY_READ_BUFFER_BINDING, &mut previous);
         gl.bind_buffer(api::GL_COPY_READ_BUFFER, buffer as u32);
         let (mut size, mut mapped) = (0, 0);
         gl.get_buffer_parameteriv(api::GL_COPY_READ_BUFFER, api::GL_BUFFER_SIZE, &mut size);
         gl.get_buffer_parameteriv(api::GL_COPY_READ_BUFFER, api::GL_BUFFER_MAPPED, &mut mapped);
-        let first = usize::try_from(start).ok()? + offset;
-        let length = 3 * stride + 16;
         let mut flags = 0;
         if mapped != 0 {
             gl.get_buffer_parameteriv(api::GL_COPY_READ_BUFFER, api::GL_BUFFER_ACCESS_FLAGS, &mut flags);
@@ -163,10 +259,6 @@ pub(in crate::intercept::gl) fn block_matrix(
         let for_good = flags as u32 & api::GL_MAP_PERSISTENT_BIT != 0;
         let mut result = None;
         let inside = first + length <= usize::try_from(size).unwrap_or(0);
-        let matrix = |bytes: &[u8]| {
-            let float = |at: usize| bytes[at..at + 4].try_into().map_or(0.0, f32::from_ne_bytes);
-            std::array::from_fn(|i| f64::from(float(i / 4 * stride + i % 4 * 4)))
-        };
         if for_good && inside && length <= MOST_BYTES {
             let mut bytes = [0; MOST_BYTES];
             gl.get_buffer_sub_data(
@@ -175,13 +267,13 @@ pub(in crate::intercept::gl) fn block_matrix(
                 length as isize,
                 bytes.as_mut_ptr().cast(),
             );
-            result = Some((matrix(&bytes), true, buffer as u32));
+            result = Some((read(&bytes[..length]), true, buffer as u32));
         } else if mapped == 0 && inside {
             let pointer =
                 gl.map_buffer_range(api::GL_COPY_READ_BUFFER, first as isize, length as isize, api::GL_MAP_READ_BIT);
             if !pointer.is_null() {
                 let bytes = std::slice::from_raw_parts(pointer.cast::<u8>().cast_const(), length);
-                result = Some((matrix(bytes), false, buffer as u32));
+                result = Some((read(bytes), false, buffer as u32));
                 gl.unmap_buffer(api::GL_COPY_READ_BUFFER);
             }
         }
@@ -191,4 +283,4 @@ pub(in crate::intercept::gl) fn block_matrix(
 }
 
 /// A matrix with gaps between its columns is not longer than this in bytes.
-pub(in crate::intercept::gl) const MOST_BYTES: usize = 256;
+const MOST_BYTES: usize = 256;

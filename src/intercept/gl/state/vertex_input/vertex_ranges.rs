@@ -76,14 +76,14 @@ impl Ranges {
     }
 }
 
-/// The array of positions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// An array of vectors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Layout {
     /// 0 = the program's memory.
     pub buffer: u32,
     /// Address in the program's memory, or offset in the buffer.
     pub start: usize,
-    /// Bytes from one position to the next.
+    /// Bytes from one vector to the next.
     pub stride: usize,
     pub(in crate::intercept::gl) components: usize,
     pub(in crate::intercept::gl) kind: u32,

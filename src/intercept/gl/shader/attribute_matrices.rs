@@ -1,0 +1,105 @@
+//! Matrices that shaders have from vertex attributes: a camera for each instance.
+//!
+//! They are looked at where no uniform holds a lens. The value for the first instance is believed to have the lens of all.
+
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
+use crate::intercept::gl::state::shader::position_names::PositionNames;
+use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
+use crate::intercept::gl::vertex_input::{buffers, ranges, vertex_arrays};
+use crate::intercept::lens::{self, Candidate, rank};
+use crate::runtime::session::Intrinsics;
+use std::ffi::{CStr, c_char};
+
+/// What the attributes of a program say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Found {
+    /// A lens.
+    Lens(Intrinsics),
+    /// None of them holds one.
+    Nothing,
+    /// One of them cannot be read.
+    Unreadable,
+}
+
+/// Those of a linked program that may flow into its position, all if that is not known.
+pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Vec<AttributeMatrix> {
+    let mut found = Vec::new();
+    let mut count = 0;
+    // SAFETY: writes one integer.
+    unsafe { gl.get_programiv(program, api::GL_ACTIVE_ATTRIBUTES, &mut count) };
+    for index in 0..u32::try_from(count).unwrap_or(0) {
+        let mut text: [c_char; 256] = [0; 256];
+        let (mut length, mut size, mut kind) = (0, 0, 0);
+        // SAFETY: writes at most 256 characters with their NUL, which name an attribute.
+        let (name, location) = unsafe {
+            gl.get_active_attrib(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
+            (CStr::from_ptr(text.as_ptr()).to_string_lossy(), gl.get_attrib_location(program, text.as_ptr()))
+        };
+        let flows = position.is_none_or(|names| names.contain(&name));
+        let Some(location) = u32::try_from(location).ok().filter(|_| kind == api::GL_FLOAT_MAT4 && size == 1 && flows)
+        else {
+            continue;
+        };
+        found.push(AttributeMatrix { location, rank: rank(&name), value: [0.0; 16], read: None });
+    }
+    found
+}
+
+/// The lens of the draw that is issued.
+pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> Found {
+    let mut readable = true;
+    for matrix in &mut *matrices {
+        readable &= read(ctx, matrix).is_some();
+    }
+    match lens::find(matrices.iter().map(|matrix| Candidate::either(matrix.rank, &matrix.value))) {
+        _ if !readable => Found::Unreadable,
+        Some((intrinsics, ..)) => Found::Lens(intrinsics),
+        None => Found::Nothing,
+    }
+}
+
+/// Reads a matrix anew if it may have changed; `None` where it cannot be read.
+fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
+    let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
+    if !vertex_arrays::is_on(ctx, matrix.location) {
+        // In the compatibility profile attribute 0 has no value but that of a vertex.
+        if matrix.location == 0 && profile.compatibility() {
+            return None;
+        }
+        let mut value = [0f32; 16];
+        for (location, column) in (matrix.location..).zip(value.chunks_mut(4)) {
+            // SAFETY: four floats; the locations are those of a matrix of a linked program.
+            unsafe { gl.get_vertex_attribfv(location, api::GL_CURRENT_VERTEX_ATTRIB, column.as_mut_ptr()) };
+        }
+        (matrix.value, matrix.read) = (value.map(f64::from), None);
+        return Some(());
+    }
+    let instance = ctx.draw.first_instance as usize;
+    let mut layouts = [None; 4];
+    for (location, layout) in (matrix.location..).zip(&mut layouts) {
+        *layout = Some(Layout::of_instances(ctx, location, instance)?);
+    }
+    let layouts = layouts.map(Option::unwrap_or_default);
+    // What changes unseen is read anew for each draw.
+    let version = buffers::of(&ctx.share).content(layouts[0].buffer).map(|content| content.0);
+    let same_buffer = layouts.iter().all(|layout| layout.buffer == layouts[0].buffer);
+    let read = version.filter(|_| same_buffer).map(|version| (layouts, version));
+    if read.is_some() && matrix.read == read {
+        return Some(());
+    }
+    for (layout, column) in layouts.iter().zip(matrix.value.chunks_mut(4)) {
+        let position = if layout.buffer == 0 {
+            // SAFETY: the program promises OpenGL that its array holds what the draw reads.
+            unsafe { layout.position(layout.start as *const u8) }
+        } else {
+            let bytes = ranges::read(gl, &profile, layout.buffer, layout.start, layout.size())?;
+            // SAFETY: as many bytes as the vector has.
+            unsafe { layout.position(bytes.as_ptr()) }
+        };
+        column.copy_from_slice(&position);
+    }
+    matrix.read = read;
+    Some(())
+}

@@ -1,0 +1,15 @@
+//! Matrices that a program has from vertex attributes.
+
+use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
+
+/// A matrix of a vertex shader's attributes.
+pub struct AttributeMatrix {
+    /// The first of its four locations.
+    pub(in crate::intercept::gl) location: u32,
+    /// How much its name promises: the lower, the sooner it is believed.
+    pub(in crate::intercept::gl) rank: u8,
+    /// What was read of it.
+    pub(in crate::intercept::gl) value: [f64; 16],
+    /// From where its columns were read, and the version of that buffer then.
+    pub(in crate::intercept::gl) read: Option<([Layout; 4], u64)>,
+}

@@ -1,0 +1,100 @@
+//! Names in a program's shaders that may flow into the position.
+
+use crate::intercept::lens::{self, Order};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Names in shaders that may flow into a position.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PositionNames {
+    names: HashSet<String>,
+    /// Of uniforms that are arrays.
+    elements: HashMap<String, Elements>,
+}
+
+/// Elements of an array that may flow into a position.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Elements {
+    /// Those that the text names by their number.
+    pub numbers: BTreeMap<u32, Uses>,
+    /// How elements are chosen that it does not name, and what it does with them.
+    pub others: Option<(Choice, Uses)>,
+}
+
+/// How an element is chosen that the text does not name by its number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// By the uniform of this name.
+    ByUniform(String),
+    /// By what the program does not tell.
+    Unknown,
+}
+
+/// What a shader does with elements of an array.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Uses {
+    /// They go into scalar products, as rows of a matrix do.
+    pub products: bool,
+    /// They are multiplied, as columns of a matrix are.
+    pub factors: bool,
+}
+
+impl Uses {
+    /// These and others.
+    pub fn and(self, other: Self) -> Self {
+        Self { products: self.products || other.products, factors: self.factors || other.factors }
+    }
+
+    /// What four elements are as a matrix.
+    pub fn order(self) -> Order {
+        match (self.products, self.factors) {
+            (true, false) => Order::Rows,
+            (false, true) => Order::Columns,
+            _ => Order::Either,
+        }
+    }
+}
+
+impl Elements {
+    /// Groups of four elements that are named by their numbers and follow each other, by the first one's number.
+    pub fn fours(&self) -> impl Iterator<Item = (u32, Order)> + '_ {
+        let numbers: Vec<u32> = self.numbers.keys().copied().collect();
+        let uses =
+            |first: u32| self.numbers.range(first..first + 4).fold(Uses::default(), |all, (_, uses)| all.and(*uses));
+        lens::fours(&numbers).into_iter().map(move |first| (first, uses(first).order()))
+    }
+}
+
+impl PositionNames {
+    /// These, and of arrays these elements.
+    pub fn new(names: HashSet<String>, elements: HashMap<String, Elements>) -> Self {
+        Self { names, elements }
+    }
+
+    /// Adds more names, and all elements of their arrays.
+    pub fn add<'a>(&mut self, names: impl Iterator<Item = &'a str>) {
+        for name in names {
+            self.elements.remove(name);
+            self.names.insert(name.to_owned());
+        }
+    }
+
+    /// Whether the uniform that OpenGL calls `name` (`block.member`, `array[0]`, `array[2].member`) may flow into the
+    /// position.
+    pub fn contain(&self, name: &str) -> bool {
+        let (before, member) = name.rsplit_once('.').unwrap_or(("", name));
+        let part = |part: &str| match part.split_once('[') {
+            Some((array, rest)) => self.elements.get(array).is_none_or(|elements| {
+                let number = rest.strip_suffix(']').and_then(|number| number.parse().ok());
+                elements.others.is_some() || number.is_none_or(|number| elements.numbers.contains_key(&number))
+            }),
+            None => true,
+        };
+        self.names.contains(member.split('[').next().unwrap_or(member)) && before.split('.').all(part)
+    }
+
+    /// What is known of the elements of the array that OpenGL calls `name`; `None`: any may flow into the position.
+    pub fn elements(&self, name: &str) -> Option<&Elements> {
+        let member = name.rsplit('.').next().unwrap_or(name);
+        self.elements.get(member.split('[').next().unwrap_or(member))
+    }
+}

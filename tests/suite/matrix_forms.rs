@@ -1,0 +1,90 @@
+//! Cameras in the forms in which programs have them: arrays of vectors, row vectors, elements of arrays.
+
+use crate::compare::{Report, compare, expect_good};
+use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};
+use crate::harness::tests;
+use crate::picture::Picture;
+use crate::programs::{Finished, Run, scratch};
+use crate::reference::Fisheye;
+
+tests! {
+    four_vectors_of_an_array,
+    rows_row_vectors_and_64_bit_numbers,
+    an_element_of_an_array,
+    an_element_that_is_not_known,
+    an_attribute_of_each_instance,
+}
+
+fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
+    let (fov, yaw, pitch) = CAMERAS[1];
+    Run { fov, yaw, pitch, extra, ..Run::new(program) }
+}
+
+/// A form of a program on a dome.
+fn on_dome(program: &str, form: &str, rig: &str) -> Option<(Finished, Picture, Report)> {
+    let extra = ["--mode", form];
+    let run = run(program, &extra);
+    let finished = run.under(rig)?.expect_success().expect_no_gl_errors();
+    let picture = finished.picture("capture.png");
+    let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+    let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
+    Some((finished, picture, report))
+}
+
+/// Forms of a program show what the reference predicts, without Cupola and on a dome.
+fn right(program: &str, forms: &[&str]) {
+    for form in forms {
+        let extra = ["--mode", form, "--shot", "shot.ppm"];
+        let run = run(program, &extra);
+        let Some(plain) = run.plain() else { return };
+        let picture = plain.expect_success().picture("shot.ppm");
+        let report = compare(&picture, shown_by_window(run.size, run.fov, camera_of(&run)));
+        expect_good(&report, &picture, &format!("{program} {form} without Cupola"));
+        let Some((_, picture, report)) = on_dome(program, form, "fisheye") else { return };
+        expect_good(&report, &picture, &format!("{program} {form} fisheye"));
+    }
+}
+
+fn four_vectors_of_an_array() {
+    let uniforms = ["columns", "rows", "elements", "scalars", "by_name"];
+    let translated = ["registers", "macros", "constructor", "constructor_rows", "computed", "block", "block_rows"];
+    right("vec4_matrices", &uniforms);
+    right("vec4_matrices", &translated);
+}
+
+fn rows_row_vectors_and_64_bit_numbers() {
+    let row_vectors = ["row_vector", "row_vector_parts", "row_vector_transposed"];
+    right("matrix_orders", &row_vectors);
+    right("matrix_orders", &["block_by_rows", "block_row_vector", "block_by_rows_row_vector"]);
+    right("matrix_orders", &["view_4x3", "view_3x4"]);
+    right("matrix_orders", &["double", "double_block", "double_block_by_rows"]);
+}
+
+fn an_element_of_an_array() {
+    right("matrix_arrays", &["constant", "uniform", "unsigned", "same", "structures"]);
+    right("matrix_arrays", &["block_constant", "block_uniform", "block_same", "block_index"]);
+}
+
+/// A form whose lens cannot be known is flat, which is said, and right with a rig that gives the lens.
+fn flat_but_for_a_given_lens(program: &str, form: &str) {
+    let Some((finished, _, report)) = on_dome(program, form, "fisheye") else { return };
+    assert!(report.wrong > 1000, "control: without a lens it is flat");
+    assert!(finished.words().contains("camera.lens"), "{program} {form}: {}", finished.words());
+    let fov = CAMERAS[1].0;
+    let path = scratch("lens").join(format!("{program}-{form}.toml"));
+    let dome = "[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n";
+    std::fs::write(&path, format!("[camera]\nlens = [{fov}, {fov}]\n{dome}")).expect("a file can be written");
+    let rig = path.to_str().expect("a UTF-8 path");
+    let Some((_, picture, report)) = on_dome(program, form, rig) else { return };
+    expect_good(&report, &picture, &format!("{program} {form} with a lens that the rig gives"));
+}
+
+fn an_element_that_is_not_known() {
+    flat_but_for_a_given_lens("matrix_arrays", "instance");
+    flat_but_for_a_given_lens("matrix_arrays", "block_instance");
+}
+
+fn an_attribute_of_each_instance() {
+    right("instanced_matrix", &["array", "second", "constant"]);
+    flat_but_for_a_given_lens("instanced_matrix", "vertices");
+}
