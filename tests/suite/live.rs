@@ -30,8 +30,23 @@ const FOLLOWED: &str = "windows follow it (1)";
 const FOLLOWED_TWICE: &str = "windows follow it (2)";
 const REFUSED: &str = "the rig stays as it was";
 
-/// How long a rig stays as it is.
+/// How long a rig stays as it is that is changed twice.
 const WHILE: Duration = Duration::from_secs(1);
+
+/// How long a program may take to notice that its rig has changed.
+const LONGEST_WAIT: Duration = Duration::from_secs(60);
+const POLL: Duration = Duration::from_millis(20);
+
+/// Frames of a run, and of one after the change was noticed.
+const FRAMES: usize = 20;
+
+/// Whether something becomes true before long.
+fn becomes_true(is_true: impl Fn() -> bool) -> bool {
+    (0..LONGEST_WAIT.as_millis() / POLL.as_millis()).any(|_| {
+        std::thread::sleep(POLL);
+        is_true()
+    })
+}
 
 /// A program and the rig that it starts with: a file of this test's own.
 struct Case<'a> {
@@ -58,37 +73,41 @@ impl<'a> Case<'a> {
         file
     }
 
-    fn under(&self, frames: usize, environment: &[(&str, &str)], file: &Path) -> Option<Finished> {
-        let run = Run { frames, cupola_frames: frames, environment, ..self.run.clone() };
+    /// `frames`: of the program; it ends by itself.
+    fn under(&self, run: Run, file: &Path) -> Option<Finished> {
+        let run = Run { frames: FRAMES, cupola_frames: 0, ..run };
         let rig = file.to_string_lossy();
         if self.vulkan { run.vulkan_under(&rig) } else { run.under(&rig) }
     }
 
-    /// Changes the rig a second after the program's start. More and more frames, with pauses between them, until one run is long
-    /// enough to say `message`. `None` where there is no display.
-    fn changed_meanwhile(&self, change: fn(&Path), message: &str) -> Option<Finished> {
-        for frames in [200, 800, 3_200] {
-            let file = self.rig();
-            let changing = file.clone();
-            let helper = std::thread::spawn(move || {
-                std::thread::sleep(WHILE);
-                change(&changing);
+    /// Changes the rig when the program has drawn some frames. Some frames after its log says `message` the program ends. `None` where
+    /// there is no display.
+    fn changed_meanwhile(&self, change: fn(&Path), message: &'static str) -> Option<Finished> {
+        let (file, directory) = (self.rig(), scratch(self.name));
+        let (changing, watched) = (file.clone(), directory.clone());
+        let helper = std::thread::spawn(move || {
+            let begun = becomes_true(|| watched.join("begun").exists());
+            change(&changing);
+            let noticed = becomes_true(|| {
+                std::fs::read_to_string(watched.join("stderr.log")).is_ok_and(|words| words.contains(message))
             });
-            let finished = self.under(frames, &[("APP_PAUSE", "20")], &file);
-            helper.join().expect("changes the file");
-            let finished = finished?;
-            if finished.words().contains(message) {
-                return Some(finished);
-            }
-        }
-        panic!("{}: no run noticed the change", self.run.program);
+            std::fs::write(watched.join("end"), "").expect("a file that ends the program");
+            begun && noticed
+        });
+        let environment = [("APP_WAIT", ".")];
+        let run = Run { environment: &environment, directory: Some(&directory), ..self.run.clone() };
+        let finished = self.under(run, &file);
+        let noticed = helper.join().expect("changes the file");
+        let finished = finished?;
+        assert!(noticed, "{}: the change was not noticed\n{}", self.run.program, finished.words());
+        Some(finished)
     }
 
     /// What a run shows from the start whose rig has these changes, once its views are planned for its number of draws.
     fn started_with(&self, change: fn(&Path)) -> Option<Finished> {
         let file = self.rig();
         change(&file);
-        self.under(20, &[], &file)
+        self.under(self.run.clone(), &file)
     }
 
     /// The picture is that of the changed rig.

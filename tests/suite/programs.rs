@@ -88,6 +88,8 @@ pub struct Run<'a> {
     pub cupola: &'a [&'a str],
     /// More variables of the environment.
     pub environment: &'a [(&'a str, &'a str)],
+    /// Folder to run in; a new one otherwise.
+    pub directory: Option<&'a Path>,
 }
 
 impl<'a> Run<'a> {
@@ -105,6 +107,7 @@ impl<'a> Run<'a> {
             extra: &[],
             cupola: &[],
             environment: &[],
+            directory: None,
         }
     }
 
@@ -162,10 +165,13 @@ impl<'a> Run<'a> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.env("CUPOLA_LIBRARY", library());
         let place = display::place();
-        command.args(["run", "--rig", rig, "--frames", &self.cupola_frames.to_string()]);
-        command.args(["--capture", "capture.png", "--stats", "stats.json"]);
+        command.args(["run", "--rig", rig, "--capture", "capture.png", "--stats", "stats.json"]);
+        if self.cupola_frames > 0 {
+            command.args(["--frames", &self.cupola_frames.to_string()]);
+        }
         command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
         command.envs(self.environment.iter().copied());
+        self.directory.map(|directory| command.current_dir(directory));
         let finished = self.in_a_window(command, rig)?;
         let words = String::from_utf8_lossy(&finished.output.stderr);
         assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
@@ -199,6 +205,7 @@ impl Run<'_> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.env("CUPOLA_LIBRARY", library()).env("VK_LOADER_DEBUG", "layer");
         command.envs(self.environment.iter().copied());
+        self.directory.map(|directory| command.current_dir(directory));
         let place = display::place();
         command.args(["run", "--rig", rig, "--capture", "capture.png", "--stats", "stats.json"]).args(self.cupola);
         command.args(["--", "env", "VK_INSTANCE_LAYERS=VK_LAYER_CUPOLA_dome:VK_LAYER_KHRONOS_validation"]);
@@ -415,7 +422,7 @@ impl Finished {
 
     fn run(mut command: Command, program: &str, rig: &str) -> Self {
         let what = format!("{program} ({rig})");
-        let directory = scratch(program);
+        let directory = command.get_current_dir().map_or_else(|| scratch(program), Path::to_owned);
         let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
         // Not the user's own; that runs share it is a test of its own.
         if !command.get_envs().any(|(name, _)| name == "CUPOLA_CACHE") {

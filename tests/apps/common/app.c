@@ -1,13 +1,13 @@
 #include "app.h"
 
 #include "target.h"
+#include "waiting.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static const double degree = 3.14159265358979323846 / 180.0;
 
@@ -187,12 +187,7 @@ int app_main(int argc, char **argv, const app_program *program)
         own = target_create(a.window.width, a.window.height);
     app_check_error(&a, "after the set-up");
 
-    /* Milliseconds, for tests that wait for something besides frames. */
-    const char *pause = getenv("APP_PAUSE");
-    const struct timespec between = {.tv_nsec = pause == NULL ? 0 : atol(pause) * 1000000};
-    for (a.frame = 0; a.frames == 0 || a.frame < a.frames; a.frame++) {
-        if (pause != NULL)
-            nanosleep(&between, NULL);
+    for (a.frame = 0; a.frames == 0 || a.frame < a.frames; a.frame += frame_counts()) {
         if (a.fbo)
             target_bind(&own);
         program->draw(&a);

@@ -4,6 +4,7 @@
  * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run; in small
  * parts (--cells), through other stages (--stage), with depth in a pass of its own (--depth).
  */
+#include "../common/waiting.h"
 #include "depth_pass.h"
 #include "frames.h"
 #include "memory.h"
@@ -578,7 +579,7 @@ int main(int argc, char **argv)
 {
     parse(argc, argv);
     open_all();
-    for (int number = 0; options.direction.frames == 0 || number < options.direction.frames; number++) {
+    for (int number = 0; options.direction.frames == 0 || number < options.direction.frames; number += frame_counts()) {
         if (options.resizes > 0 && number > 0 && number % (options.direction.frames / (options.resizes + 1)) == 0) {
             const uint32_t odd = (uint32_t)(number % 2 == 0 ? 0 : 31);
             expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
@@ -587,7 +588,6 @@ int main(int argc, char **argv)
             if (options.memory != NULL)
                 write_memory(options.memory, getpid());
         }
-        pause_between_frames();
         frame();
         if (options.direction.shot != NULL)
             window_shot(&w, options.direction.shot);

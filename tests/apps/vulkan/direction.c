@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 bool take_direction(direction_options *options, const char *option, const char *value)
 {
@@ -22,14 +21,6 @@ bool take_direction(direction_options *options, const char *option, const char *
     else
         return strcmp(option, "--size") == 0 && sscanf(value, "%ux%u", &options->width, &options->height) == 2;
     return true;
-}
-
-void pause_between_frames(void)
-{
-    const char *pause = getenv("APP_PAUSE");
-    const struct timespec between = {.tv_nsec = pause == NULL ? 0 : atol(pause) * 1000000};
-    if (pause != NULL)
-        nanosleep(&between, NULL);
 }
 
 int choice(const char *value, const char *const names[], int count)

@@ -21,10 +21,6 @@ typedef struct {
 /* Takes one of these options; whether it is one, with a value that is understood. */
 bool take_direction(direction_options *options, const char *option, const char *value);
 
-/* To be called before a frame: waits as many milliseconds as the variable APP_PAUSE says, for tests that wait for something
- * besides frames. */
-void pause_between_frames(void);
-
 /* Which of `count` names a value is; -1: none of them. */
 int choice(const char *value, const char *const names[], int count);
 

@@ -8,6 +8,7 @@
  * what was read: the window, or what was drawn off screen. A swapchain that is not as it should be is made anew; the pictures
  * stay, as the window's size does.
  */
+#include "../common/waiting.h"
 #include "direction.h"
 #include "frames.h"
 #include "newest.h"
@@ -531,9 +532,9 @@ int main(int argc, char **argv)
 {
     parse(argc, argv);
     open_all();
-    for (int number = 0; number < options.direction.frames; number++) {
-        pause_between_frames();
-        frame((uint64_t)number + 1);
+    uint64_t number = 0;
+    for (int left = options.direction.frames; left > 0; left -= frame_counts()) {
+        frame(++number);
         if (options.direction.shot != NULL)
             window_shot(&w, options.direction.shot);
     }
