@@ -1,4 +1,5 @@
-/* Direction test in GLES 2 through EGL: ESSL 100, attributes, one matrix for view and one for projection. */
+/* Direction test in GLES 2 through EGL: ESSL 100, attributes, one matrix for view and one for projection. What is beside the
+ * window is discarded. */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/shader.h"
@@ -14,7 +15,13 @@ static const char vertex[] =
     "    gl_Position = projection * modelview * vec4(position, 1.0);\n"
     "}\n";
 static const char fragment[] =
-    "precision highp float;\nvarying vec3 shade;\nvoid main() { gl_FragColor = vec4(shade, 1.0); }\n";
+    "precision highp float;\n"
+    "varying vec3 shade;\n"
+    "uniform vec2 size;\n"
+    "void main() {\n"
+    "    if (any(greaterThan(gl_FragCoord.xy, size))) discard;\n"
+    "    gl_FragColor = vec4(shade, 1.0);\n"
+    "}\n";
 
 static mesh cube;
 static shader_pair pair;
@@ -31,6 +38,7 @@ static void draw(app *a)
 {
     app_clear();
     shader_pair_use(&pair, a);
+    glUniform2f(glGetUniformLocation(pair.program, "size"), (float)a->window.width, (float)a->window.height);
     mesh_bind(&cube);
     glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, 0);
 }

@@ -1,4 +1,5 @@
-/* Direction test in GLES 3 through EGL: ESSL 300, vertex arrays, one model-view-projection matrix. */
+/* Direction test in GLES 3 through EGL: ESSL 300, vertex arrays, one model-view-projection matrix. What is beside the window
+ * is discarded. */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/program.h"
@@ -17,7 +18,11 @@ static const char fragment[] =
     "precision highp float;\n"
     "in highp vec3 shade;\n"
     "out vec4 result;\n"
-    "void main() { result = vec4(shade, 1.0); }\n";
+    "uniform vec2 size;\n"
+    "void main() {\n"
+    "    if (any(greaterThan(gl_FragCoord.xy, size))) discard;\n"
+    "    result = vec4(shade, 1.0);\n"
+    "}\n";
 
 static mesh cube;
 static GLuint program;
@@ -38,6 +43,7 @@ static void draw(app *a)
     glUseProgram(program);
     matrix4 mvp = matrix_multiply(a->projection, a->modelview);
     glUniformMatrix4fv(location, 1, GL_FALSE, mvp.m);
+    glUniform2f(glGetUniformLocation(program, "size"), (float)a->window.width, (float)a->window.height);
     mesh_bind(&cube);
     glDrawRangeElements(GL_TRIANGLES, 0, CUBE_CORNERS - 1, CUBE_INDICES, GL_UNSIGNED_SHORT, 0);
 }

@@ -18,6 +18,7 @@ mod display;
 mod embedding;
 mod ending;
 mod faults;
+mod frag_coord;
 #[path = "../harness/mod.rs"]
 mod harness;
 mod hidden;
@@ -61,6 +62,7 @@ harness::tests! {
     injection,
     live,
     load,
+    frag_coord,
     matrix_forms,
     offscreen,
     outlines,

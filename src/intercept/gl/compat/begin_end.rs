@@ -12,6 +12,7 @@ use crate::intercept::gl::context::{list_recording, methods};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::issue::plain_program;
+use crate::intercept::gl::per_view::window_space::program_window_space;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::compat::begin_end::{Phase, list_of};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
@@ -176,6 +177,7 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
     let gl = ctx.driver.gl;
     if let (false, Some(mode)) = (ctx.compat.immediate.under_way(), primitive.within) {
         if ctx.session().is_none() || ctx.app.picking {
+            program_window_space(ctx);
             plain_program(ctx);
             // SAFETY: the program's own call.
             unsafe { gl.call_list(list) };
@@ -209,6 +211,7 @@ hooks! {
                 recording.primitive.begin(mode);
             }
         } else if ctx.session().is_none() || ctx.app.picking {
+            program_window_space(ctx);
             plain_program(ctx);
         } else if !ctx.compat.immediate.under_way() && mode <= api::GL_PATCHES {
             ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);

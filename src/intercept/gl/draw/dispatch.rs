@@ -22,10 +22,11 @@ use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_program};
 use crate::intercept::gl::per_view::panel::PanelBlend;
-use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space, view_window_space};
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::shader::frag_coord;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -56,6 +57,7 @@ pub fn draw(
 fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
     scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
+    program_window_space(ctx);
     plain_program(ctx);
     issue(ctx, gl);
 }
@@ -139,8 +141,7 @@ impl Target for Window {
             own_window_space(ctx, tile);
             return None;
         }
-        ctx.set_scissor(ctx.draw.wide_primitives.cut.then_some(tile));
-        ctx.set_viewport(tile);
+        view_window_space(ctx, tile, ctx.draw.wide_primitives.cut.then_some(tile));
         Some(self.class)
     }
 
@@ -181,6 +182,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
     let pictures = tiles.iter().flatten().count();
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
         own_window_space(ctx, *tile);
+        frag_coord::upload(ctx);
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, primitives: 1.0 / pictures as f64 });

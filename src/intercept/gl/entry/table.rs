@@ -12,7 +12,7 @@ use crate::intercept::gl::per_view::culling::max_width;
 use crate::intercept::gl::per_view::wide_primitives;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::{conditional_render, results};
-use crate::intercept::gl::shader::{introspection, program_pipelines, program_use, programs, uniforms};
+use crate::intercept::gl::shader::{introspection, linking, program_pipelines, program_use, uniforms};
 use crate::intercept::gl::vertex_input::{buffers, named_buffers_ext, vertex_array_commands};
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -49,7 +49,7 @@ fn table() -> &'static HashMap<&'static str, usize> {
             named_buffers_ext::HOOKS,
             wide_primitives::HOOKS,
             program_pipelines::HOOKS,
-            programs::HOOKS,
+            linking::HOOKS,
             program_use::HOOKS,
             introspection::HOOKS,
             uniforms::HOOKS,

@@ -74,8 +74,7 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
         if let Some(target) = ctx.drawable.target_mut() {
             let (tile, _) = target.session.tile(view);
             target.issued(view);
-            ctx.set_scissor(None);
-            ctx.set_viewport(tile);
+            window_space::view_window_space(ctx, tile, None);
         }
         DrawClass::Flat
     });
@@ -151,6 +150,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
         window_space::own_window_space(ctx, whole);
+        window_space::program_window_space(ctx);
         DrawClass::Flat
     });
     // SAFETY: what stands for the program's window.

@@ -9,9 +9,10 @@ use crate::intercept::gl::offscreen::view_copies::{
 };
 use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
-use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::to_window::ToWindow;
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
@@ -35,7 +36,9 @@ pub fn draw(
     let class = classify_by_projection(ctx);
     // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
     // screen they are.
-    let by_frag_coord = ctx.shaders.program.as_ref().is_some_and(|program| program.reads_frag_coord);
+    let program = ctx.shaders.program.as_ref();
+    let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
+    let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
     let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
     let attached = ctx.view_copies.attached(index);
     let sampled = sampled & !attached;
@@ -50,7 +53,7 @@ pub fn draw(
     };
     let count = views(ctx);
     ctx.view_copies.issued.count(shown, count);
-    if by_frag_coord && sampled != 0 {
+    if in_framebuffer && sampled != 0 {
         draw_through(ctx, attached, class, sampled, (changes, shown), issue);
     } else {
         ctx.view_copies.changed(index);
@@ -58,13 +61,27 @@ pub fn draw(
         let Some(grid) = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid)) else {
             return false;
         };
-        each_view(ctx, changes, copy_count(ctx), shown, issue, |ctx, view| {
+        let count = copy_count(ctx);
+        each_view(ctx, changes, count, shown, issue, |ctx, view| {
             supply(ctx, sampled, view);
             own_window_space(ctx, grid.tile(view));
+            ctx.draw.to_window = ToWindow::of_tile(grid.tile(view), grid.extent(count)[1]);
             class
         });
+        if sampled != 0 {
+            supply_last(ctx, sampled, count, shown);
+        }
     }
     true
+}
+
+/// Draws in perspective that sample these images by places of their own find the last view's content, whether it was drawn
+/// to or not.
+fn supply_last(ctx: &mut Context, sampled: Set, count: usize, shown: Views) {
+    let last = count.saturating_sub(1);
+    if !shown.contain(last) {
+        supply(ctx, sampled, last);
+    }
 }
 
 /// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
@@ -93,14 +110,10 @@ fn draw_through(
         view_now.set(view);
         supply(ctx, sampled | attached, view);
         ctx.restore_window_space();
+        program_window_space(ctx);
         class
     });
-    // Draws in perspective that sample these images by places of their own find the last view's content, whether it was
-    // drawn to or not.
-    let last = count.saturating_sub(1);
-    if !shown.contain(last) {
-        supply(ctx, sampled | attached, last);
-    }
+    supply_last(ctx, sampled | attached, count, shown);
 }
 
 /// Remembers what a draw says about the framebuffer at `index`.

@@ -5,7 +5,7 @@ use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::shader::{frag_coord, programs};
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -118,6 +118,7 @@ fn load_view(
 fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Option<(Arc<Variant>, InUse)> {
     let lens = ctx.drawable.target().and_then(|target| target.lenses.get(view)).copied();
     programs::upload_view(ctx, rows, lens.as_ref());
+    frag_coord::upload(ctx);
     let division = ctx.session().and_then(|session| session.division(view));
     projected_vertices::begin_view(ctx, rows, lens.as_ref(), division)
 }
@@ -132,6 +133,7 @@ fn restore_projection(ctx: &Context, loaded: &mut bool) {
 /// Programs that we patched draw untouched where the picture is the program's own.
 pub fn plain_program(ctx: &mut Context) {
     programs::upload(ctx, &crate::intercept::gl::state::shader::programs::IDENTITY);
+    frag_coord::upload(ctx);
 }
 
 /// Keeps a draw that is issued several times one draw for the program: vertex attributes (and what

@@ -1,4 +1,4 @@
-//! What a program asks about its shaders: our uniform is not among the answers.
+//! What a program asks about its shaders: our uniforms are not among the answers.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -7,9 +7,34 @@ use crate::intercept::gl::shader::programs;
 use crate::lock::Lock;
 use std::ffi::c_char;
 
-/// Index of our uniform among the program's active ones.
-fn own_uniform(ctx: &Context, program: u32) -> Option<u32> {
-    programs::record(&ctx.share, program)?.own_uniform
+/// Indices of our uniforms among the program's active ones, in their order.
+struct Own {
+    indices: Vec<u32>,
+}
+
+impl Own {
+    fn any(&self) -> bool {
+        !self.indices.is_empty()
+    }
+
+    fn count(&self) -> i32 {
+        self.indices.len() as i32
+    }
+
+    /// The driver's index for the program's, which does not count ours.
+    fn shifted(&self, index: u32) -> u32 {
+        self.indices.iter().fold(index, |index, ours| if index >= *ours { index.saturating_add(1) } else { index })
+    }
+
+    /// The program's index for the driver's.
+    fn unshifted(&self, index: u32) -> u32 {
+        let before = self.indices.iter().filter(|ours| **ours < index).count() as u32;
+        if index == api::GL_INVALID_INDEX { index } else { index - before }
+    }
+}
+
+fn own_uniforms(ctx: &Context, program: u32) -> Own {
+    Own { indices: programs::record(&ctx.share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
 /// Whether a program is to be deleted once it is in use no longer.
@@ -17,17 +42,9 @@ fn is_deleted(ctx: &Context, program: u32) -> bool {
     ctx.share.programs.locked().uses.is_deleted(program)
 }
 
-/// The driver's index for the program's, which does not count ours.
+/// The driver's index for the program's.
 fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
-    match own_uniform(ctx, program) {
-        Some(ours) if index >= ours => index.saturating_add(1),
-        _ => index,
-    }
-}
-
-/// The program's index for the driver's.
-fn unshifted(ours: u32, index: u32) -> u32 {
-    if index != api::GL_INVALID_INDEX && index > ours { index - 1 } else { index }
+    own_uniforms(ctx, program).shifted(index)
 }
 
 /// Length of the longest name of the program's active uniforms, with its zero; 0 = it has none.
@@ -37,8 +54,8 @@ fn longest_name(ctx: &Context, program: u32) -> i32 {
     let mut name = [0; 1024];
     // SAFETY: writes one number.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
-    let ours = own_uniform(ctx, program);
-    for index in (0..count as u32).filter(|index| Some(*index) != ours) {
+    let ours = own_uniforms(ctx, program);
+    for index in (0..count as u32).filter(|index| !ours.indices.contains(index)) {
         let (mut length, mut size, mut kind) = (0, 0, 0);
         // SAFETY: writes one number each, and no more characters than there is room for.
         unsafe { gl.get_active_uniform(program, index, 1024, &mut length, &mut size, &mut kind, name.as_mut_ptr()) };
@@ -52,16 +69,16 @@ fn resource(ctx: &Context, program: u32, interface: u32, index: u32) -> u32 {
     if interface == api::GL_UNIFORM { shifted(ctx, program, index) } else { index }
 }
 
-/// Takes our uniform out of `count` indices that the driver gave.
+/// Takes our uniforms out of `count` indices that the driver gave.
 ///
 /// # Safety
 /// `indices` must be null or point at `count` numbers.
-unsafe fn renumber(ours: Option<u32>, count: i32, indices: *mut i32) {
-    let (Some(ours), Ok(count)) = (ours, usize::try_from(count)) else { return };
-    if !indices.is_null() {
+unsafe fn renumber(ours: &Own, count: i32, indices: *mut i32) {
+    let Ok(count) = usize::try_from(count) else { return };
+    if ours.any() && !indices.is_null() {
         // SAFETY: as promised above.
         for index in unsafe { std::slice::from_raw_parts_mut(indices, count) } {
-            *index = unshifted(ours, *index as u32) as i32;
+            *index = ours.unshifted(*index as u32) as i32;
         }
     }
 }
@@ -72,9 +89,10 @@ hooks! {
         if name == api::GL_DELETE_STATUS && is_deleted(ctx, program) && !value.is_null() {
             *value = 1;
         }
-        if !value.is_null() && own_uniform(ctx, program).is_some() {
+        let ours = own_uniforms(ctx, program);
+        if !value.is_null() && ours.any() {
             match name {
-                api::GL_ACTIVE_UNIFORMS => *value -= 1,
+                api::GL_ACTIVE_UNIFORMS => *value -= ours.count(),
                 api::GL_ACTIVE_UNIFORM_MAX_LENGTH => *value = longest_name(ctx, program),
                 // A program that keeps binaries would keep our uniform, and miss it without us.
                 api::GL_PROGRAM_BINARY_LENGTH => *value = 0,
@@ -87,9 +105,10 @@ hooks! {
         if name == api::GL_OBJECT_DELETE_STATUS_ARB && is_deleted(ctx, object) && !value.is_null() {
             *value = 1;
         }
-        if !value.is_null() && own_uniform(ctx, object).is_some() {
+        let ours = own_uniforms(ctx, object);
+        if !value.is_null() && ours.any() {
             match name {
-                api::GL_OBJECT_ACTIVE_UNIFORMS_ARB => *value -= 1,
+                api::GL_OBJECT_ACTIVE_UNIFORMS_ARB => *value -= ours.count(),
                 api::GL_OBJECT_ACTIVE_UNIFORM_MAX_LENGTH_ARB => *value = longest_name(ctx, object),
                 _ => {}
             }
@@ -100,7 +119,7 @@ hooks! {
     "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
         gl.get_active_uniform_name(program, shifted(ctx, program, index), room, length, name);
     "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
-        if own_uniform(ctx, program).is_none() || indices.is_null() {
+        if !own_uniforms(ctx, program).any() || indices.is_null() {
             gl.get_active_uniformsiv(program, count, indices, what, values);
         } else {
             let given = std::slice::from_raw_parts(indices, usize::try_from(count).unwrap_or(0));
@@ -110,21 +129,22 @@ hooks! {
     };
     "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
         gl.get_uniform_indices(program, count, names, indices);
-        renumber(own_uniform(ctx, program), count, indices.cast());
+        renumber(&own_uniforms(ctx, program), count, indices.cast());
     };
     "glGetActiveUniformBlockiv" get_active_uniform_blockiv(program: u32, block: u32, what: u32, values: *mut i32) = |ctx, gl| {
         gl.get_active_uniform_blockiv(program, block, what, values);
         if what == api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES {
             let mut count = 0;
             gl.get_active_uniform_blockiv(program, block, api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORMS, &mut count);
-            renumber(own_uniform(ctx, program), count, values);
+            renumber(&own_uniforms(ctx, program), count, values);
         }
     };
     "glGetProgramInterfaceiv" get_program_interfaceiv(program: u32, interface: u32, name: u32, values: *mut i32) = |ctx, gl| {
         gl.get_program_interfaceiv(program, interface, name, values);
-        if interface == api::GL_UNIFORM && !values.is_null() && own_uniform(ctx, program).is_some() {
+        let ours = own_uniforms(ctx, program);
+        if interface == api::GL_UNIFORM && !values.is_null() && ours.any() {
             match name {
-                api::GL_ACTIVE_RESOURCES => *values -= 1,
+                api::GL_ACTIVE_RESOURCES => *values -= ours.count(),
                 api::GL_MAX_NAME_LENGTH => *values = longest_name(ctx, program),
                 _ => {}
             }
@@ -132,10 +152,7 @@ hooks! {
     };
     "glGetProgramResourceIndex" get_program_resource_index(program: u32, interface: u32, name: *const c_char) -> u32 = |ctx, gl| {
         let index = gl.get_program_resource_index(program, interface, name);
-        match own_uniform(ctx, program) {
-            Some(ours) if interface == api::GL_UNIFORM => unshifted(ours, index),
-            _ => index,
-        }
+        if interface == api::GL_UNIFORM { own_uniforms(ctx, program).unshifted(index) } else { index }
     };
     "glGetProgramResourceName" get_program_resource_name(program: u32, interface: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
         gl.get_program_resource_name(program, interface, resource(ctx, program, interface, index), room, length, name);
@@ -146,11 +163,11 @@ hooks! {
             let mut one = 0;
             let of_block = [api::GL_NUM_ACTIVE_VARIABLES];
             gl.get_program_resourceiv(program, interface, index, 1, of_block.as_ptr(), 1, std::ptr::null_mut(), &mut one);
-            renumber(own_uniform(ctx, program), one.min(room), values);
+            renumber(&own_uniforms(ctx, program), one.min(room), values);
         }
     };
     "glGetProgramBinary" get_program_binary(program: u32, room: i32, length: *mut i32, format: *mut u32, binary: *mut std::ffi::c_void) = |ctx, gl| {
-        if own_uniform(ctx, program).is_none() {
+        if !own_uniforms(ctx, program).any() {
             gl.get_program_binary(program, room, length, format, binary);
         } else {
             // As where a driver has no format for binaries, which is what we say.
@@ -160,4 +177,23 @@ hooks! {
             ctx.driver.note_error(api::GL_INVALID_OPERATION);
         }
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Own;
+    use crate::backend::gl::driver::api;
+
+    /// The program counts on where the driver has uniforms of ours.
+    #[test]
+    fn indices_do_not_count_ours() {
+        let own = |ours: &[u32]| Own { indices: ours.to_vec() };
+        for ours in [&[][..], &[0], &[3], &[0, 1], &[2, 3], &[1, 4]] {
+            let driver: Vec<u32> = (0..8).filter(|index| !ours.contains(index)).collect();
+            for (index, driver) in (0..).zip(driver) {
+                assert_eq!((own(ours).shifted(index), own(ours).unshifted(driver)), (driver, index), "{ours:?}");
+            }
+            assert_eq!(own(ours).unshifted(api::GL_INVALID_INDEX), api::GL_INVALID_INDEX);
+        }
+    }
 }

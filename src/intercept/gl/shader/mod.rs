@@ -1,15 +1,18 @@
 //! The program's shaders.
 //!
-//! Answers compiling and linking ([`programs`]), pipelines ([`program_pipelines`]), matrices
+//! Answers compiling and linking ([`programs`], [`linking`]), pipelines ([`program_pipelines`]), matrices
 //! ([`uniforms`], [`attribute_matrices`]) and questions about programs ([`introspection`]). The last stage before
-//! rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]). [`prover`] proves from
+//! rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]), fragment shaders get window coordinates of
+//! the program ([`frag_coord`]). [`prover`] proves from
 //! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
 //! these in the linked program.
 
 pub mod attribute_matrices;
 pub mod dependence;
 pub mod elements;
+pub mod frag_coord;
 pub mod introspection;
+pub mod linking;
 pub mod patch;
 pub mod position;
 pub mod program_pipelines;

@@ -1,12 +1,13 @@
 //! Finds the projection among a program's 4×4 matrices.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::{program_pipelines, programs};
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, PositionNames, Uses};
-use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::gl::state::shader::programs::{FragCoord, Program};
 use crate::intercept::gl::state::shader::uniforms::{ChosenFrom, IndexLocation, Matrix, MatrixLocation, Uniforms};
 use crate::intercept::lens::{Order, rank, transposed};
 use crate::lock::Lock;
@@ -17,22 +18,19 @@ use std::ffi::{CStr, c_char};
 /// by their numbers.
 const LONGEST: u32 = 8;
 
+/// Uniforms that Cupola adds to shaders.
+const OWN: [&str; 2] = [projection::UNIFORM, FragCoord::UNIFORM];
+
 /// More matrices of an array are not looked at.
 const MOST_NAMED: usize = 64;
 
-/// The 4×4 matrices of a linked program that may flow into its position, all if that is not known, and the index of the
-/// uniform called `ours`.
-pub fn read(
-    gl: &Gl,
-    profile: &Profile,
-    program: u32,
-    ours: &str,
-    position: Option<&PositionNames>,
-) -> (Uniforms, Option<u32>) {
+/// The 4×4 matrices of a linked program that may flow into its position, all if that is not known, and the indices of
+/// Cupola's own uniforms.
+pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&PositionNames>) -> (Uniforms, Vec<u32>) {
     let mut reader = Reader { gl, profile, program, position, uniforms: Uniforms::default(), integers: Vec::new() };
     reader.uniforms.generation = u64::MAX;
     reader.uniforms.program = program;
-    let mut own_uniform = None;
+    let mut own_uniforms = Vec::new();
     let mut count = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
@@ -45,8 +43,8 @@ pub fn read(
             CStr::from_ptr(text.as_ptr())
         };
         let shown = name.to_string_lossy();
-        if shown.strip_suffix("[0]").unwrap_or(&shown) == ours {
-            own_uniform = Some(index);
+        if OWN.contains(&shown.strip_suffix("[0]").unwrap_or(&shown)) {
+            own_uniforms.push(index);
             continue;
         }
         if shown.starts_with("gl_") || position.is_some_and(|names| !names.contain(&shown)) {
@@ -58,7 +56,7 @@ pub fn read(
         reader.uniform(&Active { name: &shown, index, location, size, kind });
     }
     reader.find_indices();
-    (reader.uniforms, own_uniform)
+    (reader.uniforms, own_uniforms)
 }
 
 /// An active uniform of a program.

@@ -14,8 +14,8 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::{errors, list_recording, methods};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
+use crate::intercept::gl::shader::linking;
 use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::programs::Program;
@@ -107,7 +107,7 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     let program = {
         let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
         ctx.driver.take_errors();
-        let program = programs::of_own_text(&ctx.driver, &patched, own.into(), pipeline.flat);
+        let program = linking::of_own_text(&ctx.driver, &patched, own.into(), pipeline.flat);
         errors::drop_errors(ctx.driver.gl);
         program
     };

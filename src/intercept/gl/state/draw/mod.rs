@@ -1,17 +1,20 @@
 //! A draw: its class, its primitives, and the views that it goes to.
 //!
 //! [`draw_class`] names the classes, [`primitives`] the kinds of primitives, [`views`] is a set of
-//! views, [`bounds`] a box around vertices, [`max_width`] the greatest width of points and lines.
+//! views, [`bounds`] a box around vertices, [`max_width`] the greatest width of points and lines,
+//! [`to_window`] the way from a tile to the program's window coordinates.
 
 pub mod bounds;
 pub mod draw_class;
 pub mod max_width;
 pub mod primitives;
+pub mod to_window;
 pub mod views;
 
 use crate::correct::TexelSpan;
 use crate::intercept::gl::state::draw::max_width::MaxWidth;
 use crate::intercept::gl::state::draw::primitives::WidePrimitives;
+use crate::intercept::gl::state::draw::to_window::ToWindow;
 
 /// What is known of the draw that is being issued.
 #[derive(Default)]
@@ -22,6 +25,8 @@ pub struct DrawState {
     pub(in crate::intercept::gl) wide_primitives: WidePrimitives,
     /// The greatest width of points and lines so far.
     pub(in crate::intercept::gl) max_width: MaxWidth,
+    /// From window coordinates of the driver to those of the program, for what is issued next.
+    pub(in crate::intercept::gl) to_window: ToWindow,
     /// The number that its first instance has for attributes.
     pub(in crate::intercept::gl) first_instance: u32,
 }

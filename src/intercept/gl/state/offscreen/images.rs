@@ -96,7 +96,8 @@ impl TileGrid {
         Self { columns: (1..=count).find(|columns| columns * columns >= count).unwrap_or(1), size }
     }
 
-    fn extent(&self, count: usize) -> [i32; 2] {
+    /// Size of an image with `count` tiles.
+    pub fn extent(&self, count: usize) -> [i32; 2] {
         [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
     }
 

@@ -1,8 +1,9 @@
 //! Programs of the group, and the one that draws.
 //!
 //! [`programs`] holds linked programs, [`position_names`] what flows into their positions, [`uniforms`]
-//! and [`attribute_matrices`] their matrices, [`program_pipelines`] the pipelines. [`variants`] are programs that divide primitives; [`uniform_mirror`] gives them the
-//! values of the program's uniforms, [`division_counter`] counts what they do not divide enough.
+//! and [`attribute_matrices`] their matrices, [`program_pipelines`] the pipelines. [`variants`] are
+//! programs that divide primitives; [`uniform_mirror`] gives them the values of the program's uniforms,
+//! [`division_counter`] counts what they do not divide enough.
 
 pub mod attribute_matrices;
 pub mod division_counter;

@@ -18,11 +18,17 @@ pub(in crate::intercept::gl) struct Stages {
     vertex: u32,
     evaluation: u32,
     geometry: u32,
+    fragment: u32,
     /// `glActiveShaderProgram`.
     pub(in crate::intercept::gl) active: u32,
 }
 
 impl Stages {
+    /// The program of fragments.
+    pub(in crate::intercept::gl) fn fragment(&self) -> u32 {
+        self.fragment
+    }
+
     /// The programs before rasterisation, the last one first.
     pub(in crate::intercept::gl) fn last_first(&self) -> [u32; 3] {
         [self.geometry, self.evaluation, self.vertex]
@@ -30,6 +36,9 @@ impl Stages {
 
     /// `glUseProgramStages` with a program that has the stages `present`.
     pub(in crate::intercept::gl) fn set(&mut self, stages: u32, program: u32, present: u32) {
+        if stages & api::GL_FRAGMENT_SHADER_BIT != 0 {
+            self.fragment = program;
+        }
         let slots = [
             (api::GL_VERTEX_SHADER_BIT, &mut self.vertex),
             (api::GL_TESS_EVALUATION_SHADER_BIT, &mut self.evaluation),
@@ -59,6 +68,7 @@ mod tests {
         stages.set(api::GL_GEOMETRY_SHADER_BIT, 7, api::GL_GEOMETRY_SHADER_BIT);
         stages.set(api::GL_VERTEX_SHADER_BIT | api::GL_FRAGMENT_SHADER_BIT, 3, api::GL_VERTEX_SHADER_BIT);
         assert_eq!(stages.last_first(), [7, 0, 3]);
+        assert_eq!(stages.fragment(), 3);
         stages.set(api::GL_ALL_SHADER_BITS, 5, api::GL_VERTEX_SHADER_BIT);
         assert_eq!(stages.last_first(), [0, 0, 5]);
     }

@@ -78,8 +78,8 @@ pub struct Program {
     pub(in crate::intercept::gl) location: i32,
     /// Where the lens of a view goes; −1 = all views are perspective ones.
     pub(in crate::intercept::gl) lens_location: i32,
-    /// Index of our uniform among the active ones, to be own_uniform.
-    pub own_uniform: Option<u32>,
+    /// Indices of our uniforms among the active ones, in their order.
+    pub own_uniforms: Vec<u32>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
     pub(in crate::intercept::gl) stages: u32,
     /// It uses the fixed-function matrices.
@@ -90,8 +90,10 @@ pub struct Program {
     pub position: Option<Position>,
     /// Subroutines can be chosen, which is lost when another program is put in use.
     pub(in crate::intercept::gl) subroutines: bool,
-    /// Its fragments ask where on the screen they are.
+    /// Its fragments ask where on the screen they are, and are told as of the framebuffer that is drawn to.
     pub reads_frag_coord: bool,
+    /// They are told as of the program's window.
+    pub frag_coord: Option<FragCoord>,
     /// Its primitives choose a viewport by its index.
     pub chooses_viewport: bool,
     /// What flows into its position; `None` = unknown, so that anything may.
@@ -114,6 +116,22 @@ pub struct Program {
 pub(in crate::intercept::gl) struct Uploaded {
     pub(in crate::intercept::gl) rows: Option<ReprojectionMatrix>,
     pub(in crate::intercept::gl) lens: Option<LensConstants>,
+    /// Of [`FragCoord`].
+    pub(in crate::intercept::gl) to_window: Option<[f32; 4]>,
+}
+
+/// How fragment shaders get window coordinates of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FragCoord {
+    /// Location of our uniform.
+    pub location: i32,
+    /// Rows count from above.
+    pub upper_left: bool,
+}
+
+impl FragCoord {
+    /// Our uniform: what is subtracted from the driver's coordinates, and what they are then multiplied by.
+    pub const UNIFORM: &str = "cupola_to_window";
 }
 
 /// What a program draws with.

@@ -1,0 +1,194 @@
+//! `gl_FragCoord` of the program's fragment shaders: in the coordinates of the program's window.
+//!
+//! A view is a tile of the atlas, with another place and size than the window. The text of a
+//! fragment shader that names `gl_FragCoord` gets an expression in its place, which moves the tile to
+//! the window's origin and scales it to the window's size. What the program computes from it is then
+//! what it would be in a window that shows the view.
+
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::shader::patch::{end_of_version_line, strip_comments, version};
+use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::shader::programs::{FragCoord, Program};
+use crate::lock::Lock;
+
+const UNIFORM: &str = FragCoord::UNIFORM;
+
+const NAME: &str = "gl_FragCoord";
+
+/// What a fragment shader declares about its coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Convention {
+    /// `layout(origin_upper_left)`.
+    pub upper_left: bool,
+    /// `layout(pixel_center_integer)`.
+    pub integer: bool,
+}
+
+/// `source` with coordinates of the program's window. `None` where it names none, or declares them only under a condition.
+/// `es_context`: as for [`patch`](super::patch::patch).
+pub fn patch(source: &str, es_context: bool) -> Option<(String, Convention)> {
+    let bare = strip_comments(source);
+    let mut places = words(&bare, NAME).peekable();
+    places.peek()?;
+    let (version, es) = version(&bare, es_context);
+    let head_end = after_extensions(&bare).max(end_of_version_line(source, &bare));
+    let head = &source[..head_end];
+    if !head.is_empty() && !head.ends_with('\n') {
+        return None;
+    }
+    let mut convention = Convention::default();
+    let mut uses = Vec::new();
+    for at in places {
+        match declaration(&bare, at) {
+            Some(_) if condition_depth(&bare[..at]) > 0 => return None,
+            Some(declared) => convention = declared,
+            None if at < head_end => return None,
+            None => uses.push(at),
+        }
+    }
+    let expression = match convention.integer {
+        false => format!("vec4(({NAME}.xy-{UNIFORM}.xy)*{UNIFORM}.zw,{NAME}.zw)"),
+        true => format!("vec4(({NAME}.xy+0.5-{UNIFORM}.xy)*{UNIFORM}.zw-0.5,{NAME}.zw)"),
+    };
+    let mut text = String::new();
+    let mut end = head_end;
+    for at in uses {
+        text.push_str(&source[end..at]);
+        text.push_str(&expression);
+        end = at + NAME.len();
+    }
+    text.push_str(&source[end..]);
+    let line = head.matches('\n').count() + 1;
+    // Before GLSL 330 and ESSL 300, `#line n` numbers the *following* line n + 1.
+    let line = if (es && version < 300) || (!es && version < 330) { line.saturating_sub(1) } else { line };
+    let declared = match (es, version) {
+        // The precision of the stage's floats may not be set yet.
+        (true, 100) => format!(
+            "#ifdef GL_FRAGMENT_PRECISION_HIGH\nuniform highp vec4 {UNIFORM};\n#else\nuniform mediump vec4 {UNIFORM};\n#endif"
+        ),
+        (true, _) => format!("uniform highp vec4 {UNIFORM};"),
+        (false, 110) => format!("uniform vec4 {UNIFORM};"),
+        (false, _) => format!("uniform vec4 {UNIFORM}=vec4(0.0,0.0,1.0,1.0);"),
+    };
+    Some((format!("{head}{declared}\n#line {line}\n{text}"), convention))
+}
+
+/// Places of `word` as a whole identifier.
+fn words<'a>(bare: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    bare.match_indices(word)
+        .map(|(at, _)| at)
+        .filter(move |at| !bare[..*at].ends_with(is_name) && !bare[at + word.len()..].starts_with(is_name))
+}
+
+/// What the declaration at this place says, if the name is declared there.
+fn declaration(bare: &str, at: usize) -> Option<Convention> {
+    bare[..at].trim_end().strip_suffix("vec4").filter(|before| before.ends_with(|c: char| c.is_whitespace()))?;
+    let start = bare[..at].rfind([';', '}']).map_or(0, |end| end + 1);
+    let says = |word: &str| words(&bare[start..at], word).next().is_some();
+    Some(Convention { upper_left: says("origin_upper_left"), integer: says("pixel_center_integer") })
+}
+
+/// Number of conditions of the preprocessor that are open at the end of a text.
+fn condition_depth(bare: &str) -> usize {
+    bare.lines().fold(0, |depth: usize, line| {
+        let directive = line.trim_start().strip_prefix('#').map_or("", str::trim_start);
+        match () {
+            () if directive.starts_with("if") => depth + 1,
+            () if directive.starts_with("endif") => depth.saturating_sub(1),
+            () => depth,
+        }
+    })
+}
+
+/// The offset after the last `#extension`, and after the conditions that it is in.
+fn after_extensions(bare: &str) -> usize {
+    let (mut offset, mut found, mut depth) = (0, 0, 0_usize);
+    let mut waits = false;
+    for line in bare.split_inclusive('\n') {
+        offset += line.len();
+        let directive = line.trim_start().strip_prefix('#').map_or("", str::trim_start);
+        if directive.starts_with("if") {
+            depth += 1;
+        } else if directive.starts_with("endif") {
+            depth = depth.saturating_sub(1);
+        } else {
+            waits |= directive.starts_with("extension");
+        }
+        if waits && depth == 0 {
+            (found, waits) = (offset, false);
+        }
+    }
+    found
+}
+
+/// Sends to the fragment shader that draws where its fragments are in the program's window, unless it knows.
+pub fn upload(ctx: &Context) {
+    if ctx.shaders.pipelines.used != 0 {
+        if let Some(program) = &ctx.shaders.program {
+            send(ctx, program);
+        }
+    } else if let Some(program) = programs::record(&ctx.share, ctx.shaders.pipelines.stages().fragment()) {
+        send(ctx, &program);
+    }
+}
+
+fn send(ctx: &Context, program: &Program) {
+    let Some(FragCoord { location, upper_left }) = program.frag_coord else { return };
+    let vector = ctx.draw.to_window.vector(upper_left);
+    let mut uploaded = program.uploaded.locked();
+    if uploaded.to_window != Some(vector) {
+        programs::set_vectors(ctx, program, location, &vector);
+        uploaded.to_window = Some(vector);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Convention, patch};
+
+    const USE: &str = "vec4((gl_FragCoord.xy-cupola_to_window.xy)*cupola_to_window.zw,gl_FragCoord.zw)";
+
+    fn patched(source: &str, es_context: bool) -> (String, Convention) {
+        patch(source, es_context).expect("a use of it")
+    }
+
+    #[test]
+    fn each_use_is_replaced_and_lines_stay() {
+        let source =
+            "#version 330\nout vec4 c;\nvoid main() { c = gl_FragCoord /* gl_FragCoord */ + gl_FragCoord.xxxx; }\n";
+        let (text, convention) = patched(source, false);
+        assert_eq!(text.matches(USE).count(), 2);
+        assert!(
+            text.starts_with("#version 330\nuniform vec4 cupola_to_window=vec4(0.0,0.0,1.0,1.0);\n#line 2\nout"),
+            "{text}"
+        );
+        assert!(text.contains("/* gl_FragCoord */"));
+        assert_eq!(convention, Convention::default());
+        assert_eq!(patch("void main() { /* gl_FragCoord */ gl_FragColor = my_gl_FragCoord; }", false), None);
+    }
+
+    #[test]
+    fn the_declaration_follows_extensions_and_the_conditions_around_them() {
+        let source = "#version 100\n#ifdef A\n#extension GL_x : enable\n#endif\nprecision mediump float;\nvoid main() { gl_FragColor = gl_FragCoord; }\n";
+        let (text, _) = patched(source, true);
+        let head = "#version 100\n#ifdef A\n#extension GL_x : enable\n#endif\n#ifdef GL_FRAGMENT_PRECISION_HIGH\n";
+        assert!(text.starts_with(head) && text.contains("#endif\n#line 4\nprecision"), "{text}");
+    }
+
+    #[test]
+    fn conventions_are_those_of_the_shader() {
+        let source = "#version 150\nlayout(origin_upper_left, pixel_center_integer) in vec4 gl_FragCoord;\nvoid main() { gl_FragColor = gl_FragCoord; }\n";
+        let (text, convention) = patched(source, false);
+        assert_eq!(convention, Convention { upper_left: true, integer: true });
+        assert!(text.contains("in vec4 gl_FragCoord;") && text.contains("+0.5-cupola_to_window.xy"));
+        let conditional = "#version 150\n#if 1\nlayout(origin_upper_left) in vec4 gl_FragCoord;\n#endif\nvoid main() { gl_FragColor = gl_FragCoord; }\n";
+        assert_eq!(patch(conditional, false), None);
+    }
+
+    #[test]
+    fn what_has_no_line_of_its_own_stays() {
+        assert_eq!(patch("#version 330 void main() { gl_FragColor = gl_FragCoord; }", false), None);
+        assert!(patch("void main() { gl_FragColor = gl_FragCoord; }", false).is_some());
+    }
+}
