@@ -13,6 +13,7 @@ tests! {
     an_element_of_an_array,
     an_element_that_is_not_known,
     an_attribute_of_each_instance,
+    parameters_of_a_vertex_program,
 }
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
@@ -87,4 +88,8 @@ fn an_element_that_is_not_known() {
 fn an_attribute_of_each_instance() {
     right("instanced_matrix", &["array", "second", "constant"]);
     flat_but_for_a_given_lens("instanced_matrix", "vertices");
+}
+
+fn parameters_of_a_vertex_program() {
+    right("assembly_camera", &["state", "environment", "local", "columns"]);
 }

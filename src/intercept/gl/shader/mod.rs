@@ -6,6 +6,7 @@
 //! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
 //! these in the linked program.
 
+pub mod assembly;
 pub mod attribute_matrices;
 pub mod dependence;
 pub mod elements;

@@ -9,7 +9,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::shader::attribute_matrices::{self, Found};
 use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::{dependence, samplers, uniforms};
+use crate::intercept::gl::shader::{assembly, dependence, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
@@ -72,7 +72,7 @@ impl Program {
 }
 
 /// The rig's lens, for what is drawn with a depth test by a program without a matrix.
-fn given(ctx: &Context) -> Lens {
+pub fn given(ctx: &Context) -> Lens {
     match ctx.session().and_then(Session::given_lens) {
         Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
             Lens::Perspective(lens, "the rig's lens")
@@ -83,7 +83,9 @@ fn given(ctx: &Context) -> Lens {
 
 /// Sends `rows` to the program that draws, unless it has them.
 pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
-    if let Some(program) = &ctx.shaders.program {
+    if let Some(program) = &ctx.shaders.assembly {
+        assembly::upload(ctx, program, rows);
+    } else if let Some(program) = &ctx.shaders.program {
         send(ctx, program, rows);
     }
 }
