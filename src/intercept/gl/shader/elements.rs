@@ -1,6 +1,7 @@
 //! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one element is told from
 //! what flows from another.
 
+use crate::intercept::gl::shader::prover::declarations::behind;
 use crate::intercept::gl::shader::prover::tokens::is_name;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, Uses};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -134,7 +135,7 @@ impl<'a> Usage<'a> {
                     Some(["[", index, "]"]) if is_name(index) => Some(*index),
                     _ => None,
                 };
-                after = behind_brackets(words, after);
+                after = behind(words, after).unwrap_or(after);
                 usage
                     .indices
                     .entry(word)
@@ -172,22 +173,6 @@ impl<'a> Usage<'a> {
         }
         found
     }
-}
-
-fn behind_brackets(words: &[&str], open: usize) -> usize {
-    let mut depth = 0;
-    for (at, word) in words.iter().enumerate().skip(open) {
-        match *word {
-            "[" => depth += 1,
-            "]" => depth -= 1,
-            _ if depth == 0 => return at,
-            _ => {}
-        }
-        if depth == 0 {
-            return at + 1;
-        }
-    }
-    words.len()
 }
 
 /// What is done with the vector of which the first word is at `at`, and that ends before `after`.
