@@ -14,6 +14,7 @@ tests! {
     an_element_that_is_not_known,
     an_attribute_of_each_instance,
     parameters_of_a_vertex_program,
+    a_storage_block,
 }
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
@@ -92,4 +93,9 @@ fn an_attribute_of_each_instance() {
 
 fn parameters_of_a_vertex_program() {
     right("assembly_camera", &["state", "environment", "local", "columns"]);
+}
+
+fn a_storage_block() {
+    right("storage_camera", &["member", "rows", "constant", "uniform", "same", "structures", "structure_by_uniform"]);
+    flat_but_for_a_given_lens("storage_camera", "instance");
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 /// The number of words of an element: `m [ 2 ]`.
 const WORDS: usize = 4;
 
-/// Names of uniforms, and of members of uniform blocks, that are arrays.
+/// Names of uniforms, and of members of uniform and storage blocks, that are arrays.
 pub fn arrays<'a>(words: &[&'a str]) -> HashSet<&'a str> {
     let mut found = HashSet::new();
     let (mut depth, mut in_block, mut start) = (0usize, false, 0);
@@ -19,7 +19,7 @@ pub fn arrays<'a>(words: &[&'a str]) -> HashSet<&'a str> {
             continue;
         }
         let statement = &words[start..end];
-        let uniform = depth == 0 && statement.contains(&"uniform");
+        let uniform = depth == 0 && statement.iter().any(|word| matches!(*word, "uniform" | "buffer"));
         if *word == ";" && (uniform || (in_block && depth == 1)) {
             let beside = |pair: &&[&'a str]| pair[1] == "[" && is_name(pair[0]);
             found.extend(statement.windows(2).filter(beside).map(|pair| pair[0]));

@@ -1,7 +1,7 @@
 //! The program's shaders.
 //!
 //! Answers compiling and linking ([`programs`]), pipelines ([`program_pipelines`]), matrices
-//! ([`uniforms`], [`attribute_matrices`]) and questions about programs ([`introspection`]). The last stage before
+//! ([`uniforms`], [`uniform_commands`], [`attribute_matrices`]) and questions about programs ([`introspection`]). The last stage before
 //! rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]). [`prover`] proves from
 //! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
 //! these in the linked program.
@@ -18,4 +18,5 @@ pub mod program_use;
 pub mod programs;
 pub mod prover;
 pub mod samplers;
+pub mod uniform_commands;
 pub mod uniforms;
