@@ -43,6 +43,20 @@ static void setup(app *a)
         fprintf(stderr, "%s\n", (const char *)glGetString(GL_PROGRAM_ERROR_STRING_ARB));
 }
 
+/* What it asks for is what it gave. */
+static void check_text(app *a)
+{
+    GLint length = 0, bound = 0;
+    char text[1024] = "";
+    glGetProgramivARB(GL_VERTEX_PROGRAM_ARB, GL_PROGRAM_LENGTH_ARB, &length);
+    glGetProgramivARB(GL_VERTEX_PROGRAM_ARB, GL_PROGRAM_BINDING_ARB, &bound);
+    app_check(a, length == (GLint)strlen(used[1]), "the program has %d characters", length);
+    app_check(a, (GLuint)bound == name, "program %d is bound", bound);
+    if (length < (GLint)sizeof text)
+        glGetProgramStringARB(GL_VERTEX_PROGRAM_ARB, GL_PROGRAM_STRING_ARB, text);
+    app_check(a, strcmp(text, used[1]) == 0, "another text: %s", text);
+}
+
 static void draw(app *a)
 {
     const matrix4 m = matrix_multiply(a->projection, a->modelview), rows = matrix_transposed(m);
@@ -69,6 +83,7 @@ static void draw(app *a)
         glVertex3fv(cube_positions[cube_indices[i]]);
     }
     glEnd();
+    check_text(a);
     glDisable(GL_VERTEX_PROGRAM_ARB);
     app_check_error(a, "a vertex program");
 }

@@ -13,6 +13,8 @@ tests! {
     an_element_of_an_array,
     an_element_that_is_not_known,
     an_attribute_of_each_instance,
+    parameters_of_a_vertex_program,
+    a_storage_block,
 }
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
@@ -87,4 +89,13 @@ fn an_element_that_is_not_known() {
 fn an_attribute_of_each_instance() {
     right("instanced_matrix", &["array", "second", "constant"]);
     flat_but_for_a_given_lens("instanced_matrix", "vertices");
+}
+
+fn parameters_of_a_vertex_program() {
+    right("assembly_camera", &["state", "environment", "local", "columns"]);
+}
+
+fn a_storage_block() {
+    right("storage_camera", &["member", "rows", "constant", "uniform", "same", "structures", "structure_by_uniform"]);
+    flat_but_for_a_given_lens("storage_camera", "instance");
 }

@@ -41,7 +41,7 @@ tests! {
 }
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
-const WAYS: [&[&str]; 14] = [
+const WAYS: [&[&str]; 15] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
     &["--pass", "dynamic", "--matrix", "push"],
@@ -56,6 +56,7 @@ const WAYS: [&[&str]; 14] = [
     &["--pass", "dynamic", "--matrix", "pushed", "--flip"],
     &["--pass", "dynamic", "--array", "columns", "--once"],
     &["--pass", "1", "--array", "rows", "--flip"],
+    &["--pass", "1", "--array", "row-vector", "--once"],
 ];
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };

@@ -19,6 +19,7 @@
 #include "cube_columns.h"
 #include "cube_frag.h"
 #include "cube_push.h"
+#include "cube_row_vector.h"
 #include "cube_rows.h"
 #include "stage_geom.h"
 #include "stage_tesc.h"
@@ -187,7 +188,7 @@ static void make_cube_pipeline(void)
     const shader_words whole = push ? SHADER(cube_push) : SHADER(cube_block);
     const shader_words parts = push ? SHADER(cells_push) : SHADER(cells_block);
     const shader_words one = options.columns ? SHADER(cube_columns) : cells ? parts : whole;
-    const shader_words arrays[] = {one, SHADER(cube_array), SHADER(cube_rows)};
+    const shader_words arrays[] = {one, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
     const shader_words vertex = arrays[options.array];
     pipeline_description description = {.vertex = vertex,
                                         .fragment = SHADER(cube_frag),
@@ -304,7 +305,7 @@ static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
     matrix4 matrix = flat ? flat_matrix() : direction_matrix(&options.direction, w.extent, options.flip);
     for (int i = 0; i < 16; i++)
         matrix.m[i] *= 1.0f + (float)draw_number / 1048576.0f;
-    if (options.array == ARRAY_ROWS)
+    if (options.array >= ARRAY_ROWS)
         matrix = matrix_transposed(matrix);
     const uint32_t offset = flat ? 2 * SLICE : SLICE;
     if (options.matrix == MATRIX_PUSH)

@@ -1,7 +1,8 @@
 #version 450
 /* The direction test's cube: a corner has the colour of its position. With CELLS its faces are cut as ../common/cells.c does
  * it: into triangles (instance 0), on a ball with the cube's colours (1), in inverted colours around that (2), or into points
- * in the middle of the cells (3). With ARRAY and ROWS, the matrix is an array, of columns and of rows. With PROJECTING, Cupola's functions stand before. */
+ * in the middle of the cells (3). With ARRAY and ROWS, the matrix is an array, of columns and of rows. With ROW_VECTOR, it comes
+ * after the vector. With PROJECTING, Cupola's functions stand before. */
 #if defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
 #elif defined(COLUMNS)
@@ -50,6 +51,8 @@ void main()
 #elif defined(ROWS)
     vec4 p = vec4(position, 1.0);
     gl_Position = vec4(dot(p, mvp[0]), dot(p, mvp[1]), dot(p, mvp[2]), dot(p, mvp[3]));
+#elif defined(ROW_VECTOR)
+    gl_Position = vec4(position, 1.0) * mvp;
 #else
     gl_Position = mvp * vec4(position, 1.0);
 #endif

@@ -10,7 +10,7 @@ static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
                     "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed] [--once] [--srgb] [--flip]\n"
-                    "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--depth cleared|drawn|readable] [--array columns|rows] [--cells triangles|ball|behind|points]\n"
+                    "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--depth cleared|drawn|readable] [--array columns|rows|row-vector] [--cells triangles|ball|behind|points]\n"
                     "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE] [--draws N]\n");
     exit(2);
 }
@@ -48,7 +48,7 @@ void parse(int argc, char **argv)
     static const char *const cells[] = {"none", "triangles", "ball", "behind", "points"};
     static const char *const stages[] = {"vertex", "geometry", "tessellation"};
     static const char *const flats[] = {"none", "over", "before"};
-    static const char *const arrays[] = {"none", "columns", "rows"};
+    static const char *const arrays[] = {"none", "columns", "rows", "row-vector"};
     static const char *const depths[] = {"together", "cleared", "drawn", "readable"};
     for (int i = 1; i < argc; i++) {
         const char *option = argv[i];
@@ -72,7 +72,7 @@ void parse(int argc, char **argv)
         else if (strcmp(option, "--depth") == 0)
             options.depth = (depth_kind)known(value, depths, 4);
         else if (strcmp(option, "--array") == 0)
-            options.array = (array_kind)known(value, arrays, 3);
+            options.array = (array_kind)known(value, arrays, 4);
         else if (strcmp(option, "--cells") == 0)
             options.cells = (cells_kind)known(value, cells, 5);
         else if (strcmp(option, "--stage") == 0)

@@ -13,8 +13,8 @@ typedef enum { STAGE_VERTEX, STAGE_GEOMETRY, STAGE_TESSELLATION } stage_kind;
 /* Depth is cleared, or drawn as well, in a pass of its own; shaders could read it. */
 typedef enum { DEPTH_TOGETHER, DEPTH_CLEARED, DEPTH_DRAWN, DEPTH_READABLE } depth_kind;
 
-/* The matrix is one, or an array of its columns, or of its rows. */
-typedef enum { ARRAY_NONE, ARRAY_COLUMNS, ARRAY_ROWS } array_kind;
+/* The matrix is one, or an array of its columns, or of its rows, or one that comes after the vector. */
+typedef enum { ARRAY_NONE, ARRAY_COLUMNS, ARRAY_ROWS, ARRAY_ROW_VECTOR } array_kind;
 
 typedef struct {
     direction_options direction;

@@ -26,7 +26,7 @@ use crate::intercept::gl::per_view::window_space::{own_window_space, program_win
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::shader::frag_coord;
+use crate::intercept::gl::shader::{assembly, frag_coord};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -44,6 +44,7 @@ pub fn draw(
     mut issue: impl FnMut(&mut Context, &Gl),
 ) {
     wide_primitives::look(ctx);
+    assembly::look(ctx);
     fallback::look(ctx);
     if ctx.redirected() {
         draw_to_window(ctx, changes, bounds, &mut issue);
@@ -51,6 +52,7 @@ pub fn draw(
         once(ctx, &mut issue);
     }
     projected_vertices::end_stand_in(ctx);
+    ctx.shaders.assembly = None;
 }
 
 /// Issues a draw once, as the program means it.

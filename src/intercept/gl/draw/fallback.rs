@@ -22,6 +22,10 @@ pub fn look(ctx: &mut Context) {
     {
         return;
     }
+    if ctx.shaders.assembly.is_some() {
+        use_views(ctx, "the program's vertices go through a program in assembly language");
+        return;
+    }
     ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
     if matches!(ctx.compat.projection.class, MatrixClass::Perspective(_))
         && let Err(reason) = projected_vertices::begin_stand_in(ctx)

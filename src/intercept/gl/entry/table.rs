@@ -12,7 +12,9 @@ use crate::intercept::gl::per_view::culling::max_width;
 use crate::intercept::gl::per_view::wide_primitives;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::{conditional_render, results};
-use crate::intercept::gl::shader::{introspection, linking, program_pipelines, program_use, uniforms};
+use crate::intercept::gl::shader::{
+    assembly, introspection, linking, program_pipelines, program_use, uniform_commands,
+};
 use crate::intercept::gl::vertex_input::{buffers, named_buffers_ext, vertex_array_commands};
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -52,7 +54,8 @@ fn table() -> &'static HashMap<&'static str, usize> {
             linking::HOOKS,
             program_use::HOOKS,
             introspection::HOOKS,
-            uniforms::HOOKS,
+            assembly::HOOKS,
+            uniform_commands::HOOKS,
             vertex_array_commands::HOOKS,
             projected_vertices::HOOKS,
             getters::HOOKS,
@@ -111,6 +114,6 @@ mod tests {
     /// must see it.
     #[test]
     fn the_number_of_hooked_entry_points_is_known() {
-        assert_eq!(table().len(), 809);
+        assert_eq!(table().len(), 815);
     }
 }

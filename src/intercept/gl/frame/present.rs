@@ -192,6 +192,7 @@ fn next_frame(ctx: &mut Context) {
     ctx.frame.end();
     view_copies::end_frame(ctx);
     buffers::of(&ctx.share).end_frame();
+    ctx.vertex_input.blocks.storage_changed();
     follow_size(ctx);
     follow_rig(ctx);
 }

@@ -1,7 +1,7 @@
 //! Classification of draws.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::shader::program_pipelines;
+use crate::intercept::gl::shader::{assembly, program_pipelines, programs};
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
@@ -27,15 +27,13 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
         return DrawClass::Flat;
     }
     if let Some(program) = ctx.shaders.program.clone().filter(|p| p.draws_vertices()) {
-        return match program_pipelines::lens(ctx, &program) {
-            Lens::Perspective(intrinsics, how) => {
-                ctx.frame.counts.found.count(how);
-                ctx.frame.lens = Some(intrinsics);
-                let Some(session) = ctx.drawable.session() else { return DrawClass::Flat };
-                DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))
-            }
-            Lens::Flat => DrawClass::Flat,
-        };
+        let lens = program_pipelines::lens(ctx, &program);
+        return of_lens(ctx, lens);
+    }
+    if let Some(program) = ctx.shaders.assembly.clone() {
+        let has_matrices = !program.matrices.is_empty();
+        let lens = if has_matrices { assembly::lens(ctx, &program) } else { programs::given(ctx) };
+        return of_lens(ctx, lens);
     }
     if !ctx.driver.profile.compatibility() {
         return DrawClass::Flat;
@@ -49,6 +47,16 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
         }
         _ => DrawClass::Flat,
     }
+}
+
+/// The class of what a program draws with `lens`.
+fn of_lens(ctx: &mut Context, lens: Lens) -> DrawClass {
+    let (Lens::Perspective(intrinsics, how), Some(session)) = (lens, ctx.drawable.session()) else {
+        return DrawClass::Flat;
+    };
+    ctx.frame.counts.found.count(how);
+    ctx.frame.lens = Some(intrinsics);
+    DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))
 }
 
 /// Whether the viewport is the program's main one; pictures within the picture are flat.

@@ -84,7 +84,8 @@ fn load_view(
     view: usize,
     projection_loaded: &mut bool,
 ) -> Option<(Arc<Variant>, InUse)> {
-    let in_program = || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
+    let in_shader = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
+    let takes_rows = in_shader || ctx.shaders.assembly.is_some();
     match class {
         None => {
             plain_program(ctx);
@@ -95,7 +96,7 @@ fn load_view(
             let rows = ctx.frame.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
             return load_rows(ctx, view, &rows);
         }
-        Some(DrawClass::Background) if in_program() => {
+        Some(DrawClass::Background) if takes_rows => {
             let rows = ctx.frame.background.shader_rows(view).copied()?;
             return load_rows(ctx, view, &rows);
         }

@@ -1,6 +1,7 @@
 //! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one element is told from
 //! what flows from another.
 
+use crate::intercept::gl::shader::prover::declarations::behind;
 use crate::intercept::gl::shader::prover::tokens::is_name;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, Uses};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -9,7 +10,7 @@ use std::ops::Range;
 /// The number of words of an element: `m [ 2 ]`.
 const WORDS: usize = 4;
 
-/// Names of uniforms, and of members of uniform blocks, that are arrays.
+/// Names of uniforms, and of members of uniform and storage blocks, that are arrays.
 pub fn arrays<'a>(words: &[&'a str]) -> HashSet<&'a str> {
     let mut found = HashSet::new();
     let (mut depth, mut in_block, mut start) = (0usize, false, 0);
@@ -18,7 +19,7 @@ pub fn arrays<'a>(words: &[&'a str]) -> HashSet<&'a str> {
             continue;
         }
         let statement = &words[start..end];
-        let uniform = depth == 0 && statement.contains(&"uniform");
+        let uniform = depth == 0 && statement.iter().any(|word| matches!(*word, "uniform" | "buffer"));
         if *word == ";" && (uniform || (in_block && depth == 1)) {
             let beside = |pair: &&[&'a str]| pair[1] == "[" && is_name(pair[0]);
             found.extend(statement.windows(2).filter(beside).map(|pair| pair[0]));
@@ -134,7 +135,7 @@ impl<'a> Usage<'a> {
                     Some(["[", index, "]"]) if is_name(index) => Some(*index),
                     _ => None,
                 };
-                after = behind_brackets(words, after);
+                after = behind(words, after).unwrap_or(after);
                 usage
                     .indices
                     .entry(word)
@@ -172,22 +173,6 @@ impl<'a> Usage<'a> {
         }
         found
     }
-}
-
-fn behind_brackets(words: &[&str], open: usize) -> usize {
-    let mut depth = 0;
-    for (at, word) in words.iter().enumerate().skip(open) {
-        match *word {
-            "[" => depth += 1,
-            "]" => depth -= 1,
-            _ if depth == 0 => return at,
-            _ => {}
-        }
-        if depth == 0 {
-            return at + 1;
-        }
-    }
-    words.len()
 }
 
 /// What is done with the vector of which the first word is at `at`, and that ends before `after`.

@@ -1,12 +1,13 @@
 //! The program's shaders.
 //!
 //! Answers compiling and linking ([`programs`], [`linking`]), pipelines ([`program_pipelines`]), matrices
-//! ([`uniforms`], [`attribute_matrices`]) and questions about programs ([`introspection`]). The last stage before
-//! rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]), fragment shaders get window coordinates of
-//! the program ([`frag_coord`]). [`prover`] proves from
+//! ([`uniforms`], [`uniform_commands`], [`attribute_matrices`]) and questions about programs ([`introspection`]). The
+//! last stage before rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]), fragment shaders get
+//! window coordinates of the program ([`frag_coord`]). [`prover`] proves from
 //! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
 //! these in the linked program.
 
+pub mod assembly;
 pub mod attribute_matrices;
 pub mod dependence;
 pub mod elements;
@@ -20,4 +21,5 @@ pub mod program_use;
 pub mod programs;
 pub mod prover;
 pub mod samplers;
+pub mod uniform_commands;
 pub mod uniforms;

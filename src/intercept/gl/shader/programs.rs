@@ -5,7 +5,7 @@ use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::shader::attribute_matrices::{self, Found};
-use crate::intercept::gl::shader::uniforms;
+use crate::intercept::gl::shader::{assembly, uniforms};
 use crate::intercept::gl::state::shader::programs::{Lens, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
@@ -63,7 +63,7 @@ impl Program {
 }
 
 /// The rig's lens, for what is drawn with a depth test by a program without a matrix.
-fn given(ctx: &Context) -> Lens {
+pub fn given(ctx: &Context) -> Lens {
     match ctx.session().and_then(Session::given_lens) {
         Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
             Lens::Perspective(lens, "the rig's lens")
@@ -74,7 +74,9 @@ fn given(ctx: &Context) -> Lens {
 
 /// Sends `rows` to the program that draws, unless it has them.
 pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
-    if let Some(program) = &ctx.shaders.program {
+    if let Some(program) = &ctx.shaders.assembly {
+        assembly::upload(ctx, program, rows);
+    } else if let Some(program) = &ctx.shaders.program {
         send(ctx, program, rows);
     }
 }

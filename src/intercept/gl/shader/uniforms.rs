@@ -2,15 +2,13 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::projection;
-use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::shader::{program_pipelines, programs};
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, PositionNames, Uses};
-use crate::intercept::gl::state::shader::programs::{FragCoord, Program};
-use crate::intercept::gl::state::shader::uniforms::{ChosenFrom, IndexLocation, Matrix, MatrixLocation, Uniforms};
-use crate::intercept::lens::{Order, rank, transposed};
-use crate::lock::Lock;
+use crate::intercept::gl::state::shader::programs::FragCoord;
+use crate::intercept::gl::state::shader::uniforms::{
+    Block, ChosenFrom, IndexLocation, Matrix, MatrixLocation, Uniforms,
+};
+use crate::intercept::lens::{Order, rank};
 use std::collections::BTreeSet;
 use std::ffi::{CStr, c_char};
 
@@ -22,7 +20,7 @@ const LONGEST: u32 = 8;
 const OWN: [&str; 2] = [projection::UNIFORM, FragCoord::UNIFORM];
 
 /// More matrices of an array are not looked at.
-const MOST_NAMED: usize = 64;
+pub const MOST_NAMED: usize = 64;
 
 /// The 4×4 matrices of a linked program that may flow into its position, all if that is not known, and the indices of
 /// Cupola's own uniforms.
@@ -53,20 +51,33 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&Position
         // SAFETY: a NUL-terminated name.
         let location = unsafe { gl.get_uniform_location(program, name.as_ptr()) };
         let size = u32::try_from(size).unwrap_or(0).max(1);
-        reader.uniform(&Active { name: &shown, index, location, size, kind });
+        let array = shown.strip_suffix("[0]").unwrap_or(&shown);
+        let place = if location < 0 { reader.uniform_block(index) } else { Some(Place::Location(location)) };
+        if let Some(place) = place {
+            reader.variable(&Active { name: &shown, array, size, kind, place });
+        }
     }
+    reader.storage_blocks();
     reader.find_indices();
     (reader.uniforms, own_uniforms)
 }
 
-/// An active uniform of a program.
+/// An active variable of a program.
 struct Active<'a> {
     name: &'a str,
-    index: u32,
-    /// −1: in a block.
-    location: i32,
+    /// What its elements are elements of, without numbers.
+    array: &'a str,
     size: u32,
     kind: u32,
+    place: Place,
+}
+
+#[derive(Clone, Copy)]
+enum Place {
+    /// A uniform's location.
+    Location(i32),
+    /// A block, and in bytes the offset there, and the distances between elements and between columns.
+    Block { block: Block, offset: usize, between: usize, stride: usize, row_major: bool },
 }
 
 struct Reader<'a> {
@@ -80,36 +91,37 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn uniform(&mut self, active: &Active<'_>) {
+    fn variable(&mut self, active: &Active<'_>) {
         match active.kind {
             api::GL_FLOAT_MAT4 | api::GL_DOUBLE_MAT4 => self.matrices(active),
             api::GL_FLOAT_VEC4 if active.size >= 4 => self.vectors(active),
             api::GL_INT | api::GL_UNSIGNED_INT if active.size == 1 => {
-                let place = match active.location {
-                    -1 => self.block(active).map(|(binding, offset)| IndexLocation::Block { binding, offset }),
-                    location => Some(IndexLocation::Uniform(location)),
+                let place = match active.place {
+                    Place::Location(location) => IndexLocation::Uniform(location),
+                    Place::Block { block, offset, .. } => IndexLocation::Block { block, offset },
                 };
-                let name = active.name.rsplit('.').next().unwrap_or(active.name).to_owned();
-                self.integers.extend(place.map(|place| (name, place)));
+                self.integers.push((active.name.rsplit('.').next().unwrap_or(active.name).to_owned(), place));
             }
             _ => {}
         }
     }
 
+    /// What is known of the elements of an array, by its name without numbers.
     fn elements(&self, name: &str) -> Option<&Elements> {
-        self.position.and_then(|names| names.elements(name))
+        let array = name.split('[').next().unwrap_or(name);
+        self.position.and_then(|names| names.elements(array))
     }
 
     /// A matrix, or an array of them.
     fn matrices(&mut self, active: &Active<'_>) {
-        let known = self.elements(active.name);
+        let known = self.elements(active.array);
         let named = known.into_iter().flat_map(|known| known.numbers.keys().copied()).filter(|n| *n < active.size);
         let mut numbers: BTreeSet<u32> = named.take(MOST_NAMED).collect();
         let chosen = active.size > 1 && known.is_none_or(|known| known.others.is_some());
         if chosen || numbers.is_empty() {
             numbers.extend(0..if active.size <= LONGEST { active.size } else { 1 });
         }
-        let array = if chosen { Some(self.array(active.name)) } else { self.array_of_structures(active.name) };
+        let array = if chosen { Some((self.array(active.array), None)) } else { self.array_of_structures(active.name) };
         for number in numbers {
             let element = array.map(|(array, outer)| (array, outer.unwrap_or(number)));
             self.matrix(active, number, 1, Order::Either, element);
@@ -118,14 +130,14 @@ impl Reader<'_> {
 
     /// An array of vectors, of which four may be a matrix.
     fn vectors(&mut self, active: &Active<'_>) {
-        let known = self.elements(active.name);
+        let known = self.elements(active.array);
         let mut fours: Vec<(u32, Order)> = known.into_iter().flat_map(Elements::fours).take(MOST_NAMED).collect();
         let uses = known.map_or(Some(Uses::default()), |known| known.others.as_ref().map(|(_, uses)| *uses));
         let mut array = None;
         if let Some(uses) = uses.filter(|_| fours.is_empty()) {
             let count = if active.size <= 4 * LONGEST { active.size / 4 } else { 1 };
             fours.extend((0..count).map(|number| (4 * number, uses.order())));
-            array = Some(self.array(active.name).0);
+            array = Some(self.array(active.array));
         }
         for (first, order) in fours.into_iter().filter(|(first, _)| first + 4 <= active.size) {
             self.matrix(active, first, 4, order, array.map(|array| (array, first)));
@@ -134,65 +146,127 @@ impl Reader<'_> {
 
     /// One matrix from the element `first` on, which has so many elements.
     fn matrix(&mut self, active: &Active<'_>, first: u32, elements: i32, order: Order, element: Option<(usize, u32)>) {
-        let location = active.location.saturating_add(first as i32);
         let double = active.kind == api::GL_DOUBLE_MAT4;
         let mut value = [0.0; 16];
-        let place = if active.location < 0 {
-            let Some((binding, offset)) = self.block(active) else { return };
-            let stride = |what: u32| usize::try_from(self.ask(active.index, what)).unwrap_or(0);
-            let between = if active.size > 1 { stride(api::GL_UNIFORM_ARRAY_STRIDE) } else { 0 };
-            let stride = if elements > 1 { between } else { stride(api::GL_UNIFORM_MATRIX_STRIDE) };
-            let row_major = elements == 1 && self.ask(active.index, api::GL_UNIFORM_IS_ROW_MAJOR) == 1;
-            let offset = offset + first as usize * between;
-            MatrixLocation::Block { binding, offset, stride, row_major, double }
-        } else {
-            // The elements of an array have locations that follow each other.
-            // SAFETY: sixteen numbers, four at each of four locations if these are of vectors.
-            unsafe {
-                if double {
-                    self.gl.get_uniformdv(self.program, location, value.as_mut_ptr());
-                } else {
-                    let mut single = [0f32; 16];
-                    let width = 16 / elements as usize;
-                    for (number, part) in single.chunks_mut(width).enumerate() {
-                        self.gl.get_uniformfv(self.program, location + number as i32, part.as_mut_ptr());
-                    }
-                    value = single.map(f64::from);
-                }
+        let place = match active.place {
+            Place::Block { block, offset, between, stride, row_major } => {
+                let offset = offset + first as usize * between;
+                let (stride, row_major) = if elements > 1 { (between, false) } else { (stride, row_major) };
+                MatrixLocation::Block { block, offset, stride, row_major, double }
             }
-            if elements > 1 { MatrixLocation::Vectors(location) } else { MatrixLocation::Uniform(location) }
+            Place::Location(location) => {
+                // The elements of an array have locations that follow each other.
+                let location = location.saturating_add(first as i32);
+                // SAFETY: sixteen numbers, four at each of four locations if these are of vectors.
+                unsafe {
+                    if double {
+                        self.gl.get_uniformdv(self.program, location, value.as_mut_ptr());
+                    } else {
+                        let mut single = [0f32; 16];
+                        let width = 16 / elements as usize;
+                        for (number, part) in single.chunks_mut(width).enumerate() {
+                            self.gl.get_uniformfv(self.program, location + number as i32, part.as_mut_ptr());
+                        }
+                        value = single.map(f64::from);
+                    }
+                }
+                if elements > 1 { MatrixLocation::Vectors(location) } else { MatrixLocation::Uniform(location) }
+            }
         };
         let rank = rank(active.name);
         let name = active.name.into();
         self.uniforms.matrices.push(Matrix { place, rank, order, value, name, read: None, element });
     }
 
-    fn ask(&self, index: u32, what: u32) -> i32 {
-        let mut answer = -1;
-        // SAFETY: one index in, one integer out.
-        unsafe { self.gl.get_active_uniformsiv(self.program, 1, &index, what, &mut answer) };
-        answer
-    }
-
-    /// Binding point of a uniform's block, and its offset there.
-    fn block(&self, active: &Active<'_>) -> Option<(u32, usize)> {
-        let profile = self.profile;
+    /// Place of a uniform in a block.
+    fn uniform_block(&self, index: u32) -> Option<Place> {
+        let (gl, profile) = (self.gl, self.profile);
         if profile.version < if profile.es { 30 } else { 31 } {
             return None;
         }
-        let block = u32::try_from(self.ask(active.index, api::GL_UNIFORM_BLOCK_INDEX)).ok()?;
+        let ask = |what: u32| {
+            let mut answer = -1;
+            // SAFETY: one index in, one integer out.
+            unsafe { gl.get_active_uniformsiv(self.program, 1, &index, what, &mut answer) };
+            answer
+        };
+        let number = u32::try_from(ask(api::GL_UNIFORM_BLOCK_INDEX)).ok()?;
         let mut binding = 0;
         // SAFETY: writes one integer.
-        unsafe {
-            self.gl.get_active_uniform_blockiv(self.program, block, api::GL_UNIFORM_BLOCK_BINDING, &mut binding);
-        }
-        let offset = self.ask(active.index, api::GL_UNIFORM_OFFSET);
-        Some((u32::try_from(binding).ok()?, usize::try_from(offset).ok()?))
+        unsafe { gl.get_active_uniform_blockiv(self.program, number, api::GL_UNIFORM_BLOCK_BINDING, &mut binding) };
+        let distance = |what: u32| usize::try_from(ask(what)).unwrap_or(0);
+        Some(Place::Block {
+            block: Block { binding: u32::try_from(binding).ok()?, storage: false },
+            offset: usize::try_from(ask(api::GL_UNIFORM_OFFSET)).ok()?,
+            between: distance(api::GL_UNIFORM_ARRAY_STRIDE),
+            stride: distance(api::GL_UNIFORM_MATRIX_STRIDE),
+            row_major: ask(api::GL_UNIFORM_IS_ROW_MAJOR) == 1,
+        })
     }
 
-    /// The array called `name`, of which an element is chosen; no number in a structure.
-    fn array(&mut self, name: &str) -> (usize, Option<u32>) {
-        (self.array_by_name(name.strip_suffix("[0]").unwrap_or(name)), None)
+    /// The variables of storage blocks.
+    fn storage_blocks(&mut self) {
+        let profile = self.profile;
+        if profile.version < if profile.es { 31 } else { 43 } {
+            return;
+        }
+        let mut count = 0;
+        // SAFETY: writes one integer.
+        unsafe {
+            let resources = api::GL_ACTIVE_RESOURCES;
+            self.gl.get_program_interfaceiv(self.program, api::GL_BUFFER_VARIABLE, resources, &mut count);
+        }
+        for index in 0..u32::try_from(count).unwrap_or(0) {
+            self.storage_variable(index);
+        }
+    }
+
+    /// A variable of a storage block; `None` where it may not be a matrix.
+    fn storage_variable(&mut self, index: u32) -> Option<()> {
+        let (gl, program) = (self.gl, self.program);
+        let ask = |interface: u32, index: u32, what: u32| {
+            let (mut answer, length) = (-1, std::ptr::null_mut());
+            // SAFETY: one property in, one integer out.
+            unsafe { gl.get_program_resourceiv(program, interface, index, 1, &what, 1, length, &mut answer) };
+            usize::try_from(answer).ok()
+        };
+        let variable = |what: u32| ask(api::GL_BUFFER_VARIABLE, index, what);
+        let mut text: [c_char; 256] = [0; 256];
+        // SAFETY: writes at most 256 characters with their NUL.
+        let name = unsafe {
+            let length = std::ptr::null_mut();
+            gl.get_program_resource_name(program, api::GL_BUFFER_VARIABLE, index, 256, length, text.as_mut_ptr());
+            CStr::from_ptr(text.as_ptr()).to_string_lossy()
+        };
+        if self.position.is_some_and(|names| !names.contain(&name.replacen("[0].", ".", 1))) {
+            return None;
+        }
+        let kind = variable(api::GL_TYPE)? as u32;
+        // Of an array of structures only the first one's members are told.
+        let structures = variable(api::GL_TOP_LEVEL_ARRAY_STRIDE).filter(|stride| *stride > 0);
+        let (array, size, between) = match (name.split_once("[0]."), structures) {
+            (Some(_), Some(_)) if kind == api::GL_FLOAT_VEC4 => return None,
+            (Some((array, member)), Some(stride)) => {
+                (format!("{array}[].{member}"), variable(api::GL_TOP_LEVEL_ARRAY_SIZE)?, stride)
+            }
+            _ => {
+                let array = name.strip_suffix("[0]").unwrap_or(&name).to_owned();
+                (array, variable(api::GL_ARRAY_SIZE)?, variable(api::GL_ARRAY_STRIDE)?)
+            }
+        };
+        let block = variable(api::GL_BLOCK_INDEX)? as u32;
+        let binding = ask(api::GL_SHADER_STORAGE_BLOCK, block, api::GL_BUFFER_BINDING)? as u32;
+        let place = Place::Block {
+            block: Block { binding, storage: true },
+            offset: variable(api::GL_OFFSET)?,
+            between,
+            stride: variable(api::GL_MATRIX_STRIDE)?,
+            row_major: variable(api::GL_IS_ROW_MAJOR)? == 1,
+        };
+        // An array without a size has as many elements as the buffer.
+        let size = if size == 0 { LONGEST } else { u32::try_from(size).ok()? };
+        self.variable(&Active { name: &name, array: &array, size, kind, place });
+        Some(())
     }
 
     /// The array of structures that `name` is a member of, if one of them is chosen, and its number there.
@@ -203,10 +277,11 @@ impl Reader<'_> {
             return None;
         }
         let number = number.parse().ok()?;
-        Some((self.array_by_name(&format!("{array}[].{member}")), Some(number)))
+        Some((self.array(&format!("{array}[].{member}")), Some(number)))
     }
 
-    fn array_by_name(&mut self, name: &str) -> usize {
+    /// The array called `name`, of which an element is chosen.
+    fn array(&mut self, name: &str) -> usize {
         let arrays = &mut self.uniforms.arrays;
         arrays.iter().position(|known| *known.name == *name).unwrap_or_else(|| {
             arrays.push(ChosenFrom { name: name.into(), index: IndexLocation::Unknown, chosen: None });
@@ -218,103 +293,11 @@ impl Reader<'_> {
     fn find_indices(&mut self) {
         let mut arrays = std::mem::take(&mut self.uniforms.arrays);
         for array in &mut arrays {
-            let name = array.name.split('[').next().unwrap_or(&array.name);
-            if let Some(Elements { others: Some((Choice::ByUniform(index), _)), .. }) = self.elements(name) {
+            if let Some(Elements { others: Some((Choice::ByUniform(index), _)), .. }) = self.elements(&array.name) {
                 let place = self.integers.iter().find(|(name, _)| name == index).map(|(_, place)| *place);
                 array.index = place.unwrap_or(IndexLocation::Unknown);
             }
         }
         self.uniforms.arrays = arrays;
     }
-}
-
-/// Notes a matrix that the program sets.
-///
-/// # Safety
-/// `value` must point at `count` matrices, as the program promises OpenGL.
-unsafe fn note<T: Copy + Into<f64>>(
-    program: Option<&Program>,
-    location: i32,
-    count: i32,
-    transpose: u8,
-    value: *const T,
-) {
-    let Some(program) = program else { return };
-    if location < 0 || count < 1 || value.is_null() {
-        return;
-    }
-    let mut uniforms = program.uniforms.locked();
-    for element in 0..count.min(MOST_NAMED as i32) {
-        // SAFETY: as promised above.
-        let matrix = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });
-        let matrix = if transpose != 0 { transposed(&matrix) } else { matrix };
-        uniforms.set(location.saturating_add(element), &matrix);
-    }
-}
-
-/// Notes vectors that the program sets.
-///
-/// # Safety
-/// `value` must point at `count` vectors, as the program promises OpenGL.
-unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, value: *const f32) {
-    let Some(program) = program else { return };
-    if location < 0 || count < 1 || value.is_null() {
-        return;
-    }
-    let mut uniforms = program.uniforms.locked();
-    if uniforms.has_vectors() {
-        for number in 0..count {
-            // SAFETY: as promised above.
-            let vector = unsafe { value.cast::<[f32; 4]>().add(number as usize).read_unaligned() };
-            uniforms.set_vector(location.saturating_add(number), vector);
-        }
-    }
-}
-
-/// The program that `glUniform` sets.
-fn with_current<T>(ctx: &Context, note: impl FnOnce(Option<&Program>) -> T) -> T {
-    if ctx.shaders.pipelines.used != 0 {
-        note(ctx.shaders.program.as_deref())
-    } else {
-        note(program_pipelines::active(ctx).as_deref())
-    }
-}
-
-hooks! {
-    "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
-        gl.uniform_matrix4fv(location, count, transpose, value);
-        with_current(ctx, |program| note(program, location, count, transpose, value));
-    };
-    "glUniformMatrix4dv" uniform_matrix4dv(location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
-        gl.uniform_matrix4dv(location, count, transpose, value);
-        with_current(ctx, |program| note(program, location, count, transpose, value));
-    };
-    "glUniform4fv" uniform4fv(location: i32, count: i32, value: *const f32) = |ctx, gl| {
-        gl.uniform4fv(location, count, value);
-        with_current(ctx, |program| note_vectors(program, location, count, value));
-    };
-    "glUniform4f" uniform4f(location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
-        gl.uniform4f(location, x, y, z, w);
-        with_current(ctx, |program| note_vectors(program, location, 1, [x, y, z, w].as_ptr()));
-    };
-    "glProgramUniform4fv" program_uniform4fv(program: u32, location: i32, count: i32, value: *const f32) = |ctx, gl| {
-        gl.program_uniform4fv(program, location, count, value);
-        note_vectors(programs::record(&ctx.share, program).as_deref(), location, count, value);
-    };
-    "glProgramUniform4f" program_uniform4f(program: u32, location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
-        gl.program_uniform4f(program, location, x, y, z, w);
-        note_vectors(programs::record(&ctx.share, program).as_deref(), location, 1, [x, y, z, w].as_ptr());
-    };
-    "glProgramUniformMatrix4dv" program_uniform_matrix4dv(program: u32, location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
-        gl.program_uniform_matrix4dv(program, location, count, transpose, value);
-        note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
-    };
-    "glProgramUniformMatrix4fv" program_uniform_matrix4fv(program: u32, location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
-        gl.program_uniform_matrix4fv(program, location, count, transpose, value);
-        note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
-    };
-    "glUniformBlockBinding" uniform_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
-        gl.uniform_block_binding(program, block, binding);
-        programs::read_again(ctx, program);
-    };
 }

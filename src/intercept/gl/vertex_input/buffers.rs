@@ -46,6 +46,9 @@ fn is_written_to(target: u32) -> bool {
 
 /// The program wrote to what is bound at `target`; `new`: it got its storage by that.
 fn changed(ctx: &mut Context, target: u32, new: bool) {
+    if target == api::GL_SHADER_STORAGE_BUFFER {
+        ctx.vertex_input.blocks.storage_changed();
+    }
     let name = bound(ctx, target);
     named_changed(&ctx.share, &mut ctx.vertex_input, name, new);
 }
@@ -82,8 +85,8 @@ fn bound_to(share: &ShareGroup, vertex_input: &mut VertexInput, target: u32, nam
         written_by_device(share, name);
     }
     vertex_input.buffer_bindings.forget_one(target);
-    if target == api::GL_UNIFORM_BUFFER {
-        vertex_input.blocks.bound(name);
+    if matches!(target, api::GL_UNIFORM_BUFFER | api::GL_SHADER_STORAGE_BUFFER) {
+        vertex_input.blocks.bound(name, target == api::GL_SHADER_STORAGE_BUFFER);
     }
 }
 

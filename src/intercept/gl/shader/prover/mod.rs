@@ -5,7 +5,7 @@
 //! a part of its picture. The names on the way from the attribute to `gl_Position` must be declared once, written
 //! once, unconditionally and in `main`; of conditional compilation all branches are looked at.
 
-mod declarations;
+pub(in crate::intercept::gl::shader) mod declarations;
 pub(in crate::intercept::gl::shader) mod tokens;
 
 use declarations::{Declarations, Function, Global, behind};

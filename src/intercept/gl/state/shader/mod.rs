@@ -1,10 +1,11 @@
 //! Programs of the group, and the one that draws.
 //!
 //! [`programs`] holds linked programs, [`position_names`] what flows into their positions, [`uniforms`]
-//! and [`attribute_matrices`] their matrices, [`program_pipelines`] the pipelines. [`variants`] are
-//! programs that divide primitives; [`uniform_mirror`] gives them the values of the program's uniforms,
-//! [`division_counter`] counts what they do not divide enough.
+//! and [`attribute_matrices`] their matrices, [`program_pipelines`] the pipelines, [`assembly`] programs in
+//! assembly language. [`variants`] are programs that divide primitives; [`uniform_mirror`] gives them the
+//! values of the program's uniforms, [`division_counter`] counts what they do not divide enough.
 
+pub mod assembly;
 pub mod attribute_matrices;
 pub mod division_counter;
 pub mod position_names;
@@ -14,6 +15,7 @@ pub mod uniform_mirror;
 pub mod uniforms;
 pub mod variants;
 
+use crate::intercept::gl::state::shader::assembly::AssemblyProgram;
 use crate::intercept::gl::state::shader::program_pipelines::Pipelines;
 use crate::intercept::gl::state::shader::programs::Program;
 use std::sync::Arc;
@@ -25,4 +27,6 @@ pub struct Shaders {
     pub(in crate::intercept::gl) program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
     pub(in crate::intercept::gl) pipelines: Pipelines,
+    /// The vertex program in assembly language that the present draw goes through, if it was changed.
+    pub(in crate::intercept::gl) assembly: Option<Arc<AssemblyProgram>>,
 }

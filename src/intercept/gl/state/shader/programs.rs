@@ -1,6 +1,7 @@
 //! Linked programs.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
+use crate::intercept::gl::state::shader::assembly::AssemblyProgram;
 use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
@@ -22,6 +23,8 @@ pub struct Programs {
     /// Which programs are in use.
     pub(in crate::intercept::gl) uses: Uses,
     pub(in crate::intercept::gl) programs: HashMap<u32, Arc<Program>>,
+    /// Vertex programs in assembly language that were changed.
+    pub(in crate::intercept::gl) assembly: HashMap<u32, Arc<AssemblyProgram>>,
 }
 
 /// Which programs are in use, by their names. A program that is deleted while it is in use lives until it is not; where

@@ -42,8 +42,15 @@ pub(in crate::intercept::gl) enum MatrixLocation {
     Uniform(i32),
     /// The first location of four vectors.
     Vectors(i32),
-    /// Binding point of its block, offset in bytes, distance between columns in bytes, row by row, of 64-bit numbers.
-    Block { binding: u32, offset: usize, stride: usize, row_major: bool, double: bool },
+    /// Its block, offset in bytes, distance between columns in bytes, row by row, of 64-bit numbers.
+    Block { block: Block, offset: usize, stride: usize, row_major: bool, double: bool },
+}
+
+/// A uniform block or a storage block, by its binding point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::intercept::gl) struct Block {
+    pub(in crate::intercept::gl) binding: u32,
+    pub(in crate::intercept::gl) storage: bool,
 }
 
 /// An array of which a shader chooses an element while it runs.
@@ -60,9 +67,9 @@ pub(in crate::intercept::gl) enum IndexLocation {
     Unknown,
     /// The location of an integer.
     Uniform(i32),
-    /// Binding point of an integer's block, offset in bytes.
+    /// An integer's block, offset in bytes.
     Block {
-        binding: u32,
+        block: Block,
         offset: usize,
     },
 }
@@ -149,14 +156,14 @@ impl Uniforms {
         Lens::Perspective(intrinsics, how)
     }
 
-    /// Reads the matrices in uniform blocks again, and the numbers that choose among them; whether any changed.
+    /// Reads the matrices in blocks again, and the numbers that choose among them; whether any changed.
     fn read_blocks(&mut self, gl: &Gl, buffers: &Buffers) -> bool {
         let mut changed = false;
         self.live = false;
         for matrix in &mut self.matrices {
             matrix.read = None;
-            if let MatrixLocation::Block { binding, offset, stride, row_major, double } = matrix.place
-                && let Some((value, mapped, buffer)) = block_matrix(gl, binding, offset, stride, double)
+            if let MatrixLocation::Block { block, offset, stride, row_major, double } = matrix.place
+                && let Some((value, mapped, buffer)) = block_matrix(gl, block, offset, stride, double)
             {
                 self.live |= mapped;
                 matrix.read = buffers.content(buffer).map(|content| (buffer, content.0));
@@ -166,9 +173,9 @@ impl Uniforms {
             }
         }
         for array in &mut self.arrays {
-            if let IndexLocation::Block { binding, offset } = array.index {
+            if let IndexLocation::Block { block, offset } = array.index {
                 let number = |bytes: &[u8]| bytes.try_into().map_or(u32::MAX, u32::from_ne_bytes);
-                let read = block_bytes(gl, binding, offset, size_of::<u32>(), number);
+                let read = block_bytes(gl, block, offset, size_of::<u32>(), number);
                 self.live |= read.is_some_and(|(_, mapped, _)| mapped);
                 let chosen = read.map(|(number, ..)| number);
                 changed |= chosen != array.chosen;
@@ -209,9 +216,9 @@ impl Uniforms {
     }
 }
 
-/// Sixteen numbers at `offset` of the buffer bound to a uniform block's binding point, whether it is mapped for good, and
+/// Sixteen numbers at `offset` of the buffer bound to a block's binding point, whether it is mapped for good, and
 /// its name.
-fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize, double: bool) -> Option<([f64; 16], bool, u32)> {
+fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: bool) -> Option<([f64; 16], bool, u32)> {
     let width = if double { size_of::<f64>() } else { size_of::<f32>() };
     let matrix = |bytes: &[u8]| {
         std::array::from_fn(|i| {
@@ -223,14 +230,14 @@ fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize, double: boo
             }
         })
     };
-    block_bytes(gl, binding, offset, 3 * stride + 4 * width, matrix)
+    block_bytes(gl, block, offset, 3 * stride + 4 * width, matrix)
 }
 
-/// What `read` makes of `length` bytes at `offset` of the buffer bound to a uniform block's binding point, whether it is
+/// What `read` makes of `length` bytes at `offset` of the buffer bound to a block's binding point, whether it is
 /// mapped for good, and its name.
 fn block_bytes<T>(
     gl: &Gl,
-    binding: u32,
+    block: Block,
     offset: usize,
     length: usize,
     read: impl FnOnce(&[u8]) -> T,
@@ -238,10 +245,15 @@ fn block_bytes<T>(
     // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that is borrowed
     // for it is put back.
     unsafe {
+        let [name, first] = if block.storage {
+            [api::GL_SHADER_STORAGE_BUFFER_BINDING, api::GL_SHADER_STORAGE_BUFFER_START]
+        } else {
+            [api::GL_UNIFORM_BUFFER_BINDING, api::GL_UNIFORM_BUFFER_START]
+        };
         let mut buffer = 0;
-        gl.get_integeri_v(api::GL_UNIFORM_BUFFER_BINDING, binding, &mut buffer);
+        gl.get_integeri_v(name, block.binding, &mut buffer);
         let mut start = 0i64;
-        gl.get_integer64i_v(api::GL_UNIFORM_BUFFER_START, binding, &mut start);
+        gl.get_integer64i_v(first, block.binding, &mut start);
         if buffer == 0 {
             return None;
         }

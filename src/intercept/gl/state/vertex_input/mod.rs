@@ -26,17 +26,20 @@ pub struct VertexInput {
     pub(in crate::intercept::gl) blocks: BlockBuffers,
 }
 
-/// Buffers that were bound for uniform blocks.
+/// Buffers that were bound for uniform blocks and storage blocks.
 #[derive(Default)]
 pub struct BlockBuffers {
     names: HashSet<u32>,
+    /// Buffers were bound for storage blocks.
+    storage: bool,
     generation: u64,
 }
 
 impl BlockBuffers {
-    /// A buffer was bound for uniform blocks; 0 = none.
-    pub fn bound(&mut self, buffer: u32) {
+    /// A buffer was bound for uniform blocks, or for storage blocks; 0 = none.
+    pub fn bound(&mut self, buffer: u32, storage: bool) {
         self.generation += 1;
+        self.storage |= storage;
         self.names.insert(buffer);
     }
 
@@ -44,6 +47,11 @@ impl BlockBuffers {
     /// which is a wait for the driver; a program that streams vertices must not have it.
     pub fn changed(&mut self, buffer: u32) {
         self.generation += u64::from(self.names.contains(&buffer));
+    }
+
+    /// A buffer of a storage block may have changed, as shaders may write there.
+    pub fn storage_changed(&mut self) {
+        self.generation += u64::from(self.storage);
     }
 
     /// Grows with every change of a buffer that may hold uniform blocks.

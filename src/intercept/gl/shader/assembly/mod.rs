@@ -1,0 +1,156 @@
+//! Vertex programs in assembly language (`GL_ARB_vertex_program`) that have their matrix in parameters.
+//!
+//! [`text`] changes them as `patch` changes shaders; [`parameters`] finds what may be their matrix. Programs that take the
+//! fixed-function matrices stay as they are: these matrices are replaced for each view.
+
+mod parameters;
+mod text;
+
+use crate::backend::gl::driver::api;
+use crate::backend::gl::driver::values::integer;
+use crate::correct::projected::matrices::ReprojectionMatrix;
+use crate::intercept::gl::context::errors;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::shader::assembly::{AssemblyProgram, Parameter, Uploaded};
+use crate::intercept::gl::state::shader::programs::{IDENTITY, Lens};
+use crate::intercept::lens::{self, Candidate};
+use crate::lock::Lock;
+use std::ffi::c_void;
+use std::sync::{Arc, Mutex};
+
+const TARGET: u32 = api::GL_VERTEX_PROGRAM_ARB;
+
+/// Notes which of these programs the next draw goes through.
+pub fn look(ctx: &mut Context) {
+    let in_shader = || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
+    if !ctx.app.assembly || in_shader() {
+        return;
+    }
+    // SAFETY: asks for a switch that the program has used.
+    if unsafe { ctx.driver.gl.is_enabled(TARGET) } != 0 {
+        let name = bound(ctx);
+        ctx.shaders.assembly = ctx.share.programs.locked().assembly.get(&name).cloned();
+    }
+}
+
+/// The name of the program that is bound.
+fn bound(ctx: &Context) -> u32 {
+    ask(ctx, api::GL_PROGRAM_BINDING_ARB)
+}
+
+fn ask(ctx: &Context, what: u32) -> u32 {
+    let mut value = 0;
+    // SAFETY: writes one integer.
+    unsafe { ctx.driver.gl.get_programiv_arb(TARGET, what, &mut value) };
+    u32::try_from(value).unwrap_or(0)
+}
+
+/// The lens that its parameters hold now.
+pub fn lens(ctx: &Context, program: &AssemblyProgram) -> Lens {
+    let mut values = program.values.locked();
+    values.clear();
+    for matrix in &program.matrices {
+        let mut value = [0f32; 16];
+        for (number, vector) in (0..).zip(value.chunks_mut(4)) {
+            // SAFETY: four floats; the parameter is one that the program text names.
+            unsafe {
+                match matrix.first {
+                    Parameter::Environment(first) => {
+                        ctx.driver.gl.get_program_env_parameterfv_arb(TARGET, first + number, vector.as_mut_ptr());
+                    }
+                    Parameter::Local(first) => {
+                        ctx.driver.gl.get_program_local_parameterfv_arb(TARGET, first + number, vector.as_mut_ptr());
+                    }
+                }
+            }
+        }
+        values.push(value.map(f64::from));
+    }
+    let candidates = program.matrices.iter().zip(values.iter());
+    let candidates = candidates.map(|(matrix, value)| Candidate { rank: 0, value, order: matrix.order });
+    match lens::find(candidates) {
+        Some((intrinsics, ..)) => Lens::Perspective(intrinsics, "parameters of a vertex program"),
+        None => Lens::Flat,
+    }
+}
+
+/// Sends `rows` to the program that is bound.
+pub fn upload(ctx: &Context, program: &AssemblyProgram, rows: &ReprojectionMatrix) {
+    let mut uploaded = program.uploaded.locked();
+    if uploaded.as_ref() != Some(rows) {
+        for (number, row) in (0..).zip(rows.to_array().chunks(4)) {
+            // SAFETY: four floats; the program has these parameters.
+            unsafe { ctx.driver.gl.program_local_parameter4fv_arb(TARGET, program.first_local + number, row.as_ptr()) };
+        }
+        *uploaded = Some(*rows);
+    }
+}
+
+/// Gives the driver the changed text of the program that is bound. Whether that is done.
+fn define(ctx: &mut Context, name: u32, own_text: &[u8]) -> bool {
+    let limit = ask(ctx, api::GL_MAX_PROGRAM_LOCAL_PARAMETERS_ARB);
+    let (Ok(source), Some(first_local)) = (std::str::from_utf8(own_text), limit.checked_sub(text::ROWS)) else {
+        return false;
+    };
+    let Some((changed, matrices)) = text::patch(source, first_local) else { return false };
+    let (Ok(length), gl) = (i32::try_from(changed.len()), ctx.driver.gl) else { return false };
+    ctx.driver.take_errors();
+    // SAFETY: a text with its length.
+    unsafe { gl.program_string_arb(TARGET, api::GL_PROGRAM_FORMAT_ASCII_ARB, length, changed.as_ptr().cast()) };
+    let taken = integer(gl, api::GL_PROGRAM_ERROR_POSITION_ARB) == -1;
+    errors::drop_errors(gl);
+    if taken {
+        let uploaded: Uploaded = Mutex::default();
+        let values = Mutex::default();
+        let program = AssemblyProgram { own_text: own_text.into(), first_local, matrices, uploaded, values };
+        upload(ctx, &program, &IDENTITY);
+        ctx.share.programs.locked().assembly.insert(name, Arc::new(program));
+    }
+    taken
+}
+
+/// What is known of the program that is bound.
+fn record(ctx: &Context, target: u32) -> Option<Arc<AssemblyProgram>> {
+    let name = if target == TARGET { bound(ctx) } else { 0 };
+    ctx.share.programs.locked().assembly.get(&name).cloned()
+}
+
+hooks! {
+    "glProgramStringARB" program_string_arb(target: u32, format: u32, length: i32, string: *const c_void) = |ctx, gl| {
+        // A context's own program, 0, is not one of the group's.
+        let name = if target == TARGET { bound(ctx) } else { 0 };
+        let readable = name != 0 && format == api::GL_PROGRAM_FORMAT_ASCII_ARB && !string.is_null();
+        let text = usize::try_from(length).ok().filter(|_| readable);
+        ctx.share.programs.locked().assembly.remove(&name);
+        let own_text = text.map(|length| std::slice::from_raw_parts(string.cast::<u8>(), length));
+        if !own_text.is_some_and(|own_text| define(ctx, name, own_text)) {
+            gl.program_string_arb(target, format, length, string);
+        }
+    };
+    "glNamedProgramStringEXT" named_program_string_ext(program: u32, target: u32, format: u32, length: i32, string: *const c_void) = |ctx, gl| {
+        ctx.share.programs.locked().assembly.remove(&program);
+        gl.named_program_string_ext(program, target, format, length, string);
+    };
+    "glDeleteProgramsARB" delete_programs_arb(count: i32, names: *const u32) = |ctx, gl| {
+        gl.delete_programs_arb(count, names);
+        if !names.is_null() {
+            let mut programs = ctx.share.programs.locked();
+            for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
+                programs.assembly.remove(name);
+            }
+        }
+    };
+    "glGetProgramStringARB" get_program_string_arb(target: u32, what: u32, string: *mut c_void) = |ctx, gl| {
+        match record(ctx, target).filter(|_| what == api::GL_PROGRAM_STRING_ARB && !string.is_null()) {
+            Some(program) => string.cast::<u8>().copy_from_nonoverlapping(program.own_text.as_ptr(), program.own_text.len()),
+            None => gl.get_program_string_arb(target, what, string),
+        }
+    };
+    "glGetProgramivARB" get_programiv_arb(target: u32, what: u32, values: *mut i32) = |ctx, gl| {
+        match record(ctx, target).filter(|_| what == api::GL_PROGRAM_LENGTH_ARB && !values.is_null()) {
+            Some(program) => *values = program.own_text.len() as i32,
+            None => gl.get_programiv_arb(target, what, values),
+        }
+    };
+}

@@ -1,0 +1,104 @@
+//! Commands that set a program's matrices.
+
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::shader::uniforms::MOST_NAMED;
+use crate::intercept::gl::shader::{program_pipelines, programs};
+use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::lens::transposed;
+use crate::lock::Lock;
+
+/// Notes a matrix that the program sets.
+///
+/// # Safety
+/// `value` must point at `count` matrices, as the program promises OpenGL.
+unsafe fn note<T: Copy + Into<f64>>(
+    program: Option<&Program>,
+    location: i32,
+    count: i32,
+    transpose: u8,
+    value: *const T,
+) {
+    let Some(program) = program else { return };
+    if location < 0 || count < 1 || value.is_null() {
+        return;
+    }
+    let mut uniforms = program.uniforms.locked();
+    for element in 0..count.min(MOST_NAMED as i32) {
+        // SAFETY: as promised above.
+        let matrix = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });
+        let matrix = if transpose != 0 { transposed(&matrix) } else { matrix };
+        uniforms.set(location.saturating_add(element), &matrix);
+    }
+}
+
+/// Notes vectors that the program sets.
+///
+/// # Safety
+/// `value` must point at `count` vectors, as the program promises OpenGL.
+unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, value: *const f32) {
+    let Some(program) = program else { return };
+    if location < 0 || count < 1 || value.is_null() {
+        return;
+    }
+    let mut uniforms = program.uniforms.locked();
+    if uniforms.has_vectors() {
+        for number in 0..count {
+            // SAFETY: as promised above.
+            let vector = unsafe { value.cast::<[f32; 4]>().add(number as usize).read_unaligned() };
+            uniforms.set_vector(location.saturating_add(number), vector);
+        }
+    }
+}
+
+/// The program that `glUniform` sets.
+fn with_current<T>(ctx: &Context, note: impl FnOnce(Option<&Program>) -> T) -> T {
+    if ctx.shaders.pipelines.used != 0 {
+        note(ctx.shaders.program.as_deref())
+    } else {
+        note(program_pipelines::active(ctx).as_deref())
+    }
+}
+
+hooks! {
+    "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
+        gl.uniform_matrix4fv(location, count, transpose, value);
+        with_current(ctx, |program| note(program, location, count, transpose, value));
+    };
+    "glUniformMatrix4dv" uniform_matrix4dv(location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
+        gl.uniform_matrix4dv(location, count, transpose, value);
+        with_current(ctx, |program| note(program, location, count, transpose, value));
+    };
+    "glUniform4fv" uniform4fv(location: i32, count: i32, value: *const f32) = |ctx, gl| {
+        gl.uniform4fv(location, count, value);
+        with_current(ctx, |program| note_vectors(program, location, count, value));
+    };
+    "glUniform4f" uniform4f(location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
+        gl.uniform4f(location, x, y, z, w);
+        with_current(ctx, |program| note_vectors(program, location, 1, [x, y, z, w].as_ptr()));
+    };
+    "glProgramUniform4fv" program_uniform4fv(program: u32, location: i32, count: i32, value: *const f32) = |ctx, gl| {
+        gl.program_uniform4fv(program, location, count, value);
+        note_vectors(programs::record(&ctx.share, program).as_deref(), location, count, value);
+    };
+    "glProgramUniform4f" program_uniform4f(program: u32, location: i32, x: f32, y: f32, z: f32, w: f32) = |ctx, gl| {
+        gl.program_uniform4f(program, location, x, y, z, w);
+        note_vectors(programs::record(&ctx.share, program).as_deref(), location, 1, [x, y, z, w].as_ptr());
+    };
+    "glProgramUniformMatrix4dv" program_uniform_matrix4dv(program: u32, location: i32, count: i32, transpose: u8, value: *const f64) = |ctx, gl| {
+        gl.program_uniform_matrix4dv(program, location, count, transpose, value);
+        note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
+    };
+    "glProgramUniformMatrix4fv" program_uniform_matrix4fv(program: u32, location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
+        gl.program_uniform_matrix4fv(program, location, count, transpose, value);
+        note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
+    };
+    "glUniformBlockBinding" uniform_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
+        gl.uniform_block_binding(program, block, binding);
+        programs::read_again(ctx, program);
+    };
+    "glShaderStorageBlockBinding" shader_storage_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
+        gl.shader_storage_block_binding(program, block, binding);
+        programs::read_again(ctx, program);
+    };
+}

@@ -1,0 +1,40 @@
+//! Vertex programs in assembly language.
+
+use crate::correct::projected::matrices::ReprojectionMatrix;
+use crate::intercept::lens::Order;
+use std::sync::Mutex;
+
+/// A vertex program in assembly language that re-projects its position.
+pub struct AssemblyProgram {
+    /// What the program gave.
+    pub(in crate::intercept::gl) own_text: Box<[u8]>,
+    /// The first of four local parameters that hold the reprojection matrix.
+    pub(in crate::intercept::gl) first_local: u32,
+    /// Parameters that may be the program's matrix.
+    pub(in crate::intercept::gl) matrices: Vec<ParameterMatrix>,
+    /// What the four parameters hold.
+    pub(in crate::intercept::gl) uploaded: Uploaded,
+    /// Values of the matrices, for the search of the lens.
+    pub(in crate::intercept::gl) values: Mutex<Vec<[f64; 16]>>,
+}
+
+/// The reprojection matrix that a program has.
+pub(in crate::intercept::gl) type Uploaded = Mutex<Option<ReprojectionMatrix>>;
+
+/// Four parameters that may be a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterMatrix {
+    /// The first of them.
+    pub first: Parameter,
+    /// Whether they are columns or rows.
+    pub order: Order,
+}
+
+/// A parameter of vertex programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Parameter {
+    /// Of all programs.
+    Environment(u32),
+    /// Of one program.
+    Local(u32),
+}
