@@ -27,6 +27,7 @@ static const form forms[] = {
     {"member", SHADER("layout(std430, binding = 2) readonly buffer B { vec4 tint; mat4 m; } b;", "b.m"), 0, false},
     {"rows", SHADER("layout(std430, binding = 2, row_major) readonly buffer B { vec4 tint; mat4 m; };", "m"), 0, false},
     {"constant", SHADER("layout(std430, binding = 2) readonly buffer B { vec4 tint; mat4 all[]; };", "all[2]"), 16, false},
+    {"far", SHADER("layout(std430, binding = 2) readonly buffer B { vec4 tint; mat4 all[]; };", "all[10]"), 16, false},
     {"uniform",
      SHADER("layout(std430, binding = 2) readonly buffer B { vec4 tint; mat4 all[]; }; uniform int which;", "all[which]"),
      16, false},
@@ -43,7 +44,7 @@ static const form forms[] = {
             "layout(std430, binding = 2) readonly buffer B { vec4 tint; camera all[]; } b;", "b.all[which].m"), 20, false},
 };
 
-enum { FORMS = sizeof forms / sizeof forms[0], CAMERAS = 4, USED = 2, MOST = 4 + CAMERAS * 20 };
+enum { FORMS = sizeof forms / sizeof forms[0], CAMERAS = 11, USED = 2, MOST = 4 + CAMERAS * 20 };
 
 static mesh cube;
 static const form *used = forms;
@@ -73,7 +74,7 @@ static void draw(app *a)
     for (int i = 0; i < CAMERAS && used->stride != 0; i++) {
         const matrix4 other = matrix_perspective(20.0 + 5.0 * i, aspect, a->near, a->far);
         const matrix4 wrong = matrix_multiply(other, a->modelview);
-        memcpy(values + 4 + i * used->stride, i == USED || used->same ? right.m : wrong.m, sizeof right.m);
+        memcpy(values + 4 + i * used->stride, i == USED || i == CAMERAS - 1 || used->same ? right.m : wrong.m, sizeof right.m);
     }
     if (used->stride == 0)
         memcpy(values + 4, strcmp(used->name, "rows") == 0 ? turned.m : right.m, sizeof right.m);

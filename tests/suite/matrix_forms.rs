@@ -96,6 +96,7 @@ fn parameters_of_a_vertex_program() {
 }
 
 fn a_storage_block() {
-    right("storage_camera", &["member", "rows", "constant", "uniform", "same", "structures", "structure_by_uniform"]);
+    right("storage_camera", &["member", "rows", "constant", "far", "uniform", "same"]);
+    right("storage_camera", &["structures", "structure_by_uniform"]);
     flat_but_for_a_given_lens("storage_camera", "instance");
 }

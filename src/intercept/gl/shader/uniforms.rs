@@ -67,6 +67,7 @@ struct Active<'a> {
     name: &'a str,
     /// What its elements are elements of, without numbers.
     array: &'a str,
+    /// Number of its elements; 0 = as many as the buffer has.
     size: u32,
     kind: u32,
     place: Place,
@@ -78,6 +79,21 @@ enum Place {
     Location(i32),
     /// A block, and in bytes the offset there, and the distances between elements and between columns.
     Block { block: Block, offset: usize, between: usize, stride: usize, row_major: bool },
+}
+
+impl Active<'_> {
+    fn holds(&self, number: u32) -> bool {
+        self.size == 0 || number < self.size
+    }
+
+    /// Number of groups of `length` elements that are looked at where the text names none.
+    fn looked_at(&self, length: u32) -> u32 {
+        match self.size / length {
+            _ if self.size == 0 => LONGEST,
+            count if count <= LONGEST => count,
+            _ => 1,
+        }
+    }
 }
 
 struct Reader<'a> {
@@ -94,7 +110,7 @@ impl Reader<'_> {
     fn variable(&mut self, active: &Active<'_>) {
         match active.kind {
             api::GL_FLOAT_MAT4 | api::GL_DOUBLE_MAT4 => self.matrices(active),
-            api::GL_FLOAT_VEC4 if active.size >= 4 => self.vectors(active),
+            api::GL_FLOAT_VEC4 if active.holds(3) => self.vectors(active),
             api::GL_INT | api::GL_UNSIGNED_INT if active.size == 1 => {
                 let place = match active.place {
                     Place::Location(location) => IndexLocation::Uniform(location),
@@ -115,11 +131,12 @@ impl Reader<'_> {
     /// A matrix, or an array of them.
     fn matrices(&mut self, active: &Active<'_>) {
         let known = self.elements(active.array);
-        let named = known.into_iter().flat_map(|known| known.numbers.keys().copied()).filter(|n| *n < active.size);
+        let named =
+            known.into_iter().flat_map(|known| known.numbers.keys().copied()).filter(|number| active.holds(*number));
         let mut numbers: BTreeSet<u32> = named.take(MOST_NAMED).collect();
-        let chosen = active.size > 1 && known.is_none_or(|known| known.others.is_some());
+        let chosen = active.size != 1 && known.is_none_or(|known| known.others.is_some());
         if chosen || numbers.is_empty() {
-            numbers.extend(0..if active.size <= LONGEST { active.size } else { 1 });
+            numbers.extend(0..active.looked_at(1));
         }
         let array = if chosen { Some((self.array(active.array), None)) } else { self.array_of_structures(active.name) };
         for number in numbers {
@@ -135,11 +152,10 @@ impl Reader<'_> {
         let uses = known.map_or(Some(Uses::default()), |known| known.others.as_ref().map(|(_, uses)| *uses));
         let mut array = None;
         if let Some(uses) = uses.filter(|_| fours.is_empty()) {
-            let count = if active.size <= 4 * LONGEST { active.size / 4 } else { 1 };
-            fours.extend((0..count).map(|number| (4 * number, uses.order())));
+            fours.extend((0..active.looked_at(4)).map(|number| (4 * number, uses.order())));
             array = Some(self.array(active.array));
         }
-        for (first, order) in fours.into_iter().filter(|(first, _)| first + 4 <= active.size) {
+        for (first, order) in fours.into_iter().filter(|(first, _)| active.holds(first + 3)) {
             self.matrix(active, first, 4, order, array.map(|array| (array, first)));
         }
     }
@@ -263,8 +279,7 @@ impl Reader<'_> {
             stride: variable(api::GL_MATRIX_STRIDE)?,
             row_major: variable(api::GL_IS_ROW_MAJOR)? == 1,
         };
-        // An array without a size has as many elements as the buffer.
-        let size = if size == 0 { LONGEST } else { u32::try_from(size).ok()? };
+        let size = u32::try_from(size).ok()?;
         self.variable(&Active { name: &name, array: &array, size, kind, place });
         Some(())
     }

@@ -33,7 +33,7 @@ impl PositionLoads {
     pub fn fours(&self, variable: u32, path: &[u32]) -> Vec<(u32, bool)> {
         let Some(elements) = self.elements.get(&(variable, path.to_vec())) else { return Vec::new() };
         let numbers: Vec<u32> = elements.keys().copied().collect();
-        let by_rows = |first: u32| elements.range(first..first + 4).all(|(_, products_only)| *products_only);
+        let by_rows = |first: u32| elements.range(first..=first + 3).all(|(_, products_only)| *products_only);
         lens::fours(&numbers).into_iter().map(|first| (first, by_rows(first))).collect()
     }
 

@@ -60,6 +60,8 @@ fn four_vectors_are_columns_or_rows_by_their_use() {
     assert_eq!(fours("uniform vec4[4] m;", built), [(0, Order::Either)]);
     let both = format!("{sum} gl_Position.x += dot(m[3], v);");
     assert_eq!(fours("uniform vec4 m[4];", &both), [(0, Order::Either)]);
+    let last = "gl_Position = m[4294967292] + m[4294967293] + m[4294967294] + m[4294967295] * v;";
+    assert_eq!(fours("uniform vec4 m[4];", last), [(u32::MAX - 3, Order::Columns)]);
     let defined = "#define a m[2]\n#define b m[3]\n#define c (m[4])\n#define d m[5]\nuniform vec4 m[8];";
     let products = "gl_Position = vec4(dot(a, v), dot(b, v), dot(c, v), dot(d, v));";
     assert_eq!(fours(defined, products), [(2, Order::Rows)]);

@@ -59,7 +59,7 @@ impl Elements {
     pub fn fours(&self) -> impl Iterator<Item = (u32, Order)> + '_ {
         let numbers: Vec<u32> = self.numbers.keys().copied().collect();
         let uses =
-            |first: u32| self.numbers.range(first..first + 4).fold(Uses::default(), |all, (_, uses)| all.and(*uses));
+            |first: u32| self.numbers.range(first..=first + 3).fold(Uses::default(), |all, (_, uses)| all.and(*uses));
         lens::fours(&numbers).into_iter().map(move |first| (first, uses(first).order()))
     }
 }
