@@ -11,6 +11,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::now_or_later;
 use crate::intercept::gl::state::app::window_arrays::{self, Viewport, WindowArrays};
+use crate::intercept::gl::state::driver::profile::ViewportLimits;
 
 /// The rectangles of a call, for the indices from `first` on. `None`: the driver refuses them, or has others than are
 /// followed here, and gets the call as it is.
@@ -48,16 +49,11 @@ fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 
 }
 
 fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<[f32; 4]>) {
-    let (mut bounds, mut largest) = ([0.0; 2], [0.0; 2]);
-    // SAFETY: each writes two numbers.
-    unsafe {
-        ctx.driver.gl.get_floatv(api::GL_VIEWPORT_BOUNDS_RANGE, bounds.as_mut_ptr());
-        ctx.driver.gl.get_floatv(api::GL_MAX_VIEWPORT_DIMS, largest.as_mut_ptr());
-    }
+    let ViewportLimits { edge, size } = ctx.driver.profile.viewport_limits;
     for [x, y, width, height] in &mut viewports {
         // As the driver does with what it keeps. `max` and `min` take the bound where a number is none.
-        (*x, *y) = (x.max(bounds[0]).min(bounds[1]), y.max(bounds[0]).min(bounds[1]));
-        (*width, *height) = (width.min(largest[0]), height.min(largest[1]));
+        (*x, *y) = (x.max(edge[0]).min(edge[1]), y.max(edge[0]).min(edge[1]));
+        (*width, *height) = (width.min(size[0]), height.min(size[1]));
     }
     change(ctx, move |arrays| {
         for (own, viewport) in arrays.viewports.iter_mut().skip(first as usize).zip(&viewports) {

@@ -4,7 +4,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use std::ffi::CStr;
 
 /// Which OpenGL a context speaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     /// OpenGL ES.
     pub es: bool,
@@ -14,8 +14,19 @@ pub struct Profile {
     pub version: u32,
     /// Viewports and scissors by index.
     pub viewport_arrays: bool,
+    /// What the driver keeps of viewports that have an index.
+    pub viewport_limits: ViewportLimits,
     /// Number of generic attributes of a vertex.
     pub generic_attributes: u32,
+}
+
+/// Limits of viewports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ViewportLimits {
+    /// Least and greatest position of a left or lower edge.
+    pub edge: [f32; 2],
+    /// Greatest width and height.
+    pub size: [f32; 2],
 }
 
 impl Profile {
@@ -46,12 +57,21 @@ pub(in crate::intercept::gl) fn profile(gl: &Gl) -> Profile {
     let core = forward || mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0;
     let arrays = if es { "GL_OES_viewport_array" } else { "GL_ARB_viewport_array" };
     let viewport_arrays = (!es && version >= 41) || (version >= 30 && has_extension(gl, arrays));
+    let mut viewport_limits = ViewportLimits::default();
+    if viewport_arrays {
+        // SAFETY: viewports with an index bring these queries; each writes two numbers.
+        unsafe {
+            gl.get_floatv(api::GL_VIEWPORT_BOUNDS_RANGE, viewport_limits.edge.as_mut_ptr());
+            gl.get_floatv(api::GL_MAX_VIEWPORT_DIMS, viewport_limits.size.as_mut_ptr());
+        }
+    }
     let mut generic_attributes = 16;
     if version >= 20 {
         // SAFETY: the query exists since OpenGL 2.0 and OpenGL ES 2.0 and writes one integer.
         unsafe { gl.get_integerv(api::GL_MAX_VERTEX_ATTRIBS, &mut generic_attributes) };
     }
-    Profile { es, core, version, viewport_arrays, generic_attributes: generic_attributes as u32 }
+    let generic_attributes = generic_attributes as u32;
+    Profile { es, core, version, viewport_arrays, viewport_limits, generic_attributes }
 }
 
 /// Whether a context of version 3.0 or later has an extension.
