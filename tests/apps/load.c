@@ -71,10 +71,15 @@ static void contexts(app *a)
     free(all);
 }
 
+/* Mesa 22.3 spoils its memory now and then where threads make or destroy contexts at the same time. */
+static pthread_mutex_t contexts_lock = PTHREAD_MUTEX_INITIALIZER;
+
 static void *thread(void *given)
 {
     app *a = given;
+    pthread_mutex_lock(&contexts_lock);
     a->window = window_open(&a->request);
+    pthread_mutex_unlock(&contexts_lock);
     app_update_matrices(a);
     for (a->frame = 0; a->frame < 3; a->frame++) {
         fixed_cube(a);
@@ -86,9 +91,11 @@ static void *thread(void *given)
         app_check_error(a, "in a thread");
         window_swap(&a->window);
     }
+    pthread_mutex_lock(&contexts_lock);
     window_release(&a->window);
     window_close(&a->window);
     XCloseDisplay(a->window.display);
+    pthread_mutex_unlock(&contexts_lock);
     return NULL;
 }
 
