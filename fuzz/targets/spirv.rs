@@ -2,7 +2,7 @@
 #![no_main]
 
 use cupola::correct::projected::division::Input;
-use cupola::intercept::vk::spirv::{Limits, asks_place, divide, matrices, splice, stage_outputs};
+use cupola::intercept::vk::spirv::{Limits, asks_place, divide, frag_coord, matrices, splice, stage_outputs};
 use spirv::ExecutionModel;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
@@ -11,10 +11,13 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let words: Vec<u32> = chunks.iter().map(|word| u32::from_le_bytes(*word)).collect();
     let models = [ExecutionModel::Vertex, ExecutionModel::TessellationEvaluation, ExecutionModel::Geometry];
     let model = models[usize::from(kind & 3) % 3];
-    let _ = matrices(&words);
+    let _ = matrices(&words, kind & 64 != 0);
     let _ = asks_place(&words);
     if let Ok(spliced) = splice(&words, model, "main", 3, kind & 4 != 0) {
         assert!(spliced.len() >= words.len() && spliced.len() < words.len() + (1 << 14), "what is added is bounded");
+    }
+    if let Ok(Some(placed)) = frag_coord(&words, "main", 3, 64) {
+        assert!(placed.len() >= words.len() && placed.len() < words.len() + (1 << 14), "what is added is bounded");
     }
     let fragment = (kind & 8 != 0).then_some((&words[..], ExecutionModel::Fragment, "main"));
     if let Ok(outputs) = stage_outputs((&words, ExecutionModel::Vertex, "main"), fragment) {

@@ -38,10 +38,11 @@ tests! {
     many_sizes_leave_nothing_behind,
     the_panel_is_where_the_angles_say,
     what_is_out_of_sight_is_not_drawn,
+    places_in_the_window,
 }
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
-const WAYS: [&[&str]; 15] = [
+const WAYS: [&[&str]; 17] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
     &["--pass", "dynamic", "--matrix", "push"],
@@ -57,6 +58,8 @@ const WAYS: [&[&str]; 15] = [
     &["--pass", "dynamic", "--array", "columns", "--once"],
     &["--pass", "1", "--array", "rows", "--flip"],
     &["--pass", "1", "--array", "row-vector", "--once"],
+    &["--pass", "1", "--clip"],
+    &["--pass", "dynamic", "--clip", "--flip", "--samples", "4"],
 ];
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -88,6 +91,27 @@ fn every_way_of_drawing_fills_the_dome() {
         let statistics = finished.statistics();
         assert_eq!(statistics["draws_seen"], 3, "{way:?}: {statistics:#}");
         assert_eq!(statistics["panel_draws"], 0, "{way:?}: {statistics:#}");
+    }
+}
+
+/// A fragment shader that asks for its place is told that in the program's window, in each view.
+fn places_in_the_window() {
+    for way in [&["--place"][..], &["--place", "--flip", "--pass", "dynamic", "--once"]] {
+        let run = Run { cupola: &["--capture-views", "views"], ..run(way, CAMERAS[1]) };
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let views = std::fs::read_dir(finished.directory.join("views")).expect("views");
+        let names = views.map(|file| file.expect("a file").file_name().to_string_lossy().into_owned());
+        let names: Vec<String> = names.filter(|name| !name.contains("panel")).collect();
+        assert!(names.len() > 2, "{way:?}: {names:?}");
+        for name in names {
+            let view = finished.picture(&format!("views/{name}"));
+            let place = |at: usize, length: usize| 255.0 * (at as f64 + 0.5) / length as f64;
+            let expected = |x, y| [place(x, view.width), place(y, view.height)];
+            let off = |x, y| view.at(x, y).into_iter().zip(expected(x, y)).map(|(a, b)| (f64::from(a) - b).abs());
+            let places = (0..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y)));
+            let worst = places.flat_map(|(x, y)| off(x, y)).fold(0.0, f64::max);
+            assert!(worst < 1.1, "{way:?} {name}: off by {worst}/255");
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 //! - [`obstacle`]: why is something shown flat, or drawn once only?
 //! - [`query_scaling`]: what does a query's count become for the program?
 //! - [`report`]: what do the statistics say of a plan?
+//! - [`to_window`]: where is a fragment of a view in the program's window?
 //!
 //! ```text
 //! draw ─ main viewport? ─ lens known? ─ yes → scene, once per view
@@ -24,4 +25,5 @@ pub mod image_graph;
 pub mod obstacle;
 pub mod query_scaling;
 pub mod report;
+pub mod to_window;
 pub mod viewport;

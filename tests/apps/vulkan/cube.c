@@ -16,8 +16,10 @@
 #include "cells_push.h"
 #include "cube_array.h"
 #include "cube_block.h"
+#include "cube_clip.h"
 #include "cube_columns.h"
 #include "cube_frag.h"
+#include "cube_place.h"
 #include "cube_push.h"
 #include "cube_row_vector.h"
 #include "cube_rows.h"
@@ -191,7 +193,9 @@ static void make_cube_pipeline(void)
     const shader_words arrays[] = {one, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
     const shader_words vertex = arrays[options.array];
     pipeline_description description = {.vertex = vertex,
-                                        .fragment = SHADER(cube_frag),
+                                        .fragment = options.clip    ? SHADER(cube_clip)
+                                                    : options.place ? SHADER(cube_place)
+                                                                    : SHADER(cube_frag),
                                         .layout = layout,
                                         .pass = pass,
                                         .color = w.format,

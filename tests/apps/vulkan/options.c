@@ -11,7 +11,7 @@ static void usage(void)
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
                     "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed] [--once] [--srgb] [--flip]\n"
                     "  [--follow] [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--depth cleared|drawn|readable] [--array columns|rows|row-vector] [--cells triangles|ball|behind|points]\n"
-                    "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE] [--draws N]\n");
+                    "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE] [--draws N] [--clip] [--place]\n");
     exit(2);
 }
 
@@ -31,7 +31,7 @@ static bool is_flag(const char *option)
     } flags[] = {{"--once", &options.once},         {"--srgb", &options.srgb},         {"--flip", &options.flip},
                  {"--secondary", &options.secondary}, {"--indirect", &options.indirect}, {"--fixed", &options.fixed},
                  {"--copy-window", &options.copy_window}, {"--columns", &options.columns},
-                 {"--follow", &options.follow}};
+                 {"--follow", &options.follow},   {"--clip", &options.clip},         {"--place", &options.place}};
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (strcmp(option, flags[i].name) == 0) {
             *flags[i].flag = true;

@@ -28,6 +28,7 @@ typedef struct {
     bool follow; /* make a new swapchain where presenting says that it should be */
     depth_kind depth; /* of it, before the pass that draws colours */
     array_kind array; /* in push constants */
+    bool clip, place; /* what is beside the window is not drawn; the place in the window is shown */
     int flat; /* 0: nothing, 1: over the cube, 2: before it */
     const char *memory;
 } vulkan_options;

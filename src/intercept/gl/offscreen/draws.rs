@@ -12,10 +12,10 @@ use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
-use crate::intercept::gl::state::draw::to_window::ToWindow;
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::scene::viewport;
 use crate::rig::Duplicate;
 use crate::runtime::session::Session;
@@ -65,7 +65,7 @@ pub fn draw(
         each_view(ctx, changes, count, shown, issue, |ctx, view| {
             supply(ctx, sampled, view);
             own_window_space(ctx, grid.tile(view));
-            ctx.draw.to_window = ToWindow::of_tile(grid.tile(view), grid.extent(count)[1]);
+            ctx.draw.to_window = ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]);
             class
         });
         if sampled != 0 {

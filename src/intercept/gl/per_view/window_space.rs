@@ -2,7 +2,7 @@
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::draw::to_window::ToWindow;
+use crate::intercept::scene::to_window::ToWindow;
 
 /// Height of what is drawn to, if that is the window's atlas.
 fn atlas_height(ctx: &Context) -> i32 {
@@ -12,7 +12,7 @@ fn atlas_height(ctx: &Context) -> i32 {
 /// The tile of a view is drawn to, with the lens of the view.
 pub fn view_window_space(ctx: &mut Context, tile: LowerLeftRect, scissor: Option<LowerLeftRect>) {
     let height = ctx.session().map_or(0, |session| session.window().1 as i32);
-    ctx.draw.to_window = ToWindow::of_view(tile, ctx.app.viewport, height, atlas_height(ctx));
+    ctx.draw.to_window = ToWindow::of_view(tile.into(), ctx.app.viewport.into(), height, atlas_height(ctx));
     ctx.set_scissor(scissor);
     ctx.set_viewport(tile);
 }
@@ -24,7 +24,7 @@ pub fn program_window_space(ctx: &mut Context) {
 
 /// The program's own viewports and scissors, moved to a tile of the window's size and kept inside it.
 pub fn own_window_space(ctx: &mut Context, tile: LowerLeftRect) {
-    ctx.draw.to_window = ToWindow::of_tile(tile, atlas_height(ctx));
+    ctx.draw.to_window = ToWindow::of_tile(tile.into(), atlas_height(ctx));
     if let Some(arrays) = ctx.app.arrays().map(|arrays| arrays.moved_into(tile)) {
         ctx.set_arrays(&arrays);
         return;

@@ -10,6 +10,7 @@
 //! (`submit::draw_groups`); until then all tiles that may show it get the draw.
 
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::commands::indirect;
 use crate::intercept::vk::commands::panel_clears::clear_pending;
@@ -138,7 +139,15 @@ fn classify(
     let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
-    Some(Classified { facts: DrawFacts { sources, y_up, in_views, off_screen, deep, screen }, program, sets })
+    let viewport = variants.moves_place.then(|| area(&program.viewport));
+    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, screen };
+    Some(Classified { facts, program, sets })
+}
+
+/// What a viewport covers, whichever way up it is.
+fn area(viewport: &vk::Viewport) -> Area {
+    let top = viewport.y + viewport.height.min(0.0);
+    Area { origin: [viewport.x, top], size: [viewport.width, viewport.height.abs()] }
 }
 
 /// Notes what the pass makes of images that may hold a scene and that the draw's shaders can

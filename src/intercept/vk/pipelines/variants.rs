@@ -83,6 +83,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     // SAFETY: as promised; shaders of ours are destroyed when the pipelines are made.
     unsafe {
         let asks_place = fragments.filter_map(|s| words_of(device, s)).any(|words| spirv::asks_place(&words));
+        let mut moves_place = libraries().any(|library| library.moves_place);
         let before = || parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
         // The stages' bits are in their order.
         let last = before().map(|stage| stage.stage).max();
@@ -95,6 +96,18 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         let mut divided = None;
         let mut modules = Modules { device, made: Vec::new() };
         let mut follows = libraries().any(|library| library.follows);
+        if let Some(layout) = layout.as_ref().filter(|_| asks_place) {
+            match placed(device, &stages, layout.ours) {
+                Ok((index, words)) => {
+                    stages[index].module = modules.make(&words)?;
+                    stages[index].p_next = std::ptr::null();
+                    moves_place = true;
+                }
+                Err(why) => log::once(&format!("Vulkan: FragCoord is the place in a view, not in the window: {why}")),
+            }
+        }
+        // What divides has the program's own fragment shader, too.
+        let own_stages = stages.clone();
         if let Some(layout) = layout.filter(|_| parts.places_vertices()) {
             match spliced(device, &stages, layout.ours) {
                 Ok((index, words)) => {
@@ -104,7 +117,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                     follows = true;
                     match dividing_stage::stage(device, parts, &layout) {
                         Ok(None) => {}
-                        Ok(Some(words)) => divided = Some(with_stage(&parts.stages, modules.make(&words)?)),
+                        Ok(Some(words)) => divided = Some(with_stage(&own_stages, modules.make(&words)?)),
                         Err(why) => device.pipelines.divided.note_undivided(why),
                     }
                 }
@@ -124,6 +137,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
             follows,
             panel,
             matrices,
+            moves_place,
             asks_place: asks_place || libraries().any(|library| library.asks_place),
             deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
                 || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
@@ -197,6 +211,27 @@ unsafe fn spliced(
     let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };
     let words = words.ok_or("a shader whose words are not known")?;
     Ok((index, spirv::splice(&words, model, &entry, ours, device.view_constants.have_lenses())?))
+}
+
+/// The fragment stage and its words with window coordinates of the program, which reads the view constants by set `ours`.
+///
+/// # Errors
+/// Why there are none.
+///
+/// # Safety
+/// `stages` must be the program's.
+unsafe fn placed(
+    device: &Device,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    ours: u32,
+) -> Result<(usize, Vec<u32>), &'static str> {
+    let index = stages.iter().position(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
+    let index = index.ok_or("a pipeline without a fragment shader")?;
+    // SAFETY: as promised.
+    let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };
+    let words = words.ok_or("a shader whose words are not known")?;
+    let changed = spirv::frag_coord(&words, &entry, ours, device.view_constants.to_window_offset())?;
+    Ok((index, changed.ok_or("another entry point asks for it")?))
 }
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.

@@ -1,8 +1,9 @@
-//! Shaders of the program: where their matrices are, and the epilogue that re-projects what they
-//! draw.
+//! Shaders of the program: where their matrices are, the epilogue that re-projects what they draw,
+//! and the place of fragments in the program's window.
 
 mod dependence;
 mod divide;
+mod frag_coord;
 mod functions;
 mod module;
 mod reflect;
@@ -10,6 +11,7 @@ mod splice;
 mod stage_outputs;
 
 pub use divide::{ENTRY, Limits, divide};
+pub use frag_coord::frag_coord;
 pub use reflect::{Matrix, Memory, asks_place, matrices};
 pub use splice::splice;
 pub use stage_outputs::stage_outputs;

@@ -13,7 +13,7 @@ use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl,
 const NAMES_ALL: u32 = 0x0001_0400;
 
 /// Greatest bound of a module's ids: 256 times what every driver takes. Ours follow it.
-const MOST_IDS: u32 = 1 << 30;
+pub const MOST_IDS: u32 = 1 << 30;
 
 /// `words` with the epilogue, or why there is none. The view constants are a uniform block at
 /// binding 0 of `set`; with `lenses` the lens of a picture follows them.
@@ -30,15 +30,7 @@ pub fn splice(
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let is_entry = |i: &Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == model as u32;
-    let named = |i: &&Instruction<'_>| is_entry(i) && string(i.rest(2)).0 == entry;
-    let point = all.iter().find(named).ok_or("a shader without its entry point")?;
-    let main = point.operand(1);
-    if main == 0 {
-        return Err("a shader without its entry point");
-    }
-    if all.iter().any(|i| i.is(Op::EntryPoint) && i.operand(1) == main && i.offset != point.offset) {
-        return Err("entry points that share a function");
-    }
+    let (point, main) = entry_point(&all, model, entry)?;
     // Vertices are emitted in functions that both may call.
     if model == ExecutionModel::Geometry && all.iter().any(|i| is_entry(i) && i.offset != point.offset) {
         return Err("several geometry shaders in one module");
@@ -57,8 +49,38 @@ pub fn splice(
     let emits = model == ExecutionModel::Geometry;
     let void = additions.kind(Op::TypeVoid, &[]);
     let epilogue = epilogue(&mut additions, position, (linked.fix, linked.vector), (!emits).then_some(main));
-    let entry = Entry { point, main, wrapper: (!emits).then_some(epilogue), epilogue, variable: linked.variable, void };
-    Ok(put_into(additions, words, &all, &entry))
+    let entry = Entry { point, main, wrapper: (!emits).then_some(epilogue), variables: vec![linked.variable] };
+    let at_vertices = emits.then_some(AtVertices { epilogue, void });
+    Ok(put_into(additions, words, &all, &entry, |additions, instruction, out| {
+        let emitted = instruction.is(Op::EmitVertex) || instruction.is(Op::EmitStreamVertex);
+        if let Some(AtVertices { epilogue, void }) = at_vertices.filter(|_| emitted) {
+            let result = additions.id();
+            push(out, Op::FunctionCall, &[void, result, epilogue]);
+        }
+        instruction.operands.to_vec()
+    }))
+}
+
+/// The entry point of this name, and its function, which is no other's.
+///
+/// # Errors
+/// Why there is none.
+pub fn entry_point<'a>(
+    all: &'a [Instruction<'a>],
+    model: ExecutionModel,
+    entry: &str,
+) -> Result<(&'a Instruction<'a>, u32), &'static str> {
+    let is_entry =
+        |i: &&Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == model as u32 && string(i.rest(2)).0 == entry;
+    let point = all.iter().find(is_entry).ok_or("a shader without its entry point")?;
+    let main = point.operand(1);
+    if main == 0 {
+        return Err("a shader without its entry point");
+    }
+    if all.iter().any(|i| i.is(Op::EntryPoint) && i.operand(1) == main && i.offset != point.offset) {
+        return Err("entry points that share a function");
+    }
+    Ok((point, main))
 }
 
 /// Place of `gl_Position`: the variable, and the member where it is a block.
@@ -87,15 +109,21 @@ fn position(declared: &Declarations<'_>, interface: &[u32]) -> Option<Position> 
 }
 
 /// The entry point and where it leads.
-struct Entry<'a> {
-    point: &'a Instruction<'a>,
-    main: u32,
-    /// Our function that takes the program's place; `None`: ours is called at each vertex that is
-    /// emitted.
-    wrapper: Option<u32>,
+pub struct Entry<'a> {
+    /// Its instruction.
+    pub point: &'a Instruction<'a>,
+    /// The program's function.
+    pub main: u32,
+    /// Our function that takes its place, unless ours is called at each vertex that is emitted.
+    pub wrapper: Option<u32>,
+    /// Variables of ours that the entry point names.
+    pub variables: Vec<u32>,
+}
+
+/// A call of our function at each vertex that is emitted.
+#[derive(Clone, Copy)]
+struct AtVertices {
     epilogue: u32,
-    /// The block with the view constants.
-    variable: u32,
     void: u32,
 }
 
@@ -160,8 +188,14 @@ fn before_types(instruction: &Instruction<'_>) -> bool {
     head.iter().any(|op| instruction.is(*op))
 }
 
-/// The whole module.
-fn put_into(mut additions: Additions<'_>, words: &[u32], all: &[Instruction<'_>], entry: &Entry<'_>) -> Vec<u32> {
+/// The whole module. `change` gives the operands of each instruction of the program, and may put others before it.
+pub fn put_into(
+    mut additions: Additions<'_>,
+    words: &[u32],
+    all: &[Instruction<'_>],
+    entry: &Entry<'_>,
+    change: impl Fn(&mut Additions<'_>, &Instruction<'_>, &mut Vec<u32>) -> Vec<u32>,
+) -> Vec<u32> {
     let mut out = words[..HEADER].to_vec();
     let (mut imported, mut decorated, mut declared) = (false, false, false);
     for instruction in all {
@@ -174,16 +208,11 @@ fn put_into(mut additions: Additions<'_>, words: &[u32], all: &[Instruction<'_>]
         if instruction.is(Op::Function) && !std::mem::replace(&mut declared, true) {
             out.append(&mut additions.globals);
         }
-        let emits = instruction.is(Op::EmitVertex) || instruction.is(Op::EmitStreamVertex);
-        if emits && entry.wrapper.is_none() {
-            let result = additions.id();
-            push(&mut out, Op::FunctionCall, &[entry.void, result, entry.epilogue]);
-        }
-        let mut operands = instruction.operands.to_vec();
+        let mut operands = change(&mut additions, instruction, &mut out);
         if instruction.offset == entry.point.offset {
             operands[1] = entry.wrapper.unwrap_or(entry.main);
             if words[1] >= NAMES_ALL {
-                operands.push(entry.variable);
+                operands.extend(&entry.variables);
             }
         }
         let mode = instruction.is(Op::ExecutionMode) || instruction.is(Op::ExecutionModeId);

@@ -1,6 +1,7 @@
 //! The splice and the search on modules of our own.
 
 mod division;
+mod frag_coord;
 
 use crate::correct::Arrangement;
 use crate::correct::shaders::constants::Constants;

@@ -79,6 +79,8 @@ pub struct Variants {
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
     /// Its fragment shader asks where on the screen it is.
     pub(in crate::intercept::vk) asks_place: bool,
+    /// It is told its place in the program's window.
+    pub(in crate::intercept::vk) moves_place: bool,
     /// It tests depth.
     pub(in crate::intercept::vk) deep: bool,
 }

@@ -6,12 +6,13 @@
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::lens::{self, Candidate};
+use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource};
 use crate::intercept::vk::state::recording::{Event, Recording};
-use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
@@ -220,7 +221,25 @@ fn write(
     slot(panel, if outcome == DrawClass::Flat && group.is_on_panel() { &IDENTITY } else { &OUT_OF_SIGHT }, None);
     slot(panel + 1, &IDENTITY, None);
     group.in_sight = in_sight;
+    write_places(device, group, chunks);
     group.indirect.iter().for_each(|indirect| indirect.write(chunks, group.slots(), |slot| group.is_in_sight(slot)));
+}
+
+/// Writes for each slot of a group where its fragments are in the program's window.
+fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
+    let (Some(viewport), Some(chunk)) = (group.facts.viewport, chunks.get(group.constants.chunk)) else { return };
+    let window = group.layout.window.1 as i32;
+    let own = |rect: AtlasRect| ToWindow::of_tile(rect.into(), 0);
+    let write = |slot: u32, to_window: &ToWindow| {
+        let start = group.constants.offset + slot * device.slot_stride();
+        chunk.write_to_window(start + device.view_constants.to_window_offset(), to_window);
+    };
+    for (slot, view) in (0..).zip(&group.layout.views).take(group.slots() as usize - 2) {
+        let in_view = || ToWindow::of_view(view.rect.into(), viewport, window, 0);
+        write(slot, &if view.own_lens { own(view.rect) } else { in_view() });
+    }
+    write(group.slots() - 2, &own(group.layout.panel));
+    write(group.slots() - 1, &own(group.layout.primary.unwrap_or(group.layout.panel)));
 }
 
 #[cfg(test)]

@@ -1,20 +1,18 @@
 //! A draw: its class, its primitives, and the views that it goes to.
 //!
 //! [`draw_class`] names the classes, [`primitives`] the kinds of primitives, [`views`] is a set of
-//! views, [`bounds`] a box around vertices, [`max_width`] the greatest width of points and lines,
-//! [`to_window`] the way from a tile to the program's window coordinates.
+//! views, [`bounds`] a box around vertices, [`max_width`] the greatest width of points and lines.
 
 pub mod bounds;
 pub mod draw_class;
 pub mod max_width;
 pub mod primitives;
-pub mod to_window;
 pub mod views;
 
 use crate::correct::TexelSpan;
 use crate::intercept::gl::state::draw::max_width::MaxWidth;
 use crate::intercept::gl::state::draw::primitives::WidePrimitives;
-use crate::intercept::gl::state::draw::to_window::ToWindow;
+use crate::intercept::scene::to_window::ToWindow;
 
 /// What is known of the draw that is being issued.
 #[derive(Default)]

@@ -4,6 +4,7 @@ use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::camera::Cameras;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::intercept::scene::frame_order::FrameOrder;
+use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::spirv::Matrix;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
@@ -55,6 +56,8 @@ pub struct DrawFacts {
     /// They are tested by their depth: without a matrix that can be read they may have the lens
     /// that the rig gives.
     pub(in crate::intercept::vk) deep: bool,
+    /// Viewport of the program, where fragments are told their place in its window.
+    pub(in crate::intercept::vk) viewport: Option<Area>,
     /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,
 }

@@ -1,8 +1,10 @@
 //! Places in an atlas and in a window. The origin is the top left corner, as in Vulkan.
 
 use crate::correct::projected::matrices::LensConstants;
+use crate::correct::single::pixels;
 use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
@@ -23,6 +25,12 @@ pub struct AtlasRect {
 impl From<LowerLeftRect> for AtlasRect {
     fn from(LowerLeftRect { x, y, width, height }: LowerLeftRect) -> Self {
         Self { x, y, width, height }
+    }
+}
+
+impl From<AtlasRect> for Area {
+    fn from(AtlasRect { x, y, width, height }: AtlasRect) -> Self {
+        Self { origin: [x, y].map(pixels), size: [width, height].map(pixels) }
     }
 }
 

@@ -1,10 +1,11 @@
 //! Memory for view constants: one slot for each view, for the panel and for the primary view.
 //!
 //! Shaders read it when a recorded command buffer runs, so that command buffers stay valid when the
-//! program's lens changes. A slot holds the reprojection matrix, and the lens constants where
-//! vertices are projected to outputs; a counter of the dividing stage may lie beside it. The
+//! program's lens changes. A slot holds the reprojection matrix, the lens constants where
+//! vertices are projected to outputs, and what takes fragments to the program's window; a counter of the dividing stage may lie beside it. The
 //! parameters of large draws lie in the same chunks.
 
+use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::lock::Lock;
@@ -67,9 +68,14 @@ impl ConstantPool {
         self.lenses
     }
 
+    /// Where in a slot the offset and the scale are that take fragments to the program's window, bytes.
+    pub fn to_window_offset(&self) -> u32 {
+        (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u32
+    }
+
     /// Bytes of a slot.
     pub fn slot(&self) -> u64 {
-        (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
+        u64::from(self.to_window_offset()) + size_of::<[f32; 4]>() as u64
     }
 
     /// The counter, if this driver can count.
@@ -242,6 +248,11 @@ impl ConstantChunk {
         if let Some(lens) = lens {
             self.write_words(offset + size_of_val(rows) as u32, &lens.map(f32::to_bits));
         }
+    }
+
+    /// Writes what takes fragments to the program's window, at this place.
+    pub fn write_to_window(&self, offset: u32, to_window: &ToWindow) {
+        self.write_words(offset, &to_window.vector(false).map(f32::to_bits));
     }
 
     /// Writes numbers; nothing where they would not lie in the chunk.

@@ -2,6 +2,22 @@
 
 use crate::correct::LowerLeftRect;
 
+/// A rectangle in window coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Its corner with the least coordinates.
+    pub origin: [f32; 2],
+    /// Width and height.
+    pub size: [f32; 2],
+}
+
+impl From<LowerLeftRect> for Area {
+    fn from(rect: LowerLeftRect) -> Self {
+        let floats = |pair: [i32; 2]| pair.map(|length| length as f32);
+        Self { origin: floats(rect.origin()), size: floats(rect.size()) }
+    }
+}
+
 /// Window coordinates of a fragment in the program's window: those of the driver less `offset`, times `scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToWindow {
@@ -21,22 +37,19 @@ impl Default for ToWindow {
 
 impl ToWindow {
     /// For a `tile` that shows what the program draws in its own window space. `drawn_height`: of the framebuffer.
-    pub fn of_tile(tile: LowerLeftRect, drawn_height: i32) -> Self {
-        Self {
-            offset: tile.origin().map(|length| length as f32),
-            scale: [1.0; 2],
-            height: tile.height as f32,
-            drawn_height: drawn_height as f32,
-        }
+    pub fn of_tile(tile: Area, drawn_height: i32) -> Self {
+        Self { offset: tile.origin, scale: [1.0; 2], height: tile.size[1], drawn_height: drawn_height as f32 }
     }
 
     /// For the `tile` of a view, which shows what the program draws in its `viewport`. The heights are those of the program's
     /// window and of the framebuffer.
-    pub fn of_view(tile: LowerLeftRect, viewport: LowerLeftRect, height: i32, drawn_height: i32) -> Self {
-        let (tile_size, size) = (tile.size(), viewport.size());
-        let scale: [f64; 2] = std::array::from_fn(|i| f64::from(size[i].max(1)) / f64::from(tile_size[i].max(1)));
-        let (from, to) = (tile.origin(), viewport.origin());
-        let offset: [f64; 2] = std::array::from_fn(|i| f64::from(from[i]) - f64::from(to[i]) / scale[i]);
+    pub fn of_view(tile: Area, viewport: Area, height: i32, drawn_height: i32) -> Self {
+        let scale: [f64; 2] = std::array::from_fn(|i| {
+            let (length, shown) = (f64::from(viewport.size[i]), f64::from(tile.size[i]));
+            if length > 0.0 && shown > 0.0 { length / shown } else { 1.0 }
+        });
+        let offset: [f64; 2] =
+            std::array::from_fn(|i| f64::from(tile.origin[i]) - f64::from(viewport.origin[i]) / scale[i]);
         Self {
             offset: offset.map(|length| length as f32),
             scale: scale.map(|length| length as f32),
@@ -64,15 +77,20 @@ mod tests {
     #[test]
     fn corners_of_a_tile_are_corners_of_the_window() {
         let tile = LowerLeftRect::new(300, 200, 64, 32);
-        let change = ToWindow::of_tile(tile, 1000);
+        let change = ToWindow::of_tile(tile.into(), 1000);
         assert_eq!(apply(change.vector(false), [300.5, 200.5]), [0.5, 0.5]);
         assert_eq!(apply(change.vector(true), [300.5, 1000.0 - 231.5]), [0.5, 0.5]);
         let viewport = LowerLeftRect::new(10, 20, 640, 480);
-        let change = ToWindow::of_view(tile, viewport, 600, 1000);
-        assert_eq!(apply(change.vector(false), [300.0, 200.0]), [10.0, 20.0]);
-        assert_eq!(apply(change.vector(false), [364.0, 232.0]), [650.0, 500.0]);
-        assert_eq!(apply(change.vector(true), [300.0, 1000.0 - 200.0]), [10.0, 600.0 - 20.0]);
-        assert_eq!(apply(change.vector(true), [364.0, 1000.0 - 232.0]), [650.0, 600.0 - 500.0]);
+        let change = ToWindow::of_view(tile.into(), viewport.into(), 600, 1000);
+        // A 32-bit number near 800 is known to 0.00003, and is multiplied by 15.
+        let expect = |upper_left: bool, at: [f32; 2], expected: [f32; 2]| {
+            let found = apply(change.vector(upper_left), at);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}, not {expected:?}");
+        };
+        expect(false, [300.0, 200.0], [10.0, 20.0]);
+        expect(false, [364.0, 232.0], [650.0, 500.0]);
+        expect(true, [300.0, 1000.0 - 200.0], [10.0, 600.0 - 20.0]);
+        expect(true, [364.0, 1000.0 - 232.0], [650.0, 600.0 - 500.0]);
     }
 
     #[test]
