@@ -191,11 +191,9 @@ static void make_cube_pipeline(void)
     const shader_words parts = push ? SHADER(cells_push) : SHADER(cells_block);
     const shader_words one = options.columns ? SHADER(cube_columns) : cells ? parts : whole;
     const shader_words arrays[] = {one, SHADER(cube_array), SHADER(cube_rows), SHADER(cube_row_vector)};
-    const shader_words vertex = arrays[options.array];
-    pipeline_description description = {.vertex = vertex,
-                                        .fragment = options.clip    ? SHADER(cube_clip)
-                                                    : options.place ? SHADER(cube_place)
-                                                                    : SHADER(cube_frag),
+    const shader_words fragments[] = {SHADER(cube_frag), SHADER(cube_clip), SHADER(cube_place)};
+    pipeline_description description = {.vertex = arrays[options.array],
+                                        .fragment = fragments[options.clip + 2 * options.place],
                                         .layout = layout,
                                         .pass = pass,
                                         .color = w.format,
