@@ -124,11 +124,14 @@ fn after_extensions(bare: &str) -> usize {
 
 /// Sends to the fragment shader that draws where its fragments are in the program's window, unless it knows.
 pub fn upload(ctx: &Context) {
-    if ctx.shaders.pipelines.used != 0 {
+    let pipelines = &ctx.shaders.pipelines;
+    if pipelines.used != 0 {
         if let Some(program) = &ctx.shaders.program {
             send(ctx, program);
         }
-    } else if let Some(program) = programs::record(&ctx.share, ctx.shaders.pipelines.stages().fragment()) {
+    } else if pipelines.bound != 0
+        && let Some(program) = programs::record(&ctx.share, pipelines.stages().fragment())
+    {
         send(ctx, &program);
     }
 }
