@@ -65,7 +65,12 @@ fn link(ctx: &mut Context, program: u32) {
     let asks = |shader: &u32| sources.get(shader).is_some_and(|source| patch::mentions(source, "gl_FragCoord"));
     let fragments: Vec<u32> =
         shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).map(|s| s.0).filter(asks).collect();
-    let (patches, upper_left) = patched_fragments(&sources, &fragments, es).unwrap_or_default();
+    let (patches, upper_left) = patched_fragments(&sources, &fragments, es).unwrap_or_else(|| {
+        // One that another program has, too, may still be compiled with the text that was changed for it.
+        let originals = fragments.iter().filter_map(|shader| Some((*shader, sources.get(shader)?)));
+        originals.for_each(|(shader, original)| _ = compiles(gl, shader, original));
+        Default::default()
+    });
     let linked = link_with_patches(gl, program, position.as_ref(), &patches);
     for patch in position.iter().chain(&patches) {
         // What the program asks for is its own text, which may not have been compiled yet.
@@ -170,7 +175,7 @@ struct Linked {
     fragments: bool,
 }
 
-/// Links with as much as can be patched; the shaders are left compiled as the program did.
+/// Links with as much as can be patched. Shaders that could not be linked with their change are compiled as they were.
 fn link_with_patches(gl: &Gl, program: u32, position: Option<&Patched>, fragments: &[Patched]) -> Linked {
     let attempts =
         [(true, true), (true, false), (false, true)].map(|(position, fragments)| Linked { position, fragments });
