@@ -312,6 +312,7 @@ fn read_program(
         frag_coord: None,
         chooses_viewport: false,
         position_names,
+        has_vectors: uniforms.has_vectors(),
         uniforms: Mutex::new(uniforms),
         attribute_matrices: Mutex::new(attributes),
         uploaded: Mutex::default(),

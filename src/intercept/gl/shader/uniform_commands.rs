@@ -37,17 +37,16 @@ unsafe fn note<T: Copy + Into<f64>>(
 /// # Safety
 /// `value` must point at `count` vectors, as the program promises OpenGL.
 unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, value: *const f32) {
-    let Some(program) = program else { return };
+    // Most programs set vectors often, and have no matrix that is made of them.
+    let Some(program) = program.filter(|program| program.has_vectors) else { return };
     if location < 0 || count < 1 || value.is_null() {
         return;
     }
     let mut uniforms = program.uniforms.locked();
-    if uniforms.has_vectors() {
-        for number in 0..count {
-            // SAFETY: as promised above.
-            let vector = unsafe { value.cast::<[f32; 4]>().add(number as usize).read_unaligned() };
-            uniforms.set_vector(location.saturating_add(number), vector);
-        }
+    for number in 0..count {
+        // SAFETY: as promised above.
+        let vector = unsafe { value.cast::<[f32; 4]>().add(number as usize).read_unaligned() };
+        uniforms.set_vector(location.saturating_add(number), vector);
     }
 }
 

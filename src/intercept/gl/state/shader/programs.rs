@@ -101,6 +101,8 @@ pub struct Program {
     pub chooses_viewport: bool,
     /// What flows into its position; `None` = unknown, so that anything may.
     pub position_names: Option<PositionNames>,
+    /// Some of its matrices are vectors that are set one by one.
+    pub(in crate::intercept::gl) has_vectors: bool,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     /// The 4×4 matrices of its vertices' attributes.
