@@ -3,11 +3,9 @@
  * of three rows or columns. `--mode` names the form.
  */
 #include "common/app.h"
+#include "common/forms.h"
 #include "common/mesh.h"
-#include "common/shader.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define SHADER(declarations, position) \
@@ -45,21 +43,10 @@ static GLuint program;
 
 static void setup(app *a)
 {
-    while (a->mode && strcmp(used->name, a->mode) != 0)
-        if (++used == forms + FORMS) {
-            fprintf(stderr, "there is no form %s\n", a->mode);
-            exit(2);
-        }
-    const shader_source stages[] = {{GL_VERTEX_SHADER, used->vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
-    program = program_build(stages, 2);
+    used = form_of(a, forms, sizeof forms[0], FORMS);
+    program = form_program(used->vertex);
     cube = mesh_cube();
-    const GLuint block = glGetUniformBlockIndex(program, "B");
-    if (block != GL_INVALID_INDEX) {
-        GLuint buffer;
-        glUniformBlockBinding(program, block, 2);
-        glGenBuffers(1, &buffer);
-        glBindBufferBase(GL_UNIFORM_BUFFER, 2, buffer);
-    }
+    form_block(program);
 }
 
 static GLint place(const char *name)

@@ -3,11 +3,9 @@
  * different lenses unless the form says otherwise. `--mode` names the form.
  */
 #include "common/app.h"
+#include "common/forms.h"
 #include "common/mesh.h"
-#include "common/shader.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define SHADER(declarations, matrix) \
@@ -52,13 +50,8 @@ static GLuint program;
 
 static void setup(app *a)
 {
-    while (a->mode && strcmp(used->name, a->mode) != 0)
-        if (++used == forms + FORMS) {
-            fprintf(stderr, "there is no form %s\n", a->mode);
-            exit(2);
-        }
-    const shader_source stages[] = {{GL_VERTEX_SHADER, used->vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
-    program = program_build(stages, 2);
+    used = form_of(a, forms, sizeof forms[0], FORMS);
+    program = form_program(used->vertex);
     cube = mesh_cube();
     GLuint buffer;
     glGenBuffers(1, &buffer);

@@ -3,11 +3,10 @@
  * other languages write them. `--mode` names the form.
  */
 #include "common/app.h"
+#include "common/forms.h"
 #include "common/mesh.h"
-#include "common/shader.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define HEAD \
@@ -72,16 +71,8 @@ static const form *used;
 
 static void setup(app *a)
 {
-    used = &forms[0];
-    for (int i = 0; i < FORMS; i++)
-        if (a->mode && strcmp(a->mode, forms[i].name) == 0)
-            used = &forms[i];
-    if (a->mode && strcmp(a->mode, used->name) != 0) {
-        fprintf(stderr, "there is no form %s\n", a->mode);
-        exit(2);
-    }
-    const shader_source stages[] = {{GL_VERTEX_SHADER, used->vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
-    program = program_build(stages, 2);
+    used = form_of(a, forms, sizeof forms[0], FORMS);
+    program = form_program(used->vertex);
     cube = mesh_cube();
     if (used->way == BLOCK) {
         glUniformBlockBinding(program, glGetUniformBlockIndex(program, "Camera"), 2);
