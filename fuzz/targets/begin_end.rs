@@ -5,6 +5,7 @@
 
 use cupola::backend::gl::driver::api::{self, Gl};
 use cupola::backend::null;
+use cupola::correct::LowerLeftRect;
 use cupola::intercept::gl::context::current::set_driver;
 use cupola::intercept::gl::entry::{contexts, table};
 use cupola::intercept::gl::state::drawable::window::Window;
@@ -356,7 +357,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Setup { gl, commands } = setup();
     let mut input = Input(bytes);
     let Some(kind) = input.byte() else { return };
-    null::reset([0, 0, 64, 48]);
+    null::reset(LowerLeftRect::of_size((64, 48)));
     // Planning the views of a window takes a thousand times as long as most commands.
     let window = Window::Egl { display: 1, surface: 1, x11: None, query: query as *const () as usize };
     contexts::make_current(1, gl, (kind & 7 == 0).then_some(window), false);
