@@ -3,6 +3,7 @@
 #![no_main]
 
 use cupola::backend::null;
+use cupola::correct::LowerLeftRect;
 use cupola::ffi::gl::types::{cupola_gl_function, cupola_gl_options, cupola_gl_view};
 use cupola::ffi::gl::*;
 use cupola::ffi::rig::*;
@@ -32,7 +33,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let [first, second, third, kind] = std::array::from_fn(|_| bytes.next().unwrap_or_default());
     let size = |size: u8| if size == 255 { usize::MAX } else { 8 * usize::from(size) + usize::from(kind >> 1 & 1) };
     let sizes = [first, second, third].map(size);
-    null::reset([0, 0, 64, 48]);
+    null::reset(LowerLeftRect::of_size((64, 48)));
     let (mut rig, mut gl) = (null_mut(), null_mut());
     // SAFETY: live arguments; structs are as long as they say, or longer than is allowed.
     unsafe {
