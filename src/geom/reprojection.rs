@@ -3,10 +3,12 @@
 use super::Frustum;
 use glam::{DMat3, DVec3};
 
+mod camera_function;
 mod classification;
 #[cfg(test)]
 mod tests;
 
+pub use camera_function::{CameraFunction, Direction};
 pub use classification::{classify, classify_transposed};
 
 /// The part of a program's perspective matrix that re-projection needs:

@@ -12,6 +12,8 @@ pub struct Camera {
     /// Rows for every view, as the patched shaders take them.
     pub rows: Vec<ReprojectionMatrix>,
     used: bool,
+    /// For so many frames, this one included, it is known that the views are drawn with it.
+    shown: u8,
 }
 
 /// The lenses seen lately. Draws with the same lens share bit-identical rows, or equal depths
@@ -21,6 +23,8 @@ pub struct Cameras {
     list: Vec<Camera>,
     /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame allocates nothing.
     spare: Vec<Vec<ReprojectionMatrix>>,
+    /// Number of times that the lenses of [`Cameras::shown`] changed.
+    changes: u64,
 }
 
 /// More lenses in a frame than this are not told apart from noise.
@@ -38,7 +42,7 @@ impl Cameras {
         }
         let mut rows = self.spare.pop().unwrap_or_default();
         rows.extend(session.rows(intrinsics).map(|rows| ReprojectionMatrix::of(&rows)));
-        self.list.push(Camera { intrinsics: *intrinsics, rows, used: true });
+        self.list.push(Camera { intrinsics: *intrinsics, rows, used: true, shown: 0 });
         self.list.len() - 1
     }
 
@@ -47,10 +51,31 @@ impl Cameras {
         self.list.get(index)
     }
 
+    /// The views are drawn with the camera at `index`. A lamp's lens, with which a shadow map is drawn, is none of these.
+    pub fn show(&mut self, index: usize) {
+        if let Some(camera) = self.list.get_mut(index) {
+            self.changes += u64::from(camera.shown == 0);
+            camera.shown = 2;
+        }
+    }
+
+    /// The lenses that the views of this frame or of the last one are drawn with.
+    pub fn shown(&self) -> impl Iterator<Item = &Intrinsics> {
+        self.list.iter().filter(|camera| camera.shown > 0).map(|camera| &camera.intrinsics)
+    }
+
+    /// Number of times that [`Cameras::shown`] changed.
+    pub fn changes(&self) -> u64 {
+        self.changes
+    }
+
     /// A frame ended: lenses that it did not use are forgotten.
     pub fn end_frame(&mut self) {
-        let spare = &mut self.spare;
-        self.list.retain_mut(|camera| {
+        let Self { list, spare, changes } = self;
+        list.retain_mut(|camera| {
+            let was_shown = camera.shown > 0;
+            camera.shown = camera.shown.saturating_sub(1);
+            *changes += u64::from(was_shown && camera.shown == 0);
             let used = std::mem::take(&mut camera.used);
             if !used {
                 forget(camera, spare);
@@ -61,6 +86,7 @@ impl Cameras {
 
     /// The views changed: nothing is valid any more.
     pub fn clear(&mut self) {
+        self.changes += 1;
         for mut camera in self.list.drain(..) {
             forget(&mut camera, &mut self.spare);
         }

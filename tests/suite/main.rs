@@ -10,6 +10,7 @@ mod behaviour;
 mod blending;
 mod cache;
 mod calls;
+mod camera_matrices;
 mod compare;
 mod controls;
 mod culling;
@@ -52,6 +53,7 @@ harness::tests! {
     blending,
     cache,
     calls,
+    camera_matrices,
     controls,
     culling,
     dialects,

@@ -50,6 +50,22 @@ impl ReprojectionMatrix {
         Self { x: single::values(rows.x), y: single::values(rows.y), w: single::values(rows.w), depth }
     }
 
+    /// Returns the linear part as one 4×4 matrix (column-major), of the numbers as they were rounded: what
+    /// [`ClipRows::matrix`] returns.
+    pub fn matrix(&self) -> [f64; 16] {
+        let double = |row: [f32; 4]| row.map(f64::from);
+        let DepthTerms { pole, factor, offset, to_lens } = self.depth;
+        let rows = ClipRows {
+            x: double(self.x),
+            y: double(self.y),
+            w: double(self.w),
+            e: pole.into(),
+            curved: to_lens != 0.0,
+            depth: [factor.into(), offset.into()],
+        };
+        rows.matrix()
+    }
+
     /// Returns the matrix of the numbers that [`ReprojectionMatrix::to_array`] returns.
     pub const fn from_array([a, b, c, d, e, f, g, h, i, j, k, l, pole, factor, offset, to_lens]: [f32; 16]) -> Self {
         let depth = DepthTerms { pole, factor, offset, to_lens };

@@ -17,7 +17,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::offscreen::displayed::{self, Shows};
-use crate::intercept::gl::offscreen::{coverage, draws};
+use crate::intercept::gl::offscreen::{coverage, draws, sampling};
 use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_viewports};
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_program};
@@ -26,6 +26,7 @@ use crate::intercept::gl::per_view::window_space::{own_window_space, program_win
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::shader::{assembly, frag_coord};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
@@ -113,6 +114,12 @@ fn perspective_or_flat(
             Shows::Unknown(measure) => Some(measure),
             Shows::Nothing => None,
         };
+        if main && measure.is_none() && is_screen_pass(ctx) {
+            fallback::look_screen(ctx);
+            ctx.frame.background.note_scene();
+            ctx.frame.counts.found.count("inverse of a camera matrix");
+            return Some(DrawClass::Screen);
+        }
         ctx.frame.background.note_flat();
         if measure.is_some() || several_viewports(ctx) || !background::is_behind(ctx) {
             flat(ctx, changes, measure, issue);
@@ -123,6 +130,11 @@ fn perspective_or_flat(
         ctx.frame.background.note_scene();
     }
     Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
+}
+
+/// Whether a flat draw computes places of the scene from its pixels, of which it has no image.
+fn is_screen_pass(ctx: &Context) -> bool {
+    !several_viewports(ctx) && upload::holds_inverse(ctx) && sampling::sampled(ctx) == 0
 }
 
 /// The atlas of the window, and in it the program's own picture.

@@ -59,6 +59,13 @@ pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     true
 }
 
+/// Gives the window views for a pass whose shader computes places of the scene from pixels.
+pub fn look_screen(ctx: &mut Context) {
+    if ctx.drawable.target().is_some_and(|target| !target.lenses.is_empty()) {
+        use_views(ctx, "a shader computes directions from the program's pixels");
+    }
+}
+
 /// From now on this context's windows have views. The frame that is being drawn begins anew with the next draw.
 pub fn use_views(ctx: &mut Context, reason: &str) {
     if ctx.projected.views_only {

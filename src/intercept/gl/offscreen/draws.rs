@@ -10,6 +10,7 @@ use crate::intercept::gl::offscreen::view_copies::{
 use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
+use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -42,7 +43,8 @@ pub fn draw(
     let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
     let attached = ctx.view_copies.attached(index);
     let sampled = sampled & !attached;
-    note(ctx, index, class, sampled);
+    let screen = class == DrawClass::Flat && sampled == 0 && upload::holds_inverse(ctx);
+    note(ctx, index, if screen { DrawClass::Screen } else { class }, sampled);
     if !enter(ctx, index) {
         supply(ctx, sampled, own_tile(ctx));
         return false;
@@ -128,14 +130,17 @@ fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
     }
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
     let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
-    for name in framebuffers[index].colours() {
+    // Depths are of the scene where colours are; those alone are a shadow map's.
+    let is_colour = |name: Name| framebuffers[index].colours().any(|colour| colour == name);
+    let has_colours = framebuffers[index].colours().next().is_some();
+    for name in framebuffers[index].images().filter(|_| has_colours) {
         let Some(image) = images.iter_mut().find(|image| image.name == name) else { continue };
         if class != DrawClass::Flat {
             *learnt |= alike && !image.scene;
             image.scene |= alike;
             image.other_shape |= !alike;
         }
-        for source in sources(sampled) {
+        for source in sources(sampled).filter(|_| is_colour(name)) {
             if !image.reads.contains(&source) {
                 image.reads.push(source);
                 *learnt = true;

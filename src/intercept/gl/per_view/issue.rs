@@ -5,6 +5,7 @@ use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::shader::{frag_coord, programs};
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
@@ -91,9 +92,14 @@ fn load_view(
             plain_program(ctx);
             restore_projection(ctx, projection_loaded);
         }
-        Some(DrawClass::Flat) => plain_program(ctx),
+        Some(DrawClass::Flat | DrawClass::Screen) => {
+            plain_rows(ctx);
+            upload::load_view(ctx, view, false);
+        }
         Some(DrawClass::Scene(camera)) => {
+            ctx.frame.cameras.show(camera);
             let rows = ctx.frame.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
+            upload::load_view(ctx, view, true);
             return load_rows(ctx, view, &rows);
         }
         Some(DrawClass::Background) if takes_rows => {
@@ -102,6 +108,10 @@ fn load_view(
         }
         Some(class) => {
             plain_program(ctx);
+            if class == DrawClass::FixedScene {
+                show_fixed_lens(ctx);
+                upload::load_view(ctx, view, true);
+            }
             let matrix = match class {
                 DrawClass::Background => ctx.frame.background.projection(view),
                 _ => ctx.compat.projection.per_view.get(view),
@@ -131,8 +141,22 @@ fn restore_projection(ctx: &Context, loaded: &mut bool) {
     }
 }
 
+/// The views are drawn with the lens of the fixed-function pipeline.
+fn show_fixed_lens(ctx: &mut Context) {
+    if let (Some(lens), Some(session)) = (ctx.frame.lens, ctx.drawable.session()) {
+        let camera = ctx.frame.cameras.index(&lens, session);
+        ctx.frame.cameras.show(camera);
+    }
+}
+
 /// Programs that we patched draw untouched where the picture is the program's own.
 pub fn plain_program(ctx: &mut Context) {
+    plain_rows(ctx);
+    upload::load_own(ctx);
+}
+
+/// Positions are those of the program, and window coordinates those of the present window space.
+fn plain_rows(ctx: &mut Context) {
     programs::upload(ctx, &crate::intercept::gl::state::shader::programs::IDENTITY);
     frag_coord::upload(ctx);
 }

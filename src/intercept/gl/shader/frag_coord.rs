@@ -6,7 +6,8 @@
 //! what it would be in a window that shows the view.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::shader::patch::{end_of_version_line, strip_comments, version};
+use crate::intercept::gl::shader::head::Head;
+use crate::intercept::gl::shader::patch::strip_comments;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::shader::programs::{FragCoord, Program};
 use crate::lock::Lock;
@@ -30,19 +31,14 @@ pub fn patch(source: &str, es_context: bool) -> Option<(String, Convention)> {
     let bare = strip_comments(source);
     let mut places = words(&bare, NAME).peekable();
     places.peek()?;
-    let (version, es) = version(&bare, es_context);
-    let head_end = after_extensions(&bare).max(end_of_version_line(source, &bare));
-    let head = &source[..head_end];
-    if !head.is_empty() && !head.ends_with('\n') {
-        return None;
-    }
+    let head = Head::of(source, &bare, es_context)?;
     let mut convention = Convention::default();
     let mut uses = Vec::new();
     for at in places {
         match declaration(&bare, at) {
             Some(_) if condition_depth(&bare[..at]) > 0 => return None,
             Some(declared) => convention = declared,
-            None if at < head_end => return None,
+            None if at < head.length() => return None,
             None => uses.push(at),
         }
     }
@@ -51,26 +47,15 @@ pub fn patch(source: &str, es_context: bool) -> Option<(String, Convention)> {
         true => format!("vec4(({NAME}.xy+0.5-{UNIFORM}.xy)*{UNIFORM}.zw-0.5,{NAME}.zw)"),
     };
     let mut text = String::new();
-    let mut end = head_end;
+    let mut end = head.length();
     for at in uses {
         text.push_str(&source[end..at]);
         text.push_str(&expression);
         end = at + NAME.len();
     }
     text.push_str(&source[end..]);
-    let line = head.matches('\n').count() + 1;
-    // Before GLSL 330 and ESSL 300, `#line n` numbers the *following* line n + 1.
-    let line = if (es && version < 300) || (!es && version < 330) { line.saturating_sub(1) } else { line };
-    let declared = match (es, version) {
-        // The precision of the stage's floats may not be set yet.
-        (true, 100) => format!(
-            "#ifdef GL_FRAGMENT_PRECISION_HIGH\nuniform highp vec4 {UNIFORM};\n#else\nuniform mediump vec4 {UNIFORM};\n#endif"
-        ),
-        (true, _) => format!("uniform highp vec4 {UNIFORM};"),
-        (false, 110) => format!("uniform vec4 {UNIFORM};"),
-        (false, _) => format!("uniform vec4 {UNIFORM}=vec4(0.0,0.0,1.0,1.0);"),
-    };
-    Some((format!("{head}{declared}\n#line {line}\n{text}"), convention))
+    let declared = head.uniform("vec4", UNIFORM, Some("vec4(0.0,0.0,1.0,1.0)"));
+    Some((head.declaring(&declared, &text), convention))
 }
 
 /// Places of `word` as a whole identifier.
@@ -99,27 +84,6 @@ fn condition_depth(bare: &str) -> usize {
             () => depth,
         }
     })
-}
-
-/// The offset after the last `#extension`, and after the conditions that it is in.
-fn after_extensions(bare: &str) -> usize {
-    let (mut offset, mut found, mut depth) = (0, 0, 0_usize);
-    let mut waits = false;
-    for line in bare.split_inclusive('\n') {
-        offset += line.len();
-        let directive = line.trim_start().strip_prefix('#').map_or("", str::trim_start);
-        if directive.starts_with("if") {
-            depth += 1;
-        } else if directive.starts_with("endif") {
-            depth = depth.saturating_sub(1);
-        } else {
-            waits |= directive.starts_with("extension");
-        }
-        if waits && depth == 0 {
-            (found, waits) = (offset, false);
-        }
-    }
-    found
 }
 
 /// Sends to the fragment shader that draws where its fragments are in the program's window, unless it knows.

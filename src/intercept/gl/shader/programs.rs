@@ -5,7 +5,7 @@ use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::shader::attribute_matrices::{self, Found};
-use crate::intercept::gl::shader::{assembly, uniforms};
+use crate::intercept::gl::shader::{assembly, camera_matrices, uniforms};
 use crate::intercept::gl::state::shader::programs::{Lens, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
@@ -118,6 +118,30 @@ pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vecto
     }
 }
 
+/// Sets a 4×4 matrix of ours, given by columns.
+pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix: &[f32; 16]) {
+    // SAFETY: the location is that of the matrix; otherwise as for `set_vectors`.
+    unsafe {
+        if ctx.shaders.pipelines.used == program.name {
+            ctx.driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ptr());
+        } else {
+            ctx.driver.gl.program_uniform_matrix4fv(program.name, location, 1, 0, matrix.as_ptr());
+        }
+    }
+}
+
+/// Sets a number of ours.
+pub(super) fn set_number(ctx: &Context, program: &Program, location: i32, number: f32) {
+    // SAFETY: the location is that of the number; otherwise as for `set_vectors`.
+    unsafe {
+        if ctx.shaders.pipelines.used == program.name {
+            ctx.driver.gl.uniform1fv(location, 1, &number);
+        } else {
+            ctx.driver.gl.program_uniform1fv(program.name, location, 1, &number);
+        }
+    }
+}
+
 /// The record of a program, for queries about it.
 pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
     share.programs.locked().programs.get(&name).cloned()
@@ -126,8 +150,12 @@ pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(&ctx.share, name) else { return };
-    let (uniforms, _) = uniforms::read(ctx.driver.gl, &ctx.driver.profile, name, old.position_names.as_ref());
+    let (gl, profile) = (ctx.driver.gl, &ctx.driver.profile);
+    let (uniforms, _) = uniforms::read(gl, profile, name, old.position_names.as_ref());
     *old.uniforms.locked() = uniforms;
+    if old.has_camera_matrices {
+        camera_matrices::read_again(gl, profile, name, &mut old.camera_matrices.locked());
+    }
 }
 
 /// Nothing is known of a program any more.

@@ -24,11 +24,15 @@ unsafe fn note<T: Copy + Into<f64>>(
         return;
     }
     let mut uniforms = program.uniforms.locked();
+    let mut camera_matrices = program.has_camera_matrices.then(|| program.camera_matrices.locked());
     for element in 0..count.min(MOST_NAMED as i32) {
         // SAFETY: as promised above.
         let matrix = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });
         let matrix = if transpose != 0 { transposed(&matrix) } else { matrix };
         uniforms.set(location.saturating_add(element), &matrix);
+        if let Some(matrices) = &mut camera_matrices {
+            matrices.uniforms.set(location.saturating_add(element), &matrix);
+        }
     }
 }
 

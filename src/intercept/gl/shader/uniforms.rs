@@ -3,6 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::projection;
 use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, PositionNames, Uses};
 use crate::intercept::gl::state::shader::programs::FragCoord;
 use crate::intercept::gl::state::shader::uniforms::{
@@ -10,14 +11,19 @@ use crate::intercept::gl::state::shader::uniforms::{
 };
 use crate::intercept::lens::{Order, rank};
 use std::collections::BTreeSet;
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, CString, c_char};
 
 /// Of longer arrays of matrices, which are bones or instances, only the first is looked at, and those that the shader names
 /// by their numbers.
 const LONGEST: u32 = 8;
 
-/// Uniforms that Cupola adds to shaders.
-const OWN: [&str; 2] = [projection::UNIFORM, FragCoord::UNIFORM];
+/// Whether Cupola adds this uniform to shaders.
+fn is_own(name: &str) -> bool {
+    let array = name.strip_suffix("[0]").unwrap_or(name);
+    let of_cameras =
+        MatrixStage::ALL.map(MatrixStage::names).iter().any(|names| array == names.matrices || array == names.chosen);
+    of_cameras || array == projection::UNIFORM || array == FragCoord::UNIFORM
+}
 
 /// More matrices of an array are not looked at.
 pub const MOST_NAMED: usize = 64;
@@ -41,7 +47,7 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&Position
             CStr::from_ptr(text.as_ptr())
         };
         let shown = name.to_string_lossy();
-        if OWN.contains(&shown.strip_suffix("[0]").unwrap_or(&shown)) {
+        if is_own(&shown) {
             own_uniforms.push(index);
             continue;
         }
@@ -60,6 +66,13 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&Position
     reader.storage_blocks();
     reader.find_indices();
     (reader.uniforms, own_uniforms)
+}
+
+/// Location of a uniform; −1 = there is none.
+pub fn location(gl: &Gl, program: u32, uniform: &str) -> i32 {
+    let name = CString::new(uniform).unwrap_or_default();
+    // SAFETY: a NUL-terminated name.
+    unsafe { gl.get_uniform_location(program, name.as_ptr()) }
 }
 
 /// An active variable of a program.

@@ -86,7 +86,7 @@ pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
             let program = ctx.shaders.program.clone().filter(|program| ctx.shaders.pipelines.used == program.name)?;
             clip(ctx, &program, program.position.as_ref()?)
         }
-        DrawClass::Flat | DrawClass::Background => None,
+        DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
     }
 }
 
@@ -115,7 +115,7 @@ pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -
     match class {
         DrawClass::FixedScene => compat.projection.per_view.get(index).map(View::of),
         DrawClass::Scene(camera) => frame.cameras.get(camera)?.rows.get(index).map(View::of_rows),
-        DrawClass::Flat | DrawClass::Background => None,
+        DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
     }
 }
 

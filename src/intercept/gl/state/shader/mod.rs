@@ -1,12 +1,13 @@
 //! Programs of the group, and the one that draws.
 //!
 //! [`programs`] holds linked programs, [`position_names`] what flows into their positions, [`uniforms`]
-//! and [`attribute_matrices`] their matrices, [`program_pipelines`] the pipelines, [`assembly`] programs in
+//! and [`attribute_matrices`] their matrices, [`camera_matrices`] those that fragments compute with, [`program_pipelines`] the pipelines, [`assembly`] programs in
 //! assembly language. [`variants`] are programs that divide primitives; [`uniform_mirror`] gives them the
 //! values of the program's uniforms, [`division_counter`] counts what they do not divide enough.
 
 pub mod assembly;
 pub mod attribute_matrices;
+pub mod camera_matrices;
 pub mod division_counter;
 pub mod position_names;
 pub mod program_pipelines;

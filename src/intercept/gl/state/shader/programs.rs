@@ -3,6 +3,7 @@
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::state::shader::assembly::AssemblyProgram;
 use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
+use crate::intercept::gl::state::shader::camera_matrices::CameraMatrices;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
@@ -103,8 +104,12 @@ pub struct Program {
     pub position_names: Option<PositionNames>,
     /// Some of its matrices are vectors that are set one by one.
     pub(in crate::intercept::gl) has_vectors: bool,
-    /// Its 4×4 matrices.
+    /// Its 4×4 matrices that may flow into its position.
     pub uniforms: Mutex<Uniforms>,
+    /// Some of its stages have choices between its matrices and ours.
+    pub has_camera_matrices: bool,
+    /// These matrices.
+    pub camera_matrices: Mutex<CameraMatrices>,
     /// The 4×4 matrices of its vertices' attributes.
     pub attribute_matrices: Mutex<Vec<AttributeMatrix>>,
     pub(in crate::intercept::gl) uploaded: Mutex<Uploaded>,

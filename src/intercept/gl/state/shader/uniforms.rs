@@ -21,6 +21,8 @@ pub struct Uniforms {
     pub(in crate::intercept::gl) live: bool,
     /// Nothing tells which of several lenses is the one that is drawn with.
     pub(in crate::intercept::gl) unclear: bool,
+    /// Number of times that a value changed.
+    changes: u64,
 }
 
 pub(in crate::intercept::gl) struct Matrix {
@@ -83,12 +85,7 @@ impl Matrix {
 impl Uniforms {
     /// The lens that the matrices hold now.
     pub fn lens(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) -> Lens {
-        if self.generation != generation || self.live {
-            self.generation = generation;
-            if self.read_blocks(gl, buffers) {
-                self.lens = None;
-            }
-        }
+        self.refresh(gl, generation, buffers);
         for array in &mut self.arrays {
             if let IndexLocation::Uniform(location) = array.index {
                 let mut number = -1;
@@ -107,9 +104,39 @@ impl Uniforms {
         self.lens.unwrap_or(Lens::Flat)
     }
 
+    /// Reads again what may have changed in blocks since `generation` was another.
+    pub fn refresh(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) {
+        if self.generation != generation || self.live {
+            self.generation = generation;
+            if self.read_blocks(gl, buffers) {
+                self.changed();
+            }
+        }
+    }
+
+    fn changed(&mut self) {
+        self.lens = None;
+        self.changes += 1;
+    }
+
+    /// Number of times that a value changed.
+    pub fn changes(&self) -> u64 {
+        self.changes
+    }
+
+    /// The value of the matrix of this number, as it was when blocks were read last.
+    pub fn value(&self, number: usize) -> Option<&[f64; 16]> {
+        self.matrices.get(number).map(|matrix| &matrix.value)
+    }
+
     /// Whether there is a 4×4 matrix at all.
     pub fn any(&self) -> bool {
         !self.matrices.is_empty()
+    }
+
+    /// Names of the matrices, as OpenGL calls them.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.matrices.iter().map(|matrix| &*matrix.name)
     }
 
     /// The number of the matrix that OpenGL calls `name`.
@@ -187,26 +214,30 @@ impl Uniforms {
 
     /// A matrix was set by its location.
     pub(in crate::intercept::gl) fn set(&mut self, location: i32, value: &[f64; 16]) {
-        for matrix in &mut self.matrices {
-            if matrix.place == MatrixLocation::Uniform(location) && matrix.value != *value {
-                matrix.value = *value;
-                self.lens = None;
-            }
+        let mut changed = false;
+        for matrix in self.matrices.iter_mut().filter(|matrix| matrix.place == MatrixLocation::Uniform(location)) {
+            changed |= matrix.value != *value;
+            matrix.value = *value;
+        }
+        if changed {
+            self.changed();
         }
     }
 
     /// A vector was set by its location.
     pub(in crate::intercept::gl) fn set_vector(&mut self, location: i32, vector: [f32; 4]) {
         let vector = vector.map(f64::from);
+        let mut changed = false;
         for matrix in &mut self.matrices {
             let MatrixLocation::Vectors(first) = matrix.place else { continue };
             let number = usize::try_from(location.wrapping_sub(first)).unwrap_or(usize::MAX);
-            if let Some(column) = matrix.value.as_chunks_mut::<4>().0.get_mut(number)
-                && *column != vector
-            {
+            if let Some(column) = matrix.value.as_chunks_mut::<4>().0.get_mut(number) {
+                changed |= *column != vector;
                 *column = vector;
-                self.lens = None;
             }
+        }
+        if changed {
+            self.changed();
         }
     }
 

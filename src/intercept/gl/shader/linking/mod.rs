@@ -1,21 +1,25 @@
-//! Compiling and linking of the program's shaders, with texts that Cupola changes.
+//! Compiling and linking of the program's shaders, with texts that Cupola changes ([`texts`]).
+
+pub mod texts;
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::methods;
-use crate::intercept::gl::shader::patch::{self, Stage};
+use crate::intercept::gl::shader::linking::texts::{Changes, Linked, Texts};
+use crate::intercept::gl::shader::patch;
 use crate::intercept::gl::shader::programs::{forget, forget_program};
-use crate::intercept::gl::shader::{attribute_matrices, dependence, frag_coord, samplers, uniforms};
+use crate::intercept::gl::shader::uniforms::location;
+use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, dependence, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::programs::{FragCoord, Position, Program};
 use crate::intercept::log;
 use crate::lock::Lock;
-use std::collections::HashMap;
-use std::ffi::{CStr, CString, c_char, c_void};
+use std::collections::{HashMap, HashSet};
+use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex};
 
 fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -> Option<Arc<str>> {
@@ -50,7 +54,7 @@ fn note_compiled(ctx: &Context, shader: u32) {
     };
 }
 
-/// Links with the patched stages; leaves the program as it would be without us where that fails.
+/// Links with the changed stages; leaves the program as it would be without us where that fails.
 fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.driver.gl;
     let shaders = attached(gl, program);
@@ -60,51 +64,48 @@ fn link(ctx: &mut Context, program: u32) {
         forget(gl, programs.programs.remove(&program));
         shaders.iter().filter_map(|s| Some((s.0, programs.compiled.get(&s.0)?.clone()))).collect()
     };
+    let position_names = dependence::position_names(&sources, &shaders);
     let (es, curved) = (ctx.driver.profile.es, methods::asked_for());
-    let position = patched_stage(&sources, &shaders, es, curved);
-    let asks = |shader: &u32| sources.get(shader).is_some_and(|source| patch::mentions(source, "gl_FragCoord"));
-    let fragments: Vec<u32> =
-        shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).map(|s| s.0).filter(asks).collect();
-    let (patches, upper_left) = patched_fragments(&sources, &fragments, es).unwrap_or_else(|| {
-        // One that another program has, too, may still be compiled with the text that was changed for it.
-        let originals = fragments.iter().filter_map(|shader| Some((*shader, sources.get(shader)?)));
-        originals.for_each(|(shader, original)| _ = compiles(gl, shader, original));
-        Default::default()
-    });
-    let linked = link_with_patches(gl, program, position.as_ref(), &patches);
-    for patch in position.iter().chain(&patches) {
+    let texts = Texts { sources: &sources, shaders: &shaders, position_names: position_names.as_ref(), es, curved };
+    let (linked, touched) = link_with_changes(gl, program, &texts);
+    for shader in touched {
         // What the program asks for is its own text, which may not have been compiled yet.
-        let own = ctx.share.programs.locked().sources.get(&patch.shader).cloned();
-        set_source(gl, patch.shader, own.as_deref().unwrap_or(&patch.original));
+        let own = ctx.share.programs.locked().sources.get(&shader).cloned();
+        set_source(gl, shader, own.as_deref().unwrap_or(&sources[&shader]));
     }
-    ctx.frame.counts.linked += u64::from(position.is_some());
+    ctx.frame.counts.linked += u64::from(texts.position().is_some());
     if !status(gl, program) {
         return;
     }
     let stages = shaders.iter().fold(0, |bits, shader| bits | stage_bit(shader.1));
-    if stages != 0 && !linked.position {
+    if stages != 0 && !linked.changes.position {
         log::once("a program's shaders could not be patched; what it draws appears flat");
     }
     let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
-    let position_names = dependence::position_names(&sources, &shaders);
     let mut before = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
     let fixed_matrices = match &position_names {
         Some(names) => words.iter().any(|word| names.contain(word)),
         None => before.any(|source| words.iter().any(|word| patch::mentions(source, word))),
     };
-    let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
-    let texts = if methods::asked_for() { texts.collect() } else { Vec::new() };
+    let own_texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
+    let own_texts = if methods::asked_for() { own_texts.collect() } else { Vec::new() };
+    let asks = texts.asking().next().is_some();
+    let profile = &ctx.driver.profile;
     let mut record =
-        read_program(gl, &ctx.driver.profile, program, linked.position, stages, fixed_matrices, position_names);
-    record.texts = texts;
+        read_program(gl, profile, program, linked.changes.position, stages, fixed_matrices, position_names);
+    record.texts = own_texts;
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.chooses_viewport = sources.values().any(|source| patch::mentions(source, "gl_ViewportIndex"));
     // The uniform of a shader that uses the coordinates nowhere has no location.
     record.frag_coord = linked
-        .fragments
+        .changes
+        .frag_coord
         .then(|| location(gl, program, FragCoord::UNIFORM))
-        .and_then(|location| (location >= 0).then_some(FragCoord { location, upper_left }));
-    record.reads_frag_coord = !fragments.is_empty() && !linked.fragments;
+        .and_then(|location| (location >= 0).then_some(FragCoord { location, upper_left: linked.upper_left }));
+    record.reads_frag_coord = asks && !linked.changes.frag_coord;
+    let matrices = camera_matrices::of_program(gl, profile, program, &linked.matrices);
+    record.has_camera_matrices = !matrices.substitutes.is_empty();
+    record.camera_matrices = Mutex::new(matrices);
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
         && let Some(source) = sources.get(shader)
@@ -122,79 +123,38 @@ fn link(ctx: &mut Context, program: u32) {
     }
 }
 
-/// A shader whose text is changed.
-struct Patched {
-    shader: u32,
-    original: Arc<str>,
-    text: String,
-}
-
-/// The last stage before rasterisation, with the object that holds its `main`, patched.
-fn patched_stage(
-    sources: &HashMap<u32, Arc<str>>,
-    shaders: &[(u32, u32)],
-    es_context: bool,
-    curved: bool,
-) -> Option<Patched> {
-    let stages = [
-        (api::GL_GEOMETRY_SHADER, Stage::Geometry),
-        (api::GL_TESS_EVALUATION_SHADER, Stage::TessellationEvaluation),
-        (api::GL_VERTEX_SHADER, Stage::Vertex),
-    ];
-    let (kind, stage) = stages.into_iter().find(|(kind, _)| shaders.iter().any(|s| s.1 == *kind))?;
-    shaders.iter().filter(|s| s.1 == kind).find_map(|(shader, _)| {
-        let original = sources.get(shader)?.clone();
-        let text = patch::patch(&original, stage, es_context, curved)?;
-        Some(Patched { shader: *shader, original, text })
-    })
-}
-
-/// The fragment shaders that ask where on the screen they are, patched, and whether they count rows from above. `None`
-/// where one of them cannot be patched.
-fn patched_fragments(
-    sources: &HashMap<u32, Arc<str>>,
-    fragments: &[u32],
-    es_context: bool,
-) -> Option<(Vec<Patched>, bool)> {
-    let (mut patches, mut upper_left) = (Vec::new(), false);
-    for shader in fragments {
-        let original = sources.get(shader)?.clone();
-        let (text, convention) = frag_coord::patch(&original, es_context)?;
-        upper_left = convention.upper_left;
-        patches.push(Patched { shader: *shader, original, text });
+/// Links with as much as can be changed. Shaders that could not be linked with their change are compiled as they were.
+/// Returns the shaders that were given another text, too.
+fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>) -> (Linked, HashSet<u32>) {
+    let position = texts.position().is_some();
+    let frag_coord = texts.asking().next().is_some();
+    let attempts = [(true, true, true), (true, true, false), (true, false, false), (false, true, false)];
+    let attempts = attempts.map(|(with_position, with_frag_coord, matrices)| Changes {
+        position: position && with_position,
+        frag_coord: frag_coord && with_frag_coord,
+        matrices,
+    });
+    // A shader that another program has, too, may still be compiled with the text that was changed for it.
+    let mut touched: HashSet<u32> = texts.asking().collect();
+    for (number, attempt) in attempts.iter().enumerate() {
+        if *attempt == Changes::default() || attempts[..number].contains(attempt) {
+            continue;
+        }
+        let Some((changed, linked)) = texts.changed(*attempt) else { continue };
+        for shader in touched.iter().filter(|shader| !changed.contains_key(shader)) {
+            compiles(gl, *shader, texts.source(*shader));
+        }
+        touched.extend(changed.keys());
+        if link_changed(gl, program, &changed) && !(attempt.position && captures_position(gl, program)) {
+            return (linked, touched);
+        }
     }
-    Some((patches, upper_left))
-}
-
-/// What linking made of a program's shaders.
-#[derive(Clone, Copy, Default)]
-struct Linked {
-    /// The last stage before rasterisation is patched.
-    position: bool,
-    /// The fragment shaders are.
-    fragments: bool,
-}
-
-/// Links with as much as can be patched. Shaders that could not be linked with their change are compiled as they were.
-fn link_with_patches(gl: &Gl, program: u32, position: Option<&Patched>, fragments: &[Patched]) -> Linked {
-    let attempts =
-        [(true, true), (true, false), (false, true)].map(|(position, fragments)| Linked { position, fragments });
-    let possible =
-        |attempt: &Linked| (!attempt.position || position.is_some()) && (!attempt.fragments || !fragments.is_empty());
-    for attempt in attempts.into_iter().filter(possible) {
-        let fragments = if attempt.fragments { fragments } else { &[] };
-        let patches: Vec<&Patched> = position.into_iter().filter(|_| attempt.position).chain(fragments).collect();
-        let linked = link_patched(gl, program, &patches) && !(attempt.position && captures_position(gl, program));
-        if linked {
-            return attempt;
-        }
-        for patch in patches {
-            compiles(gl, patch.shader, &patch.original);
-        }
+    for shader in &touched {
+        compiles(gl, *shader, texts.source(*shader));
     }
     // SAFETY: the program's own call.
     unsafe { gl.link_program(program) };
-    Linked::default()
+    (Linked::default(), touched)
 }
 
 /// Compiles the program's own shader object with a text.
@@ -209,8 +169,8 @@ fn compiles(gl: &Gl, shader: u32, text: &str) -> bool {
     ok != 0
 }
 
-fn link_patched(gl: &Gl, program: u32, patches: &[&Patched]) -> bool {
-    patches.iter().all(|patch| compiles(gl, patch.shader, &patch.text)) && {
+fn link_changed(gl: &Gl, program: u32, texts: &HashMap<u32, String>) -> bool {
+    texts.iter().all(|(shader, text)| compiles(gl, *shader, text)) && {
         // SAFETY: the program's own call.
         unsafe { gl.link_program(program) };
         status(gl, program)
@@ -275,13 +235,6 @@ fn status(gl: &Gl, program: u32) -> bool {
     ok != 0
 }
 
-/// Location of a uniform; −1 = there is none.
-fn location(gl: &Gl, program: u32, uniform: &str) -> i32 {
-    let name = CString::new(uniform).unwrap_or_default();
-    // SAFETY: a NUL-terminated name.
-    unsafe { gl.get_uniform_location(program, name.as_ptr()) }
-}
-
 fn read_program(
     gl: &Gl,
     profile: &Profile,
@@ -318,6 +271,8 @@ fn read_program(
         uploaded: Mutex::default(),
         texts: Vec::new(),
         flat: false,
+        has_camera_matrices: false,
+        camera_matrices: Mutex::default(),
         variants: Mutex::default(),
     }
 }

@@ -1,0 +1,348 @@
+//! Matrices of a program that are functions of its camera, and what they are for a view.
+//!
+//! A shader that computes places from pixels, or pixels from places, holds such a matrix beside the one that makes its
+//! position: the projection, its inverse, either with a view matrix, of this frame or of the last, to or from
+//! normalised device coordinates or those of a texture. In a view, clip coordinates are those of the program times the
+//! view's reprojection R. So a matrix M to clip coordinates is R·M there, one from clip coordinates M·R⁻¹; eye
+//! coordinates and all that is farther from the clip coordinates stay those of the program.
+
+use super::Intrinsics;
+use glam::{DMat4, DVec4};
+
+/// Greatest relative deviation from a similarity that rounding explains: what is tested comes from a product or an inverse
+/// that the program formed in f32. Lenses whose openings differ by this much are told apart.
+const TOLERANCE: f64 = 1e-3;
+
+/// A matrix whose determinant is this small beside its numbers has no inverse.
+const SINGULAR: f64 = 1e-14;
+
+/// How a matrix depends on the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CameraFunction {
+    direction: Direction,
+    coordinates: Coordinates,
+    /// It is written for row vectors.
+    transposed: bool,
+}
+
+/// Where a matrix leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// To clip coordinates.
+    ToClip,
+    /// From clip coordinates.
+    FromClip,
+}
+
+/// What a matrix takes for clip coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Coordinates {
+    /// Themselves.
+    Clip,
+    /// Those of a texture in x and y, which go from 0 to w.
+    Texture,
+    /// These in z, too.
+    TextureAndDepth,
+}
+
+impl Coordinates {
+    const ALL: [Self; 3] = [Self::Clip, Self::Texture, Self::TextureAndDepth];
+
+    /// The matrix from clip coordinates to these.
+    fn from_clip(self) -> DMat4 {
+        let diagonal = |z: f64| {
+            let offset = DVec4::new(0.5, 0.5, 1.0 - z, 1.0);
+            DMat4::from_cols(0.5 * DVec4::X, 0.5 * DVec4::Y, z * DVec4::Z, offset)
+        };
+        match self {
+            Self::Clip => DMat4::IDENTITY,
+            Self::Texture => diagonal(1.0),
+            Self::TextureAndDepth => diagonal(0.5),
+        }
+    }
+}
+
+impl CameraFunction {
+    /// How `matrix` (column-major) depends on the camera with this lens; `None`: not at all, as far as its numbers tell.
+    pub fn of(matrix: &[f64; 16], lens: &Intrinsics) -> Option<Self> {
+        let mut best: Option<(Self, f64)> = None;
+        for function in Self::all() {
+            // Where near and far are far apart, coordinates of a texture differ little from each other in z.
+            let deviation = function.deviation(matrix, lens).unwrap_or(f64::INFINITY);
+            if deviation < best.map_or(TOLERANCE, |(_, least)| least) {
+                best = Some((function, deviation));
+            }
+        }
+        best.map(|(function, _)| function)
+    }
+
+    /// Relative deviation of what the lens leaves of a matrix from a similarity.
+    fn deviation(&self, matrix: &[f64; 16], lens: &Intrinsics) -> Option<f64> {
+        match (self.direction, lens.f) {
+            // An inverse would multiply what was rounded.
+            (Direction::FromClip, Some(f)) => {
+                let projection = DMat4::from_cols(
+                    DVec4::X * lens.a,
+                    DVec4::Y * lens.c,
+                    DVec4::new(lens.b, lens.d, lens.e, -1.0),
+                    DVec4::Z * f,
+                );
+                let matrix = self.oriented(DMat4::from_cols_array(matrix));
+                Some(of_similarity(matrix * self.coordinates.from_clip() * projection, f))
+            }
+            _ => Some(Rows::of(self.to_clip(matrix)?).deviation(lens)),
+        }
+    }
+
+    /// The lens of which `matrix` is the inverse of a projection, alone or times a similarity. Its F is not told. `None` for
+    /// lenses whose E is 0, too (reversed depth without a far plane): their inverses are projections like them.
+    pub fn of_inverse(matrix: &[f64; 16]) -> Option<(Self, Intrinsics)> {
+        let mut best: Option<(Self, Intrinsics)> = None;
+        for transposed in [false, true] {
+            for coordinates in [Coordinates::Clip, Coordinates::Texture] {
+                let function = Self { direction: Direction::FromClip, coordinates, transposed };
+                let Some(rows) = function.to_clip(matrix).map(Rows::of) else { continue };
+                let Some(lens) = rows.lens().filter(|lens| lens.e.abs() > TOLERANCE) else { continue };
+                // Of coordinates of a texture the middle is at a half, which as a lens would be far beside its axis.
+                let beside = |lens: &Intrinsics| lens.b.abs() + lens.d.abs();
+                let better = best.is_none_or(|(_, known)| beside(&lens) < beside(&known));
+                if better && rows.deviation(&lens) < TOLERANCE {
+                    best = Some((function, lens));
+                }
+            }
+        }
+        best
+    }
+
+    fn all() -> impl Iterator<Item = Self> {
+        let directions = [Direction::ToClip, Direction::FromClip];
+        directions.into_iter().flat_map(|direction| {
+            Coordinates::ALL.into_iter().flat_map(move |coordinates| {
+                [false, true].map(|transposed| Self { direction, coordinates, transposed })
+            })
+        })
+    }
+
+    /// Where it leads.
+    pub fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    fn oriented(&self, matrix: DMat4) -> DMat4 {
+        if self.transposed { matrix.transpose() } else { matrix }
+    }
+
+    /// The matrix to clip coordinates that `matrix` would come from.
+    fn to_clip(self, matrix: &[f64; 16]) -> Option<DMat4> {
+        let matrix = self.oriented(DMat4::from_cols_array(matrix));
+        let matrix = match self.direction {
+            Direction::ToClip => matrix,
+            Direction::FromClip => inverse(matrix)?,
+        };
+        Some(inverse(self.coordinates.from_clip())? * matrix)
+    }
+
+    /// What `matrix` is for a view with the reprojection `view` (both column-major).
+    pub fn for_view(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<[f64; 16]> {
+        let matrix = self.oriented(DMat4::from_cols_array(matrix));
+        let change = self.coordinates.from_clip();
+        let view = change * DMat4::from_cols_array(view) * inverse(change)?;
+        let matrix = match self.direction {
+            Direction::ToClip => view * matrix,
+            Direction::FromClip => matrix * inverse(view)?,
+        };
+        Some(self.oriented(matrix).to_cols_array())
+    }
+}
+
+/// `None`: there is none that numbers of 64 bits can tell.
+fn inverse(matrix: DMat4) -> Option<DMat4> {
+    let scale: f64 = (0..4).map(|column| matrix.col(column).length()).product();
+    let determinant = matrix.determinant();
+    // Written so that NaN is refused.
+    (determinant.abs() > SINGULAR * scale).then(|| matrix.inverse())
+}
+
+/// The sum of deviations as parts of a scale.
+fn relative(parts: impl Iterator<Item = f64>, scale: f64) -> f64 {
+    let sum: f64 = parts.map(|part| (part / scale).abs()).sum();
+    if sum.is_finite() { sum } else { f64::INFINITY }
+}
+
+/// Relative deviation of a matrix from a similarity. `near`: a distance of the scene.
+fn of_similarity(matrix: DMat4, near: f64) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|column| matrix.col(column).truncate());
+    let last = matrix.row(3);
+    let scale = z.length();
+    let lengths = [x.length() - scale, y.length() - scale];
+    let angles = [x.dot(y), x.dot(z), y.dot(z)].map(|product| product / scale);
+    relative(lengths.into_iter().chain(angles), scale) + relative([last.truncate().length() * near].into_iter(), last.w)
+}
+
+/// Rows to clip coordinates.
+struct Rows([DVec4; 4]);
+
+impl Rows {
+    fn of(matrix: DMat4) -> Self {
+        Self([0, 1, 2, 3].map(|row| matrix.row(row)))
+    }
+
+    /// Relative deviation from this lens times a similarity; infinite where they are none at all.
+    fn deviation(&self, lens: &Intrinsics) -> f64 {
+        let [x, y, z, w] = self.0;
+        let back = -w.truncate();
+        let right = (x + lens.b * w).truncate() / lens.a;
+        let up = (y + lens.d * w).truncate() / lens.c;
+        // Depth is a function of the distance along the axis alone.
+        let depth = (z + lens.e * w).truncate();
+        let scale = back.length();
+        let lengths = [right.length() - scale, up.length() - scale, depth.length()];
+        let angles = [right.dot(up), right.dot(back), up.dot(back)].map(|product| product / scale);
+        relative(lengths.into_iter().chain(angles), scale)
+    }
+
+    /// The lens of what is a similarity but for it.
+    fn lens(&self) -> Option<Intrinsics> {
+        let [x, y, z, w] = self.0.map(DVec4::truncate);
+        let square = w.length_squared();
+        let [b, d, e] = [x, y, z].map(|row| -row.dot(w) / square);
+        let [a, c] = [x + b * w, y + d * w].map(|row| row.length() / square.sqrt());
+        ([a, b, c, d, e].iter().all(|part| part.is_finite()) && a > 0.0 && c > 0.0).then_some(Intrinsics {
+            a,
+            b,
+            c,
+            d,
+            e,
+            f: None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CameraFunction, Coordinates, Direction, inverse};
+    use crate::geom::reprojection::{CameraAdjustment, Intrinsics, MatrixClass, classify, clip_rows};
+    use crate::geom::{Frustum, pose};
+    use glam::{DMat3, DMat4, DVec3, DVec4};
+
+    /// With these tangents to the left and right, below and above.
+    fn perspective([left, right, bottom, top]: [f64; 4], near: f64, far: f64) -> DMat4 {
+        let (width, height, depth) = (right - left, top - bottom, near - far);
+        DMat4::from_cols(
+            DVec4::X * (2.0 / width),
+            DVec4::Y * (2.0 / height),
+            DVec4::new((right + left) / width, (top + bottom) / height, (far + near) / depth, -1.0),
+            DVec4::Z * (2.0 * far * near / depth),
+        )
+    }
+
+    fn projection(near: f64, far: f64) -> DMat4 {
+        perspective([-0.5, 0.8, -0.4, 0.4], near, far)
+    }
+
+    fn orthographic() -> DMat4 {
+        DMat4::from_translation(DVec3::new(0.3, 0.0, -1.1)) * DMat4::from_scale(DVec3::new(0.3, 0.5, -0.04))
+    }
+
+    fn lens(matrix: DMat4) -> Intrinsics {
+        match classify(&matrix.to_cols_array()) {
+            MatrixClass::Perspective(lens) => lens,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// As the program would have formed it.
+    fn rounded(matrix: DMat4) -> [f64; 16] {
+        matrix.to_cols_array().map(|number| f64::from(number as f32))
+    }
+
+    fn camera() -> DMat4 {
+        let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(-0.4);
+        DMat4::from_mat3(turn) * DMat4::from_translation(DVec3::new(3.0, -1.5, 12.0))
+    }
+
+    #[test]
+    fn functions_of_the_camera_are_recognised_in_every_form() {
+        for (near, far) in [(0.1, 100.0), (0.01, 5000.0), (1.0, 3.0)] {
+            let p = projection(near, far);
+            for affine in [DMat4::IDENTITY, camera(), DMat4::from_scale(DVec3::splat(3.0)) * camera()] {
+                for coordinates in Coordinates::ALL {
+                    let to_clip = coordinates.from_clip() * p * affine;
+                    for (direction, matrix) in [(Direction::ToClip, to_clip), (Direction::FromClip, to_clip.inverse())]
+                    {
+                        for transposed in [false, true] {
+                            let given = if transposed { matrix.transpose() } else { matrix };
+                            let found = CameraFunction::of(&rounded(given), &lens(p));
+                            let expected = CameraFunction { direction, coordinates, transposed };
+                            assert_eq!(found, Some(expected), "{near} {far}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_of_no_camera_or_of_another_is_none() {
+        let p = projection(0.1, 100.0);
+        let lamp = perspective([-0.6, 0.6, -0.6, 0.6], 0.1, 100.0) * camera();
+        let stretched = p * DMat4::from_scale(DVec3::new(1.0, 2.0, 1.0));
+        let flat = orthographic();
+        let nothing = [DMat4::ZERO, DMat4::from_cols_array(&[f64::NAN; 16])];
+        for matrix in [lamp, lamp.inverse(), stretched, flat, flat.inverse(), camera(), DMat4::IDENTITY]
+            .into_iter()
+            .chain(nothing)
+        {
+            assert_eq!(CameraFunction::of(&rounded(matrix), &lens(p)), None, "{matrix}");
+        }
+    }
+
+    #[test]
+    fn an_inverse_tells_its_lens() {
+        let p = projection(0.1, 100.0);
+        for affine in [DMat4::IDENTITY, camera()] {
+            let (function, found) = CameraFunction::of_inverse(&rounded((p * affine).inverse())).expect("an inverse");
+            assert_eq!(function.direction(), Direction::FromClip);
+            let expected = lens(p);
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+            assert!(near(found.a, expected.a) && near(found.c, expected.c), "{found:?}");
+            assert!(near(found.b, expected.b) && near(found.d, expected.d) && near(found.e, expected.e), "{found:?}");
+        }
+        let texture = Coordinates::Texture.from_clip() * p * camera();
+        let (function, found) = CameraFunction::of_inverse(&rounded(texture.inverse())).expect("an inverse");
+        assert_eq!(function.coordinates, Coordinates::Texture);
+        assert!((found.b - lens(p).b).abs() < 1e-4, "{found:?}");
+        for matrix in [p, camera(), DMat4::IDENTITY, orthographic()] {
+            assert_eq!(CameraFunction::of_inverse(&rounded(matrix)), None, "{matrix}");
+        }
+    }
+
+    /// What a view's matrices make of a point of the scene are the view's pixel, and of the pixel the point.
+    #[test]
+    fn a_view_s_matrices_lead_to_its_pixels_and_back() {
+        let p = projection(0.1, 100.0);
+        let own = lens(p);
+        let frustum = Frustum { left: -0.9, right: 0.7, bottom: -1.0, top: 0.6 };
+        let rotation = pose::rotation(40.0, 25.0, 10.0);
+        let rows = clip_rows(&own, &CameraAdjustment::NONE, rotation, &frustum);
+        let rows = rows.widened(&own, &CameraAdjustment::NONE, &frustum);
+        let view = rows.matrix();
+        let scene = camera();
+        let point = scene.inverse() * (rotation.transpose() * DVec3::new(0.2, -0.3, -4.0)).extend(1.0);
+        for coordinates in Coordinates::ALL {
+            let to_clip = coordinates.from_clip() * p * scene;
+            let there = CameraFunction { direction: Direction::ToClip, coordinates, transposed: false };
+            let back = CameraFunction { direction: Direction::FromClip, ..there };
+            let there = there.for_view(&to_clip.to_cols_array(), &view).expect("a matrix");
+            let back = back.for_view(&to_clip.inverse().to_cols_array(), &view).expect("a matrix");
+            let pixel = DMat4::from_cols_array(&there) * point;
+            let pixel = pixel / pixel.w;
+            let expected = DVec4::new(((0.2 / 4.0) - -0.1) / 0.8, ((-0.3 / 4.0) - -0.2) / 0.8, f64::NAN, 1.0);
+            let from = inverse(coordinates.from_clip()).expect("one") * pixel;
+            assert!((from.x - expected.x).abs() < 1e-12 && (from.y - expected.y).abs() < 1e-12, "{from} {expected}");
+            assert!(from.z.abs() < 1.0, "within the view's planes");
+            let found = DMat4::from_cols_array(&back) * pixel;
+            assert!((found / found.w - point).length() < 1e-9, "{found} {point}");
+        }
+    }
+}

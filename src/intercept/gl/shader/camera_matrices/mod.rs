@@ -1,0 +1,63 @@
+//! Matrices of the program that are functions of its camera: each view has its own.
+//!
+//! Positions from depth, screen-space effects, deferred lights and skies of a shader hold the projection or an inverse
+//! beside what makes the position. The text of such a stage gets a choice at each use ([`text`]). Before a draw goes to a
+//! view ([`upload`]), the matrices are compared with the lenses of the frame
+//! ([`CameraFunction`](crate::geom::reprojection::CameraFunction)), and those that are functions of one are
+//! replaced by what they are in the view.
+//!
+//! A vertex shader keeps the matrices of its position, which is re-projected, and in draws of the scene all others, so that
+//! what it hands on fits its position.
+
+pub mod text;
+pub mod upload;
+
+use crate::backend::gl::driver::api::Gl;
+use crate::intercept::gl::shader::camera_matrices::text::Named;
+use crate::intercept::gl::shader::uniforms;
+use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::shader::camera_matrices::{CameraMatrices, MatrixStage, Substitute};
+use crate::intercept::gl::state::shader::position_names::PositionNames;
+use crate::intercept::gl::state::shader::uniforms::Uniforms;
+use std::collections::HashMap;
+
+/// The matrices of a linked program whose stages have choices between these and ours, in this order.
+pub fn of_program(gl: &Gl, profile: &Profile, program: u32, stages: &[(MatrixStage, Vec<Named>)]) -> CameraMatrices {
+    let all: Vec<String> = stages.iter().flat_map(|(_, matrices)| matrices).map(|matrix| matrix.name.clone()).collect();
+    let uniforms = uniforms_called(gl, profile, program, &all);
+    let mut found = CameraMatrices { uniforms, ..Default::default() };
+    for (stage, matrices) in stages {
+        let ours = stage.names();
+        for (number, Named { name, inverted }) in matrices.iter().enumerate() {
+            let at = |array: &str| uniforms::location(gl, program, &format!("{array}[{number}]"));
+            let (location, chosen_location) = (at(ours.matrices), at(ours.chosen));
+            if let (Some(matrix), true) = (found.uniforms.number(name), location >= 0 && chosen_location >= 0) {
+                found.substitutes.push(Substitute {
+                    matrix,
+                    stage: *stage,
+                    inverted: *inverted,
+                    location,
+                    chosen_location,
+                    function: None,
+                    uploaded: None,
+                    chosen: false,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// Blocks of the program may be bound elsewhere: its matrices are found anew.
+pub fn read_again(gl: &Gl, profile: &Profile, program: u32, matrices: &mut CameraMatrices) {
+    let names: Vec<String> = matrices.uniforms.names().map(str::to_owned).collect();
+    matrices.uniforms = uniforms_called(gl, profile, program, &names);
+    // The functions are looked for again.
+    matrices.seen = None;
+}
+
+fn uniforms_called(gl: &Gl, profile: &Profile, program: u32, names: &[String]) -> Uniforms {
+    let words = names.iter().map(|name| name.rsplit('.').next().unwrap_or(name).to_owned());
+    let wanted = PositionNames::new(words.collect(), HashMap::new());
+    uniforms::read(gl, profile, program, Some(&wanted)).0
+}

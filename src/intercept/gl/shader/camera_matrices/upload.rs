@@ -1,0 +1,77 @@
+//! Matrices of a view for the draws that go to it.
+
+use crate::correct::single;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::shader::camera_matrices::{CameraMatrices, MatrixStage, Substitute};
+use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::gl::vertex_input::buffers;
+use crate::lock::Lock;
+use std::sync::Arc;
+
+/// The programs whose vertex and fragment shaders draw now, if they hold such matrices.
+fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
+    let pipelines = &ctx.shaders.pipelines;
+    let holds = |program: &Arc<Program>| program.has_camera_matrices;
+    let drawn = ctx.shaders.program.as_ref();
+    let fragment = if pipelines.used == 0 && pipelines.bound != 0 {
+        programs::record(&ctx.share, pipelines.stages().fragment())
+    } else {
+        None
+    };
+    let other = |program: &Arc<Program>| drawn.is_none_or(|drawn| drawn.name != program.name);
+    [drawn.filter(|program| holds(program)).cloned(), fragment.filter(|program| holds(program) && other(program))]
+}
+
+/// Whether what draws now holds a matrix that leads from the clip coordinates of a camera.
+pub fn holds_inverse(ctx: &Context) -> bool {
+    let programs = drawing(ctx);
+    programs.iter().flatten().any(|program| recognise(ctx, &mut program.camera_matrices.locked()))
+}
+
+fn recognise(ctx: &Context, matrices: &mut CameraMatrices) -> bool {
+    let generation = ctx.vertex_input.blocks.generation();
+    matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), &ctx.frame.cameras)
+}
+
+/// Gives what draws now the matrices of a view. `scene`: positions are re-projected, so that the vertex shader keeps its own.
+pub fn load_view(ctx: &mut Context, view: usize, scene: bool) {
+    for program in drawing(ctx).into_iter().flatten() {
+        let mut matrices = program.camera_matrices.locked();
+        recognise(ctx, &mut matrices);
+        let CameraMatrices { uniforms, substitutes, .. } = &mut *matrices;
+        for substitute in substitutes {
+            let function = substitute.function.filter(|_| !scene || substitute.stage == MatrixStage::Fragment);
+            let ours = function.zip(uniforms.value(substitute.matrix)).and_then(|((function, lens), value)| {
+                let session = ctx.drawable.session()?;
+                let camera = ctx.frame.cameras.index(&lens, session);
+                let rows = ctx.frame.cameras.get(camera)?.rows.get(view)?;
+                function.for_view(value, &rows.matrix())
+            });
+            substitute.set(ctx, &program, ours.map(single::values));
+        }
+    }
+}
+
+/// Gives what draws now the program's own matrices.
+pub fn load_own(ctx: &Context) {
+    for program in drawing(ctx).into_iter().flatten() {
+        for substitute in &mut program.camera_matrices.locked().substitutes {
+            substitute.set(ctx, &program, None);
+        }
+    }
+}
+
+impl Substitute {
+    /// Puts `matrix` in the place of the program's, or that in its own.
+    fn set(&mut self, ctx: &Context, program: &Program, matrix: Option<[f32; 16]>) {
+        if let Some(matrix) = matrix.filter(|_| self.uploaded != matrix) {
+            programs::set_matrix(ctx, program, self.location, &matrix);
+            self.uploaded = Some(matrix);
+        }
+        if self.chosen != matrix.is_some() {
+            self.chosen = matrix.is_some();
+            programs::set_number(ctx, program, self.chosen_location, f32::from(u8::from(self.chosen)));
+        }
+    }
+}

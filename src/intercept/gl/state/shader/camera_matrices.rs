@@ -1,0 +1,97 @@
+//! Matrices of a program that may be functions of its camera.
+
+use crate::backend::gl::driver::api::Gl;
+use crate::geom::reprojection::{CameraFunction, Direction};
+use crate::intercept::camera::Cameras;
+use crate::intercept::gl::state::shader::uniforms::Uniforms;
+use crate::intercept::gl::state::vertex_input::buffers::Buffers;
+use crate::runtime::session::{Intrinsics, MatrixClass, classify};
+
+/// A stage whose matrices are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixStage {
+    /// The vertex shader, where it computes what does not become a position.
+    Vertex,
+    /// The fragment shader.
+    Fragment,
+}
+
+/// Uniforms of ours in a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Names {
+    /// An array of matrices.
+    pub matrices: &'static str,
+    /// An array of numbers: 1 where the matrix is to be used.
+    pub chosen: &'static str,
+}
+
+impl MatrixStage {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Vertex, Self::Fragment];
+
+    /// Names of our uniforms.
+    pub const fn names(self) -> Names {
+        match self {
+            Self::Vertex => Names { matrices: "cupola_vertex_cameras", chosen: "cupola_vertex_chosen" },
+            Self::Fragment => Names { matrices: "cupola_cameras", chosen: "cupola_chosen" },
+        }
+    }
+}
+
+/// 4×4 matrices that do not flow into the position of a program, or are named by its fragment shader.
+#[derive(Default)]
+pub struct CameraMatrices {
+    /// Their values.
+    pub(in crate::intercept::gl) uniforms: Uniforms,
+    pub(in crate::intercept::gl) substitutes: Vec<Substitute>,
+    /// The changes of the values and of the cameras when functions were last looked for.
+    pub(in crate::intercept::gl) seen: Option<(u64, u64)>,
+}
+
+/// A matrix of a stage, and ours that may be in its place.
+pub(in crate::intercept::gl) struct Substitute {
+    /// Its number among the uniforms.
+    pub(in crate::intercept::gl) matrix: usize,
+    pub(in crate::intercept::gl) stage: MatrixStage,
+    /// The shader computes its inverse.
+    pub(in crate::intercept::gl) inverted: bool,
+    /// Where ours goes.
+    pub(in crate::intercept::gl) location: i32,
+    /// Where it is said whether ours is used.
+    pub(in crate::intercept::gl) chosen_location: i32,
+    /// What it is of which camera.
+    pub(in crate::intercept::gl) function: Option<(CameraFunction, Intrinsics)>,
+    pub(in crate::intercept::gl) uploaded: Option<[f32; 16]>,
+    pub(in crate::intercept::gl) chosen: bool,
+}
+
+impl CameraMatrices {
+    /// Looks which matrices are functions of the frame's cameras now, or, where there is none, of one that they tell
+    /// themselves. Whether one leads from clip coordinates, or its inverse does.
+    pub fn recognise(&mut self, gl: &Gl, generation: u64, buffers: &Buffers, cameras: &Cameras) -> bool {
+        self.uniforms.refresh(gl, generation, buffers);
+        let now = (self.uniforms.changes(), cameras.changes());
+        if self.seen != Some(now) {
+            self.seen = Some(now);
+            for substitute in &mut self.substitutes {
+                let value = self.uniforms.value(substitute.matrix);
+                substitute.function = value.and_then(|value| find(value, cameras, substitute.inverted));
+            }
+        }
+        self.substitutes.iter().any(|substitute| {
+            let function = substitute.function.map(|(function, _)| function);
+            function.is_some_and(|function| substitute.inverted || function.direction() == Direction::FromClip)
+        })
+    }
+}
+
+fn find(value: &[f64; 16], cameras: &Cameras, inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
+    let mut known = cameras.shown().peekable();
+    if known.peek().is_none() {
+        return match classify(value) {
+            MatrixClass::Perspective(lens) if inverted => Some((CameraFunction::of(value, &lens)?, lens)),
+            _ => CameraFunction::of_inverse(value),
+        };
+    }
+    known.find_map(|lens| Some((CameraFunction::of(value, lens)?, *lens)))
+}

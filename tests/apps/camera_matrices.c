@@ -1,0 +1,270 @@
+/*
+ * Fragments and vertices that compute places of the scene from places on the screen, or the reverse, by matrices of the
+ * camera; one form for each --mode. Whatever the form, the window shows the colours that the cube around the eye has.
+ *
+ *   sky_…     a triangle over the window; what it shows in a direction is computed from the pixel
+ *   light_…   the cube's depth is drawn to a texture; a triangle computes the place from it, and from that the colour
+ *   place_…   the cube, of which what is not at its own pixel is discarded
+ */
+#include "common/app.h"
+#include "common/forms.h"
+#include "common/mesh.h"
+#include "common/program.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define HEAD "#version 410 core\n"
+/* The cube is 10 away. */
+#define COLOUR \
+    "vec3 colour(vec3 d) { d /= max(max(abs(d.x), abs(d.y)), abs(d.z)); return d * 0.5 + 0.5; }\n"
+#define TRIANGLE \
+    HEAD "out vec2 at;\nvoid main() {\n" \
+         "    at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;\n" \
+         "    gl_Position = vec4(at, 0.5, 1.0);\n" \
+         "}\n"
+#define CUBE \
+    HEAD "layout(location = 0) in vec3 position;\nlayout(location = 1) in vec3 colour;\n" \
+         "uniform mat4 P, MV;\nout vec3 shade, place;\n" \
+         "void main() { shade = colour; place = position; gl_Position = P * MV * vec4(position, 1.0); }\n"
+#define SKY(uniforms, direction) \
+    HEAD "in vec2 at;\nout vec4 result;\n" uniforms COLOUR \
+         "void main() { result = vec4(colour(" direction "), 1.0); }\n"
+#define LIGHT(uniforms, place) \
+    HEAD "in vec2 at;\nout vec4 result;\nuniform sampler2D depths, colours;\nuniform vec2 size;\n" uniforms COLOUR \
+         "void main() {\n" \
+         "    float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;\n" \
+         "    vec4 ndc = vec4(at, depth * 2.0 - 1.0, 1.0), p;\n" place "\n}\n"
+/* The place is on the cube, unless its depth is that of another view. */
+#define SHOW \
+    "p /= p.w; float far = max(max(abs(p.x), abs(p.y)), abs(p.z));\n" \
+    "    result = abs(far - 1.0) < 0.01 ? vec4(colour(p.xyz), 1.0) : vec4(0.0);"
+#define PLACE(uniforms, statements) \
+    HEAD "in vec3 shade, place;\nout vec4 result;\nuniform vec2 size;\n" uniforms \
+         "void main() {\n" statements \
+         "    if (distance(seen * size, gl_FragCoord.xy) > 0.02) discard;\n" \
+         "    result = vec4(shade, 1.0);\n}\n"
+
+typedef struct {
+    const char *name, *vertex, *fragment;
+} form;
+
+static const form forms[] = {
+    {"sky_all", TRIANGLE, SKY("uniform mat4 inversePMV;\n", "(inversePMV * vec4(at, 1.0, 1.0)).xyz")},
+    {"sky_apart", TRIANGLE,
+     SKY("uniform mat4 inverseP, inverseMV;\n", "mat3(inverseMV) * (inverseP * vec4(at, 1.0, 1.0)).xyz")},
+    {"sky_inverted", TRIANGLE, SKY("uniform mat4 P, MV;\n", "(inverse(P * MV) * vec4(at, -1.0, 1.0)).xyz")},
+    {"sky_row_vector", TRIANGLE, SKY("uniform mat4 rowsPMV;\n", "(vec4(at, 1.0, 1.0) * rowsPMV).xyz")},
+    {"sky_block", TRIANGLE,
+     SKY("layout(std140) uniform B { vec4 tint; mat4 inversePMV; } camera;\n",
+         "(camera.inversePMV * vec4(at, 1.0, 1.0)).xyz")},
+    {"sky_structure", TRIANGLE,
+     SKY("struct Camera { mat4 inversePMV; };\nuniform Camera camera;\n#define INVERSE camera.inversePMV\n",
+         "(INVERSE * vec4(at, 1.0, 1.0)).xyz")},
+    {"sky_texture", TRIANGLE,
+     SKY("uniform mat4 inverseTPMV;\n", "(inverseTPMV * vec4(at * 0.5 + 0.5, 1.0, 1.0)).xyz")},
+    {"sky_vertices",
+     HEAD "out vec3 direction;\nuniform mat4 inversePMV;\nvoid main() {\n"
+          "    vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;\n"
+          "    vec4 near = inversePMV * vec4(at, -1.0, 1.0);\n    direction = near.xyz / near.w;\n"
+          "    gl_Position = vec4(at, 0.5, 1.0);\n}\n",
+     HEAD "in vec3 direction;\nout vec4 result;\n" COLOUR "void main() { result = vec4(colour(direction), 1.0); }\n"},
+    {"sky_old",
+     "#version 120\nattribute vec3 position;\nvarying vec2 at;\n"
+     "void main() { at = position.xy; gl_Position = vec4(position.xy, 0.5, 1.0); }\n",
+     "#version 120\nvarying vec2 at;\nuniform mat4 inversePMV;\n" COLOUR
+     "void main() { gl_FragColor = vec4(colour((inversePMV * vec4(at, 1.0, 1.0)).xyz), 1.0); }\n"},
+    {"sky_off", TRIANGLE, SKY("uniform mat4 inversePMV;\n", "(inversePMV * vec4(at, 1.0, 1.0)).xyz")},
+    {"light_all", TRIANGLE, LIGHT("uniform mat4 inversePMV;\n", "p = inversePMV * ndc;" SHOW)},
+    {"light_apart", TRIANGLE,
+     LIGHT("uniform mat4 inverseP, inverseMV;\n", "p = inverseP * ndc; p = inverseMV * (p / p.w);" SHOW)},
+    {"light_texture", TRIANGLE,
+     LIGHT("uniform mat4 inverseTDPMV;\n", "p = inverseTDPMV * vec4(at * 0.5 + 0.5, depth, 1.0);" SHOW)},
+    {"light_back", TRIANGLE,
+     LIGHT("uniform mat4 P, inverseP;\n",
+           "p = inverseP * ndc; p /= p.w;\n    p = P * p; vec2 uv = p.xy / p.w * 0.5 + 0.5;\n"
+           "    result = distance(uv * size, gl_FragCoord.xy) < 0.05 ? texture(colours, uv) : vec4(0.0);")},
+    {"place_all", CUBE,
+     PLACE("uniform mat4 PMV;\n", "    vec4 c = PMV * vec4(place, 1.0); vec2 seen = c.xy / c.w * 0.5 + 0.5;\n")},
+    {"place_shared", CUBE,
+     PLACE("uniform mat4 P, MV;\n", "    vec4 c = P * (MV * vec4(place, 1.0)); vec2 seen = c.xy / c.w * 0.5 + 0.5;\n")},
+    {"place_texture", CUBE,
+     PLACE("uniform mat4 TPMV;\n", "    vec4 c = TPMV * vec4(place, 1.0); vec2 seen = c.xy / c.w;\n")},
+    {"place_lamp", CUBE,
+     PLACE("uniform mat4 lamp;\nuniform vec4 lamps[4];\n",
+           "    vec4 c = lamp * vec4(place, 1.0);\n"
+           "    vec4 d = lamps[0] * place.x + lamps[1] * place.y + lamps[2] * place.z + lamps[3];\n"
+           "    vec2 seen = gl_FragCoord.xy / size + 1000.0 * (c.xy / c.w - d.xy / d.w);\n")},
+};
+
+static const form *chosen;
+static mesh cube;
+static GLuint program, scene, empty, buffer, framebuffer, textures[2], show;
+
+static bool is(const char *kind)
+{
+    return strncmp(chosen->name, kind, strlen(kind)) == 0;
+}
+
+static GLuint build(const char *vertex, const char *fragment)
+{
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    return program_build(stages, 2);
+}
+
+static void make_texture(const app *a, int i, GLenum format, GLenum pixels, GLenum attachment)
+{
+    glActiveTexture(GL_TEXTURE0 + i);
+    glBindTexture(GL_TEXTURE_2D, textures[i]);
+    glTexImage2D(GL_TEXTURE_2D, 0, format, a->window.width, a->window.height, 0, pixels, GL_UNSIGNED_INT, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, textures[i], 0);
+}
+
+static void setup(app *a)
+{
+    chosen = form_of(a, forms, sizeof *forms, sizeof forms / sizeof *forms);
+    cube = mesh_cube();
+    program = build(chosen->vertex, chosen->fragment);
+    glGenVertexArrays(1, &empty);
+    form_block(program);
+    if (is("light") || is("sky_off")) {
+        glGenFramebuffers(1, &framebuffer);
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glGenTextures(2, textures);
+        make_texture(a, 0, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_DEPTH_ATTACHMENT);
+        make_texture(a, 1, GL_RGBA8, GL_RGBA, GL_COLOR_ATTACHMENT0);
+        scene = build(CUBE, HEAD "in vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n");
+        show = build(TRIANGLE, HEAD "in vec2 at;\nout vec4 result;\nuniform sampler2D colours;\n"
+                                    "void main() { result = texture(colours, at * 0.5 + 0.5); }\n");
+    }
+}
+
+/* The inverse of a 4x4 matrix, by Gauss and Jordan in 64 bits. */
+static matrix4 inverse(matrix4 m)
+{
+    double a[4][8];
+    matrix4 result;
+    for (int row = 0; row < 4; row++) {
+        for (int column = 0; column < 4; column++) {
+            a[row][column] = m.m[4 * column + row];
+            a[row][4 + column] = row == column;
+        }
+    }
+    for (int pivot = 0; pivot < 4; pivot++) {
+        int best = pivot;
+        for (int row = pivot; row < 4; row++) {
+            if (a[row][pivot] * a[row][pivot] > a[best][pivot] * a[best][pivot])
+                best = row;
+        }
+        for (int column = 0; column < 8; column++) {
+            const double other = a[best][column];
+            a[best][column] = a[pivot][column];
+            a[pivot][column] = other;
+        }
+        for (int column = 7; column >= 0; column--)
+            a[pivot][column] /= a[pivot][pivot];
+        for (int row = 0; row < 4; row++) {
+            const double factor = a[row][pivot];
+            for (int column = 0; row != pivot && column < 8; column++)
+                a[row][column] -= factor * a[pivot][column];
+        }
+    }
+    for (int i = 0; i < 16; i++)
+        result.m[i] = (float)a[i % 4][4 + i / 4];
+    return result;
+}
+
+static void set(GLuint of, const char *name, matrix4 m)
+{
+    glUniformMatrix4fv(glGetUniformLocation(of, name), 1, GL_FALSE, m.m);
+    if (strcmp(name, "inversePMV") == 0) {
+        glUniformMatrix4fv(glGetUniformLocation(of, "camera.inversePMV"), 1, GL_FALSE, m.m);
+        float block[20] = {1, 1, 1, 1};
+        memcpy(block + 4, m.m, sizeof m.m);
+        if (glGetUniformBlockIndex(of, "B") != GL_INVALID_INDEX)
+            glBufferData(GL_UNIFORM_BUFFER, sizeof block, block, GL_DYNAMIC_DRAW);
+    }
+}
+
+static void use(const app *a, GLuint of)
+{
+    const matrix4 p = a->projection, mv = a->modelview, pmv = matrix_multiply(p, mv);
+    matrix4 texture = matrix_scale(0.5), with_depth = texture;
+    texture.m[10] = 1;
+    texture.m[12] = texture.m[13] = 0.5f;
+    with_depth.m[12] = with_depth.m[13] = with_depth.m[14] = 0.5f;
+    const matrix4 lamp = matrix_multiply(matrix_perspective(70, 1, a->near, a->far), matrix_camera(40, -20));
+    glUseProgram(of);
+    set(of, "P", p);
+    set(of, "MV", mv);
+    set(of, "PMV", pmv);
+    set(of, "inverseP", inverse(p));
+    set(of, "inverseMV", inverse(mv));
+    set(of, "inversePMV", inverse(pmv));
+    set(of, "rowsPMV", matrix_transposed(inverse(pmv)));
+    set(of, "TPMV", matrix_multiply(texture, pmv));
+    set(of, "inverseTPMV", inverse(matrix_multiply(texture, pmv)));
+    set(of, "inverseTDPMV", inverse(matrix_multiply(with_depth, pmv)));
+    set(of, "lamp", lamp);
+    glUniform4fv(glGetUniformLocation(of, "lamps"), 4, lamp.m);
+    glUniform2f(glGetUniformLocation(of, "size"), (float)a->window.width, (float)a->window.height);
+    glUniform1i(glGetUniformLocation(of, "depths"), 0);
+    glUniform1i(glGetUniformLocation(of, "colours"), 1);
+}
+
+static void draw_cube(void)
+{
+    mesh_bind(&cube);
+    glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
+}
+
+static void draw_triangle(void)
+{
+    static const float corners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
+    glDisable(GL_DEPTH_TEST);
+    if (is("sky_old")) {
+        if (buffer == 0) {
+            glGenBuffers(1, &buffer);
+            glBindVertexArray(empty);
+            glBindBuffer(GL_ARRAY_BUFFER, buffer);
+            glBufferData(GL_ARRAY_BUFFER, sizeof corners, corners, GL_STATIC_DRAW);
+            glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+            glEnableVertexAttribArray(0);
+        }
+        glBindAttribLocation(program, 0, "position");
+    }
+    glBindVertexArray(empty);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glEnable(GL_DEPTH_TEST);
+}
+
+static void draw(app *a)
+{
+    if (is("light") || is("sky_off")) {
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        app_clear();
+        if (is("light")) {
+            use(a, scene);
+            draw_cube();
+        } else {
+            use(a, program);
+            draw_triangle();
+        }
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    }
+    app_clear();
+    use(a, is("sky_off") ? show : program);
+    if (is("place"))
+        draw_cube();
+    else
+        draw_triangle();
+}
+
+int main(int argc, char **argv)
+{
+    static const app_program self = {"camera_matrices", API_GL_COMPATIBILITY, 4, 5, setup, draw, NULL};
+    return app_main(argc, argv, &self);
+}
