@@ -4,7 +4,7 @@
 //! machine slows all alike; the medians of the ratios are reported. Needs glslangValidator, for the quad's shader.
 
 use cupola::backend::vk::ash::vk;
-use cupola::backend::vk::headless::Headless;
+use cupola::backend::vk::driver::headless::Headless;
 use cupola::backend::vk::{SourceImage, Surface, Use, VkBackend, barrier};
 use cupola::correct::{Arrangement, ImageSize, Plan, build};
 use cupola::geom::UpperLeftRect;

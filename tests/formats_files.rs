@@ -5,7 +5,7 @@ mod convert;
 mod random;
 
 use convert::{convert, cupola, file};
-use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, sgct, vwf};
+use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pictures::pfm, sgct, vwf};
 use random::Random;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 #![no_main]
 
-use cupola::formats::pfm;
+use cupola::formats::pictures::pfm;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(raster) = pfm::read("file", bytes) {

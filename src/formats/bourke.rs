@@ -7,9 +7,9 @@
 //! last column is followed by the first.
 
 use super::grid::{Mesh, Node};
-use super::input::Noted;
-use super::text::Lines;
 use crate::error::Result;
+use crate::formats::reading::input::Noted;
+use crate::formats::reading::text::Lines;
 use glam::{DVec2, DVec3};
 use std::fmt::Write;
 
@@ -74,7 +74,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<WarpMesh>> {
         _ => {
             return Err(lines.wrong(format!(
                 "{} is no type of mesh; expected 1 (polar) or 2 (rectangular)",
-                super::text::shown(first)
+                crate::formats::reading::text::shown(first)
             )));
         }
     };

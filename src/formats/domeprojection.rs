@@ -6,9 +6,9 @@
 //! headings.
 
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
-use super::input::{Noted, invalid};
-use super::text::Lines;
 use crate::error::Result;
+use crate::formats::reading::input::{Noted, invalid};
+use crate::formats::reading::text::Lines;
 use glam::{DVec2, DVec3};
 
 /// Greatest number of a column or a row.

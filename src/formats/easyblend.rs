@@ -8,9 +8,9 @@
 
 use super::camera::Camera;
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
-use super::input::{Noted, checked_size, invalid};
-use super::text::{Lines, shown};
 use crate::error::Result;
+use crate::formats::reading::input::{Noted, checked_size, invalid};
+use crate::formats::reading::text::{Lines, shown};
 use crate::geom::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 

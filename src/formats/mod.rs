@@ -8,28 +8,24 @@
 //!
 //! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value
 //! for each pixel) of it; a rig's output gives the grid's values their meaning (a position in a
-//! picture, a point, a direction). At run time only [`bourke`], [`pfm`], [`obj`] and [`levels`] are
+//! picture, a point, a direction). At run time only [`bourke`], [`pfm`](pictures::pfm), [`obj`] and [`levels`](pictures::levels) are
 //! read; `cupola convert` turns all other formats into these, so that the injected library carries
 //! no archive and no XML.
 
-mod bmp;
-mod bytes;
 mod camera;
 mod grid;
-mod input;
-mod text;
+mod reading;
 
 pub mod bourke;
 pub mod domeprojection;
 pub mod easyblend;
-pub mod levels;
 pub mod mpcdi;
 pub mod obj;
-pub mod pfm;
+pub mod pictures;
 pub mod sgct;
 pub mod vwf;
 
 pub use camera::Camera;
 pub use grid::{Grid, MOST_NODES, Mesh, Node, Raster, Sample};
-pub use input::{LONGEST_FILE, MOST_PIXELS, MOST_PIXELS_TOGETHER, Noted, png_luma, read_at_most, read_file};
-pub use levels::Levels;
+pub use pictures::levels::Levels;
+pub use reading::input::{LONGEST_FILE, MOST_PIXELS, MOST_PIXELS_TOGETHER, Noted, png_luma, read_at_most, read_file};

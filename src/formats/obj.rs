@@ -1,9 +1,9 @@
 //! Wavefront OBJ: the corners and faces of a model. Everything else of the format (normals,
 //! textures, materials, groups, curves) is passed over.
 
-use super::input::invalid;
-use super::text::{Lines, shown};
 use crate::error::Result;
+use crate::formats::reading::input::invalid;
+use crate::formats::reading::text::{Lines, shown};
 use glam::DVec3;
 
 /// Reads the triangles of the OBJ file `bytes` called `name`, in the file's own unit, corners

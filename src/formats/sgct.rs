@@ -11,8 +11,8 @@
 //! the one that lies at its mirrored place, itself where it is alone, and the mesh stays as it is
 //! but for the places that its nodes look at.
 
-use super::input::{LONGEST_DOCUMENT, MOST_PIXELS_TOGETHER, Noted, invalid};
 use crate::error::Result;
+use crate::formats::reading::input::{LONGEST_DOCUMENT, MOST_PIXELS_TOGETHER, Noted, invalid};
 use crate::geom::{Frustum, pose};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;

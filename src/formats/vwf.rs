@@ -7,13 +7,13 @@
 //! readers; what it adds to black is the same in all of them as long as the header's other settings
 //! for it are 0…1.
 
-use super::bmp::Bitmap;
-use super::bytes::Bytes;
 use super::grid::Raster;
-use super::input::{Noted, checked_size, invalid};
-use super::levels::Levels;
 use crate::error::Result;
-use crate::formats::bmp;
+use crate::formats::pictures::bmp;
+use crate::formats::pictures::bmp::Bitmap;
+use crate::formats::pictures::levels::Levels;
+use crate::formats::reading::bytes::Bytes;
+use crate::formats::reading::input::{Noted, checked_size, invalid};
 
 /// The map's values are points, not positions in a picture.
 const POINTS: u32 = 0x40;

@@ -65,7 +65,8 @@ pub fn a_rigs_picture_of_black_is_shown(driver: &dyn Driver) {
     let coarse = |x: u32, y: u32| [0.05 * x as f32, 0.02 * y as f32, 0.3 - 0.04 * x as f32];
     let values = (0..SIZE.1 / 16).flat_map(|y| (0..SIZE.0 / 16).map(move |x| coarse(x, y))).collect();
     let levels = Levels { size: (SIZE.0 / 16, SIZE.1 / 16), values };
-    std::fs::write(folder.join("black.pfm"), crate::formats::pfm::write(levels.size.0, &levels.values)).expect("there");
+    std::fs::write(folder.join("black.pfm"), crate::formats::pictures::pfm::write(levels.size.0, &levels.values))
+        .expect("there");
     let mask = image::GrayImage::from_fn(SIZE.0, SIZE.1, |x, _| image::Luma([if x < SIZE.0 / 2 { 0 } else { 255 }]));
     mask.save(folder.join("mask.png")).expect("a picture");
     for (word, light) in [("displayed", false), ("light", true)] {

@@ -2,7 +2,7 @@
 //!
 //! Drivers keep what they compile, too, most of them; some only what they are given back.
 
-use super::api::Api;
+use crate::backend::vk::driver::api::Api;
 use crate::correct::shaders::spirv::Modules;
 use crate::error::Result;
 use ash::vk;

@@ -1,8 +1,8 @@
 //! Which images the shaders of a plan read: a descriptor set for each draw, each set of pictures and each filter.
 
-use super::api::{Api, refused};
 use super::images::SourceImage;
 use super::program::{Common, picture_bindings};
+use crate::backend::vk::driver::api::{Api, refused};
 use crate::correct::shaders::spirv::binding;
 use crate::correct::{Arrangement, ImageSize};
 use crate::error::{Error, ErrorKind, Result};

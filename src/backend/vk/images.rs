@@ -1,8 +1,8 @@
 //! Images of the program's: where views are, and where they are corrected into.
 
-use super::api::Api;
 use super::barrier::{Use, barrier};
 use super::memory::Buffer;
+use crate::backend::vk::driver::api::Api;
 use crate::correct::ImageSize;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;

@@ -1,10 +1,10 @@
 //! The map that the shaders compute, read back: the very programs that correct, with another last stage.
 
 use super::barrier::{Use, barrier};
-use super::headless::Headless;
 use super::images::{SourceImage, TargetImage};
 use super::memory::{Buffer, Image};
 use super::passes::VkBackend;
+use crate::backend::vk::driver::headless::Headless;
 use crate::correct::shaders::draws::from_top;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::map::MapPixel;

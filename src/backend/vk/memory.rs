@@ -1,8 +1,8 @@
 //! Buffers and images of ours. Each has an allocation of its own: there are two and one for each mask
 //! and table, far from any limit of their number.
 
-use super::api::{Api, refused};
 use super::barrier::COLOR;
+use crate::backend::vk::driver::api::{Api, refused};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 

@@ -1,7 +1,7 @@
 //! The fixed objects of the correction: render passes, layouts, samplers, and a pipeline per shader.
 
-use super::api::{Api, refused};
 use super::binaries;
+use crate::backend::vk::driver::api::{Api, refused};
 use crate::correct::Arrangement;
 use crate::correct::shaders::draws::{FLOATS, SOURCE_FLOATS};
 use crate::correct::shaders::spirv::{Modules, VERTEX_ENTRY, binding};

@@ -1,8 +1,8 @@
 //! Images to draw views into.
 
-use super::api::Api;
 use super::images::SourceImage;
 use super::memory::Image;
+use crate::backend::vk::driver::api::Api;
 use crate::correct::{Arrangement, ImageSize};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;

@@ -6,9 +6,9 @@ mod faults;
 mod formats;
 
 use super::gpu_map;
-use super::headless::Headless;
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::{Driver, run_all_cases};
+use crate::backend::vk::driver::headless::Headless;
 use crate::correct::Plan;
 use crate::correct::shaders::map::MapPixel;
 

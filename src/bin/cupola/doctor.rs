@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     });
     let (good, words) = vulkan(&display, hooked.as_ref());
     tell("vulkan", good, words);
-    let device = vk::headless::Headless::new(&[]);
+    let device = vk::driver::headless::Headless::new(&[]);
     let (good, words) = vulkan_device(device.as_ref().map_err(|error| error.message.clone()));
     tell("vulkan device", good, words);
     if let Ok(device) = &device {
@@ -154,7 +154,7 @@ fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, S
 
 /// The capabilities of the Vulkan device for programs that embed Cupola, through the crate or
 /// `cupola_vk.h`.
-fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<bool>, String) {
+fn vulkan_device(device: Result<&vk::driver::headless::Headless, String>) -> (Option<bool>, String) {
     let device = match device {
         Ok(device) => device,
         Err(why) => return (None, why),
@@ -178,7 +178,7 @@ fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<boo
 }
 
 /// The programs that the layer shows flat on this device.
-fn vulkan_flat(device: &vk::headless::Headless) -> String {
+fn vulkan_flat(device: &vk::driver::headless::Headless) -> String {
     format!(
         "a program is shown flat, and the log says why, if it uses all {} descriptor sets of a pipeline, links \
          pipelines from libraries, uses shader objects, multiview or layered passes, or copies its scene to the window \

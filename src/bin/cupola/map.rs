@@ -158,7 +158,7 @@ fn computed(
             (gl::gpu_map(&context.gl, context.is_gles, &plan, output)?, context.driver())
         }
         Backend::Vk => {
-            let device = vk::headless::Headless::new(&[])?;
+            let device = vk::driver::headless::Headless::new(&[])?;
             (vk::gpu_map(&device, &plan, output)?, device.driver.clone())
         }
     };

@@ -4,7 +4,7 @@
 use super::images::*;
 use super::*;
 use crate::backend::vk::ash::vk;
-use crate::backend::vk::headless::Headless;
+use crate::backend::vk::driver::headless::Headless;
 use crate::ffi::cupola_last_error;
 use crate::ffi::rig::{cupola_rig_free, cupola_rig_load};
 use cupola_status::*;

@@ -3,7 +3,7 @@
 use super::Sample;
 use crate::digest::Digest;
 use crate::error::Result;
-use crate::formats::input::invalid;
+use crate::formats::reading::input::invalid;
 use glam::{DVec2, DVec3};
 use serde::{Serialize, Serializer};
 use std::fmt;

@@ -1,7 +1,7 @@
 //! Files out of the zip archive, within limits.
 
 use crate::error::Result;
-use crate::formats::input::{LONGEST_FILE, invalid};
+use crate::formats::reading::input::{LONGEST_FILE, invalid};
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
 

@@ -9,7 +9,7 @@
 
 use super::document::{Reader, named};
 use crate::error::{Error, ErrorKind, Result};
-use crate::formats::text::shown;
+use crate::formats::reading::text::shown;
 use crate::geom::{Circle, FisheyeLens, Lens, Optics, Projection};
 use glam::DVec2;
 use roxmltree::Node;

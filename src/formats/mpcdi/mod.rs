@@ -17,11 +17,11 @@ pub use write::write;
 
 use super::camera::Camera;
 use super::grid::Raster;
-use super::input::{MOST_PIXELS_TOGETHER, Noted, invalid, png_luma};
-use super::levels::Levels;
-use super::pfm;
 use crate::error::Result;
-use crate::formats::levels;
+use crate::formats::pictures::levels;
+use crate::formats::pictures::levels::Levels;
+use crate::formats::pictures::pfm;
+use crate::formats::reading::input::{MOST_PIXELS_TOGETHER, Noted, invalid, png_luma};
 use crate::geom::Optics;
 use archive::Files;
 use glam::{DMat3, DVec3};

@@ -3,7 +3,7 @@
 use super::{Archive, Profile, Region, Version, extension};
 use crate::error::{Error, ErrorKind, Result};
 use crate::formats::camera::Camera;
-use crate::formats::pfm;
+use crate::formats::pictures::pfm;
 use crate::geom::{Frustum, Optics, pose};
 use glam::{DVec2, DVec3};
 use std::fmt::Write as _;

@@ -22,8 +22,8 @@
 //! ```text
 //! vkCmdBeginRenderPass   commands::passes        attachments → atlas and atlas copies
 //! vkCmdDraw              commands::draws         hook
-//!                        commands::replicate       classify → select → issue
-//!                        commands::tiles           one draw per view, panel and primary view
+//!                        commands::draws::replicate  classify → select → issue
+//!                        commands::draws::tiles      one draw per view, panel and primary view
 //! vkQueueSubmit          submit::queue           hook
 //!                        submit::draw_groups       matrices → lens → scene, flat or behind
 //!                        state::views             reprojection matrix of each view → memory

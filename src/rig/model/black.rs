@@ -1,7 +1,8 @@
 //! A picture of what an output shows where the program shows black.
 
 use crate::error::Result;
-use crate::formats::{Levels, levels, read_file};
+use crate::formats::pictures::levels;
+use crate::formats::{Levels, read_file};
 use std::path::{Path, PathBuf};
 
 /// Values for black in each pixel, read from a file.

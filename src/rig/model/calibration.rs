@@ -1,7 +1,8 @@
 //! What a file says about the pixels of an output.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::formats::{Grid, bourke, pfm, read_file};
+use crate::formats::pictures::pfm;
+use crate::formats::{Grid, bourke, read_file};
 use crate::geom::Frustum;
 use std::path::{Path, PathBuf};
 

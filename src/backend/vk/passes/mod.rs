@@ -2,12 +2,12 @@
 
 mod record;
 
-use crate::backend::vk::api::{Api, refused};
 use crate::backend::vk::descriptors::{Descriptors, Reads};
+use crate::backend::vk::driver::api::{Api, refused};
+use crate::backend::vk::driver::timers::{Timers, Timing};
 use crate::backend::vk::images::{SourceImage, TargetImage, check_target_format};
 use crate::backend::vk::memory::{Buffer, Image};
 use crate::backend::vk::program::Common;
-use crate::backend::vk::timers::{Timers, Timing};
 use crate::correct::OutputPass;
 use crate::correct::shaders::constants::Pass;
 use crate::correct::shaders::draws::{Rows, draws};

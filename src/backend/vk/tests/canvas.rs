@@ -1,7 +1,7 @@
 //! Pictures to correct, and what is shown of them.
 
 use crate::backend::tests::picture::Picture;
-use crate::backend::vk::headless::Headless;
+use crate::backend::vk::driver::headless::Headless;
 use crate::backend::vk::images::copy_to;
 use crate::backend::vk::memory::{Buffer, Image};
 use crate::backend::vk::{SourceImage, TargetImage, Use, VkBackend, barrier};

@@ -2,7 +2,7 @@
 //! is an error.
 
 use super::headless;
-use crate::backend::vk::headless::Headless;
+use crate::backend::vk::driver::headless::Headless;
 use crate::backend::vk::memory::Image;
 use crate::backend::vk::{Api, SourceImage, Surface, TargetImage, Use, VkBackend, barrier};
 use crate::cache::Cache;

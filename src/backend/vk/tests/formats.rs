@@ -4,7 +4,7 @@ use super::headless;
 use crate::backend::tests::Driver;
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::fisheye_plan;
-use crate::backend::vk::api::Api;
+use crate::backend::vk::driver::api::Api;
 use crate::correct::BlackPicture;
 use crate::correct::Mask;
 use ash::vk;

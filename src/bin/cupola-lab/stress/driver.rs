@@ -22,7 +22,7 @@ pub enum Driver {
     /// A context, current on this thread.
     Gl(Box<gl::driver::headless::Headless>),
     /// A device.
-    Vk(Box<vk::headless::Headless>),
+    Vk(Box<vk::driver::headless::Headless>),
     /// The formulas themselves.
     Cpu,
 }
@@ -34,7 +34,7 @@ impl Driver {
         let api = if seed.is_multiple_of(2) { gl::driver::headless::Api::Core } else { gl::driver::headless::Api::Es3 };
         Ok(match backend {
             Backend::Gl => Self::Gl(Box::new(gl::driver::headless::Headless::new(api)?)),
-            Backend::Vk => Self::Vk(Box::new(vk::headless::Headless::new(&[])?)),
+            Backend::Vk => Self::Vk(Box::new(vk::driver::headless::Headless::new(&[])?)),
             Backend::Cpu => Self::Cpu,
         })
     }

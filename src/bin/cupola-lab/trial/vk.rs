@@ -1,7 +1,7 @@
 //! Timing of corrections on a Vulkan device.
 
 use cupola::backend::vk::ash::vk;
-use cupola::backend::vk::headless::Headless;
+use cupola::backend::vk::driver::headless::Headless;
 use cupola::backend::vk::{Surface, VkBackend, gpu_map};
 use cupola::correct::shaders::map::MapPixel;
 use cupola::correct::{Arrangement, ImageSize, Plan};

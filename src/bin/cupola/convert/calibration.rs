@@ -4,7 +4,7 @@ use super::options::Values;
 use crate::failure::Failure;
 use cupola::blend::{decode, encode};
 use cupola::formats::{
-    Camera, Grid, Levels, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf,
+    Camera, Grid, Levels, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pictures::pfm, read_file, vwf,
 };
 use cupola::geom::{Lens, Optics, Pose};
 use glam::{DVec2, DVec3};

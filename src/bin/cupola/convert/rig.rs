@@ -6,7 +6,7 @@ use super::source::Channel;
 use super::written::{Written, file_beside, raster, save};
 use crate::failure::Failure;
 use cupola::blend::decode;
-use cupola::formats::{Raster, mpcdi, pfm};
+use cupola::formats::{Raster, mpcdi, pictures::pfm};
 use cupola::geom::Optics;
 use glam::DVec3;
 use std::fmt::Write;

@@ -9,7 +9,7 @@ use super::rig::{file_name, heading, mask, quoted};
 use super::written::{Written, file_beside, save};
 use crate::failure::Failure;
 use cupola::blend::decode;
-use cupola::formats::{Grid, bourke, pfm, png_luma, read_file, sgct};
+use cupola::formats::{Grid, bourke, pictures::pfm, png_luma, read_file, sgct};
 use cupola::rig::Flip;
 use glam::DVec2;
 use std::fmt::Write;

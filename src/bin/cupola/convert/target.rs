@@ -5,7 +5,7 @@ use super::rig;
 use super::source::Channel;
 use super::written::{Written, file_beside, raster, save};
 use crate::failure::Failure;
-use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pfm, vwf};
+use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pictures::pfm, vwf};
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use cupola::warp::{MapError, compare};
 use glam::{DMat3, DVec2, DVec3};

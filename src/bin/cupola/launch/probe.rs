@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             libraries = loaded();
         }
         Way::Vulkan => {
-            let device = vk::headless::Headless::new(&[])?;
+            let device = vk::driver::headless::Headless::new(&[])?;
             driver = device.driver.clone();
             direct = true;
             libraries = loaded();

@@ -1,7 +1,7 @@
 //! Conditional rendering: the program's condition holds for its own commands, and not for those
 //! that Cupola records between them.
 
-use crate::intercept::vk::commands::panel_clears::clear_pending;
+use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Condition;

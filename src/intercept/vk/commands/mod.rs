@@ -6,9 +6,8 @@
 //! `submit` reads when they are submitted.
 //!
 //! ```text
-//! passes ── atlas in place of the framebuffer ── panel_clears
-//! draws ─── replicate ─ tiles ─ rebind
-//!           indirect: parameters in memory, so that a draw that shows nothing can be left out
+//! passes ─── atlas in place of the framebuffer
+//! draws ──── one draw per view
 //! unsupported: commands that nothing follows; the program is shown flat
 //! ```
 
@@ -17,13 +16,6 @@ pub mod bound_state;
 pub mod conditional_render;
 pub mod copies;
 pub mod draws;
-pub mod dynamic_rendering;
-pub mod framebuffers;
-pub mod indirect;
-pub mod panel_clears;
 pub mod passes;
-pub mod rebind;
 pub mod recording;
-pub mod replicate;
-pub mod tiles;
 pub mod unsupported;

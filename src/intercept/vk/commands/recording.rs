@@ -140,7 +140,7 @@ hooks! {
         // Whether each was recorded for views.
         let kinds: Vec<_> = others_list.iter().map(|other| state.recordings.with(*other, |r| r.pass.is_some())).collect();
         let in_pass = state.recordings.with(buffer, |recording| {
-            crate::intercept::vk::commands::panel_clears::clear_by_secondary(&state, buffer, recording);
+            crate::intercept::vk::commands::passes::panel_clears::clear_by_secondary(&state, buffer, recording);
             recording.events.extend(others_list.iter().map(|other| Event::Execute(*other)));
             recording.forget_state();
             (recording.pass.is_some() || recording.plain.is_some()).then_some(recording.pass.is_some())

@@ -1,8 +1,8 @@
 //! The table of all hooks of a device.
 
+use crate::intercept::vk::commands::passes::{dynamic_rendering, framebuffers, render_passes};
 use crate::intercept::vk::commands::{
-    barriers_and_clears, bound_state, conditional_render, copies, draws, dynamic_rendering, framebuffers, passes,
-    recording, unsupported,
+    barriers_and_clears, bound_state, conditional_render, copies, draws, recording, unsupported,
 };
 use crate::intercept::vk::descriptors::{push_descriptors, sets};
 use crate::intercept::vk::layer::device;
@@ -41,10 +41,10 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             bound_state::HOOKS,
             conditional_render::HOOKS,
             copies::HOOKS,
-            draws::HOOKS,
+            draws::hooks::HOOKS,
             dynamic_rendering::HOOKS,
             framebuffers::HOOKS,
-            passes::HOOKS,
+            render_passes::HOOKS,
             recording::HOOKS,
             unsupported::HOOKS,
             push_descriptors::HOOKS,

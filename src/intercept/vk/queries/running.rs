@@ -2,7 +2,7 @@
 //! issued.
 
 use crate::intercept::scene::query_scaling::{QueryScaling, factor};
-use crate::intercept::vk::commands::panel_clears::clear_pending;
+use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::queries::Pool;
 use crate::intercept::vk::state::recording::Event;

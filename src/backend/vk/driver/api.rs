@@ -1,6 +1,6 @@
 //! The functions of a program's device.
 
-use super::images::{check_source_format, check_target_format};
+use crate::backend::vk::images::{check_source_format, check_target_format};
 use crate::cache::Cache;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
@@ -10,17 +10,17 @@ use std::ffi::{CStr, c_void};
 #[derive(Clone)]
 pub struct Api {
     /// The device's functions.
-    pub(super) device: ash::Device,
+    pub(in crate::backend::vk) device: ash::Device,
     /// What kinds of memory there are.
-    pub(super) memory: vk::PhysicalDeviceMemoryProperties,
+    pub(in crate::backend::vk) memory: vk::PhysicalDeviceMemoryProperties,
     /// Its limits.
-    pub(super) limits: vk::PhysicalDeviceLimits,
+    pub(in crate::backend::vk) limits: vk::PhysicalDeviceLimits,
     instance: ash::Instance,
     physical_device: vk::PhysicalDevice,
     /// Keeps what the driver made of shaders …
-    pub(super) cache: Cache,
+    pub(in crate::backend::vk) cache: Cache,
     /// … for this driver on this device.
-    pub(super) driver: Vec<u8>,
+    pub(in crate::backend::vk) driver: Vec<u8>,
 }
 
 impl Api {
@@ -148,14 +148,14 @@ impl Api {
     }
 
     /// How many bits the timestamps of queues of `family` have; 0: there are none.
-    pub(super) fn timestamp_bits(&self, family: u32) -> u32 {
+    pub(in crate::backend::vk) fn timestamp_bits(&self, family: u32) -> u32 {
         // SAFETY: the physical device is one of the instance's.
         let families = unsafe { self.instance.get_physical_device_queue_family_properties(self.physical_device) };
         families.get(family as usize).map_or(0, |family| family.timestamp_valid_bits)
     }
 
     /// What images of `format` with optimal tiling can be used for.
-    pub(super) fn features(&self, format: vk::Format) -> vk::FormatFeatureFlags {
+    pub(in crate::backend::vk) fn features(&self, format: vk::Format) -> vk::FormatFeatureFlags {
         // SAFETY: the physical device is one of the instance's.
         unsafe { self.instance.get_physical_device_format_properties(self.physical_device, format) }
             .optimal_tiling_features

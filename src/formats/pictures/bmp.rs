@@ -2,16 +2,16 @@
 //! four channels, as VIOSO's sets have them: weights in more bits than other readers of bitmaps
 //! know.
 
-use super::bytes::Bytes;
-use super::input::{checked_size, invalid};
 use crate::error::Result;
+use crate::formats::reading::bytes::Bytes;
+use crate::formats::reading::input::{checked_size, invalid};
 
 /// Length of the headers that every bitmap has: of the file, and of the picture.
 const HEADERS: usize = 14 + 40;
 
 /// A bitmap.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Bitmap {
+pub(in crate::formats) struct Bitmap {
     /// Width and height in pixels.
     pub size: (u32, u32),
     /// Red, green and blue, 0…1 of the greatest of its bits, row by row from the top; of floats as
@@ -25,7 +25,7 @@ pub(super) struct Bitmap {
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason: what is cut off, compressed, has a
 /// palette, or is too large.
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
+pub(in crate::formats) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
     let mut file = Bytes::new(name, bytes);
     file.take(10, "a picture's header")?;
     let start = file.u32("the place of a picture's pixels")? as usize;
@@ -79,7 +79,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
 
 /// Precision of a bitmap.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Bits {
+pub(in crate::formats) enum Bits {
     /// 8 bits for each of three channels.
     Eight,
     /// 16 bits for each of three channels.
@@ -87,7 +87,7 @@ pub(super) enum Bits {
 }
 
 /// A bitmap without pixels.
-pub(super) const EMPTY: [u8; HEADERS] = headers(HEADERS as u32, 0, 0, 24);
+pub(in crate::formats) const EMPTY: [u8; HEADERS] = headers(HEADERS as u32, 0, 0, 24);
 
 /// The headers of a bitmap whose first row is the lowest.
 const fn headers(length: u32, width: u32, height: u32, bits: u8) -> [u8; HEADERS] {
@@ -111,7 +111,7 @@ const fn headers(length: u32, width: u32, height: u32, bits: u8) -> [u8; HEADERS
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) if they are not as many as the size says, or too
 /// many for the format.
-pub(super) fn write(name: &str, size: (u32, u32), values: &[[f32; 3]], bits: Bits) -> Result<Vec<u8>> {
+pub(in crate::formats) fn write(name: &str, size: (u32, u32), values: &[[f32; 3]], bits: Bits) -> Result<Vec<u8>> {
     let (columns, rows) = (size.0 as usize, size.1 as usize);
     let each = if bits == Bits::Eight { 1 } else { 2 };
     let line = (3 * each * columns).next_multiple_of(4);
@@ -135,7 +135,7 @@ pub(super) fn write(name: &str, size: (u32, u32), values: &[[f32; 3]], bits: Bit
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::formats) mod tests {
     use super::*;
 
     /// A bitmap of 3 × 2 pixels with these green values from the top left.

@@ -1,13 +1,13 @@
 //! Text files, line by line.
 
-use super::input::invalid;
 use crate::error::{Error, Result};
+use crate::formats::reading::input::invalid;
 
 /// Longest line, bytes: a face with thousands of corners.
 const LONGEST_LINE: usize = 1 << 16;
 
 /// The lines of a text file that have something on them, with their numbers.
-pub(super) struct Lines<'a> {
+pub(in crate::formats) struct Lines<'a> {
     name: &'a str,
     rest: std::iter::Enumerate<std::str::Lines<'a>>,
     /// The line that was last given, from 1; 0 before the first.
@@ -17,7 +17,7 @@ pub(super) struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// The lines of `bytes`, which must be UTF-8 (with or without a byte order mark), of the file
     /// `name`.
-    pub(super) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self> {
+    pub(in crate::formats) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
             let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
             invalid(name, format!("line {line} is not text (UTF-8)"))
@@ -30,7 +30,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The next line that is not blank, trimmed.
-    pub(super) fn next(&mut self) -> Option<&'a str> {
+    pub(in crate::formats) fn next(&mut self) -> Option<&'a str> {
         for (index, line) in self.rest.by_ref() {
             self.number = index + 1;
             let line = line.trim();
@@ -42,24 +42,24 @@ impl<'a> Lines<'a> {
     }
 
     /// The next line that is not blank; `what` it should be, for the error at the file's end.
-    pub(super) fn expect(&mut self, what: &str) -> Result<&'a str> {
+    pub(in crate::formats) fn expect(&mut self, what: &str) -> Result<&'a str> {
         self.next().ok_or_else(|| invalid(self.name, format!("ends after line {}; expected {what}", self.number)))
     }
 
     /// An error in the line that was last given.
-    pub(super) fn wrong(&self, why: impl std::fmt::Display) -> Error {
+    pub(in crate::formats) fn wrong(&self, why: impl std::fmt::Display) -> Error {
         invalid(&format!("{}:{}", self.name, self.number), why)
     }
 
     /// A finite number out of the line that was last given.
-    pub(super) fn number(&self, word: &str, what: &str) -> Result<f64> {
+    pub(in crate::formats) fn number(&self, word: &str, what: &str) -> Result<f64> {
         let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
         number.ok_or_else(|| self.wrong(format!("{} is no number that can be used; expected {what}", shown(word))))
     }
 
     /// A whole number of at least `least` and at most `greatest` out of the line that was last
     /// given.
-    pub(super) fn count(&self, word: &str, what: &str, least: usize, greatest: usize) -> Result<usize> {
+    pub(in crate::formats) fn count(&self, word: &str, what: &str, least: usize, greatest: usize) -> Result<usize> {
         let count = word.parse::<usize>().ok().filter(|count| (least..=greatest).contains(count));
         count.ok_or_else(|| {
             self.wrong(format!(
@@ -71,6 +71,6 @@ impl<'a> Lines<'a> {
 }
 
 /// A word of a file in quotes, cut to a length that fits into a message.
-pub(super) fn shown(word: &str) -> String {
+pub(in crate::formats) fn shown(word: &str) -> String {
     format!("{:?}", word.chars().take(40).collect::<String>())
 }

@@ -4,10 +4,10 @@
 //! Calibrations mark pixels that show nothing with NaN. The scale's size is not applied: writers of
 //! calibrations give 1, and readers ignore it.
 
-use super::grid::Raster;
-use super::input::{checked_size, invalid};
-use super::text::shown;
 use crate::error::Result;
+use crate::formats::grid::Raster;
+use crate::formats::reading::input::{checked_size, invalid};
+use crate::formats::reading::text::shown;
 
 /// Longest header, bytes; ours has up to 20.
 const LONGEST_HEADER: usize = 256;

@@ -1,10 +1,10 @@
 //! Pictures of what a display shows where a program shows black.
 
-use super::input::invalid;
-use super::pfm;
 use crate::digest::Digest;
 use crate::error::{Error, ErrorKind, Result};
-use crate::formats::input;
+use crate::formats::pictures::pfm;
+use crate::formats::reading::input;
+use crate::formats::reading::input::invalid;
 use glam::DVec2;
 use serde::{Serialize, Serializer};
 use std::fmt;

@@ -4,7 +4,7 @@
 use crate::correct::single::pixels;
 use crate::intercept::scene;
 use crate::intercept::vk::commands::bound_state::set_window;
-use crate::intercept::vk::commands::rebind::rebind;
+use crate::intercept::vk::commands::draws::rebind::rebind;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
 use crate::intercept::vk::state::recording::Recording;

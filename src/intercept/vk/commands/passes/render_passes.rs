@@ -3,7 +3,7 @@
 use crate::backend::vk::COLOR;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::conditional_render;
-use crate::intercept::vk::commands::panel_clears::{clear_panel, clear_pending};
+use crate::intercept::vk::commands::passes::panel_clears::{clear_panel, clear_pending};
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::{in_chain, slice};

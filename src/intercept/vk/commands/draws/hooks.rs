@@ -1,9 +1,9 @@
 //! Hooks of draws: a draw in a pass that draws to views is issued once per view, others as they
 //! are.
 
-use crate::intercept::vk::commands::rebind::restore;
-use crate::intercept::vk::commands::replicate::{self, ProgramDraw};
-use crate::intercept::vk::commands::tiles::is_main;
+use crate::intercept::vk::commands::draws::rebind::restore;
+use crate::intercept::vk::commands::draws::replicate::{self, ProgramDraw};
+use crate::intercept::vk::commands::draws::tiles::is_main;
 use crate::intercept::vk::offscreen::scene_graph::{self, Cover};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;

@@ -1,7 +1,7 @@
 //! Dynamic rendering: where it draws to a view target, it draws to the atlas in its place.
 
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::commands::passes::{end, is_whole, plain, served, whole_atlas};
+use crate::intercept::vk::commands::passes::render_passes::{end, is_whole, plain, served, whole_atlas};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;

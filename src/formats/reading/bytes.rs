@@ -1,10 +1,10 @@
 //! Binary files, value by value.
 
-use super::input::invalid;
 use crate::error::{Error, Result};
+use crate::formats::reading::input::invalid;
 
 /// Little-endian values out of a binary file, with the offset for messages.
-pub(super) struct Bytes<'a> {
+pub(in crate::formats) struct Bytes<'a> {
     name: &'a str,
     all: &'a [u8],
     at: usize,
@@ -12,27 +12,27 @@ pub(super) struct Bytes<'a> {
 
 impl<'a> Bytes<'a> {
     /// The bytes of the file `name`, from its start.
-    pub(super) fn new(name: &'a str, all: &'a [u8]) -> Self {
+    pub(in crate::formats) fn new(name: &'a str, all: &'a [u8]) -> Self {
         Self { name, all, at: 0 }
     }
 
     /// The offset of the next value.
-    pub(super) fn offset(&self) -> usize {
+    pub(in crate::formats) fn offset(&self) -> usize {
         self.at
     }
 
     /// Returns the number of bytes that are left.
-    pub(super) fn left(&self) -> usize {
+    pub(in crate::formats) fn left(&self) -> usize {
         self.all.len() - self.at
     }
 
     /// An error at the next value.
-    pub(super) fn wrong(&self, why: impl std::fmt::Display) -> Error {
+    pub(in crate::formats) fn wrong(&self, why: impl std::fmt::Display) -> Error {
         invalid(self.name, format!("at byte {}: {why}", self.at))
     }
 
     /// The next `length` bytes, which are `what`.
-    pub(super) fn take(&mut self, length: usize, what: &str) -> Result<&'a [u8]> {
+    pub(in crate::formats) fn take(&mut self, length: usize, what: &str) -> Result<&'a [u8]> {
         if length > self.left() {
             return Err(
                 self.wrong(format!("the file ends; expected {length} bytes of {what}, {} are there", self.left()))
@@ -44,14 +44,14 @@ impl<'a> Bytes<'a> {
     }
 
     /// The next `COUNT` bytes.
-    pub(super) fn array<const COUNT: usize>(&mut self, what: &str) -> Result<[u8; COUNT]> {
+    pub(in crate::formats) fn array<const COUNT: usize>(&mut self, what: &str) -> Result<[u8; COUNT]> {
         let mut array = [0; COUNT];
         array.copy_from_slice(self.take(COUNT, what)?);
         Ok(array)
     }
 
     /// A 32-bit number.
-    pub(super) fn u32(&mut self, what: &str) -> Result<u32> {
+    pub(in crate::formats) fn u32(&mut self, what: &str) -> Result<u32> {
         Ok(u32::from_le_bytes(self.array(what)?))
     }
 }

@@ -1,8 +1,8 @@
 //! A device of our own, without a window: for tests, measurements and `cupola doctor`.
 
-use super::api::{Api, refused};
-use super::barrier::{COLOR, Use, barrier};
-use super::images::SourceImage;
+use crate::backend::vk::barrier::{COLOR, Use, barrier};
+use crate::backend::vk::driver::api::{Api, refused};
+use crate::backend::vk::images::SourceImage;
 use crate::correct::ImageSize;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;

@@ -1,6 +1,6 @@
 //! How long the device takes for corrections.
 
-use super::api::{Api, refused};
+use crate::backend::vk::driver::api::{Api, refused};
 use crate::error::Result;
 use ash::vk;
 
@@ -17,7 +17,7 @@ pub struct Timing {
 
 /// A pair of timestamps for each source. The default measures nothing.
 #[derive(Default)]
-pub(super) struct Timers {
+pub(in crate::backend::vk) struct Timers {
     pool: vk::QueryPool,
     /// Whether timestamps of a source were written.
     written: Vec<bool>,

@@ -12,10 +12,12 @@
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::commands::bound_state::set_window;
-use crate::intercept::vk::commands::indirect;
-use crate::intercept::vk::commands::panel_clears::clear_pending;
-use crate::intercept::vk::commands::rebind::{rebind, restore};
-use crate::intercept::vk::commands::tiles::{PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, move_to_tile};
+use crate::intercept::vk::commands::draws::indirect;
+use crate::intercept::vk::commands::draws::rebind::{rebind, restore};
+use crate::intercept::vk::commands::draws::tiles::{
+    PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, move_to_tile,
+};
+use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
 use crate::intercept::vk::offscreen::scene_graph;
 use crate::intercept::vk::pipelines::matrix_sources::source;
 use crate::intercept::vk::state::device::Device;

@@ -58,7 +58,7 @@ pub fn read_at_most(path: &Path, longest: u64) -> Result<Vec<u8>> {
 }
 
 /// An error of the file `name`.
-pub(super) fn invalid(name: &str, why: impl std::fmt::Display) -> Error {
+pub(in crate::formats) fn invalid(name: &str, why: impl std::fmt::Display) -> Error {
     Error::new(ErrorKind::InvalidRig, format!("{name}: {why}"))
 }
 
@@ -66,7 +66,7 @@ pub(super) fn invalid(name: &str, why: impl std::fmt::Display) -> Error {
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] if one of them is 0 or there are more than [`MOST_PIXELS`].
-pub(super) fn checked_size(name: &str, width: u64, height: u64) -> Result<(u32, u32)> {
+pub(in crate::formats) fn checked_size(name: &str, width: u64, height: u64) -> Result<(u32, u32)> {
     let pixels = width.checked_mul(height).filter(|pixels| (1..=MOST_PIXELS).contains(pixels));
     match (u32::try_from(width), u32::try_from(height), pixels) {
         (Ok(width), Ok(height), Some(_)) => Ok((width, height)),
@@ -78,7 +78,7 @@ pub(super) fn checked_size(name: &str, width: u64, height: u64) -> Result<(u32, 
 }
 
 /// A PNG picture of any kind, within limits.
-pub(super) fn png(name: &str, bytes: &[u8]) -> Result<image::DynamicImage> {
+pub(in crate::formats) fn png(name: &str, bytes: &[u8]) -> Result<image::DynamicImage> {
     let reader = || {
         let mut reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Png);
         let mut limits = image::Limits::default();
