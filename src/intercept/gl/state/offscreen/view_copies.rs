@@ -81,11 +81,11 @@ impl ViewCopies {
         self.framebuffers.iter().position(|f| f.name == framebuffer)
     }
 
-    /// Any of the colours of a framebuffer is to be drawn once per view.
+    /// Any of the images of a framebuffer is to be drawn once per view.
     pub(in crate::intercept::gl) fn has_view_copies(&self, framebuffer: &Framebuffer) -> bool {
         framebuffer.known
             && framebuffer.obstacle.is_none()
-            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.view_copy.is_some()))
+            && framebuffer.images().any(|name| self.image(name).is_some_and(|image| image.view_copy.is_some()))
     }
 
     /// The images of a framebuffer, as a set.
