@@ -1,10 +1,11 @@
 //! Clip-space re-projection: from the program's own clip coordinates to a view's.
 
 use super::Frustum;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DMat4, DVec3, DVec4};
 
 mod camera_function;
 mod classification;
+pub mod eye_axes;
 #[cfg(test)]
 mod tests;
 
@@ -47,7 +48,15 @@ pub enum MatrixClass {
     Perspective(Intrinsics),
     /// Keeps w constant: a model, view or orthographic matrix.
     Affine,
-    /// Neither (singular, not finite, or a perspective with non-uniform scale or skew in it).
+    /// A perspective projection times an affine matrix that is no similarity: of the lens only E and F are told, as in
+    /// [`Intrinsics`].
+    Stretched {
+        /// E, with the same error as that of a perspective.
+        e: f64,
+        /// F, where it is not lost.
+        f: Option<f64>,
+    },
+    /// Neither (singular, not finite, or with an oblique near plane).
     Other,
 }
 
@@ -73,6 +82,11 @@ pub struct ClipRows {
 }
 
 impl Intrinsics {
+    /// The matrix of a projection with this lens and this F.
+    pub fn projection(&self, f: f64) -> DMat4 {
+        DMat4::from_cols(DVec4::X * self.a, DVec4::Y * self.c, DVec4::new(self.b, self.d, self.e, -1.0), DVec4::Z * f)
+    }
+
     /// The program's own lens as tangents of its sides.
     pub fn frustum(&self) -> Frustum {
         Frustum {

@@ -59,6 +59,11 @@ impl Cameras {
         }
     }
 
+    /// All lenses of this frame and the last one.
+    pub fn lenses(&self) -> impl Iterator<Item = &Intrinsics> {
+        self.list.iter().map(|camera| &camera.intrinsics)
+    }
+
     /// The lenses that the views of this frame or of the last one are drawn with.
     pub fn shown(&self) -> impl Iterator<Item = &Intrinsics> {
         self.list.iter().filter(|camera| camera.shown > 0).map(|camera| &camera.intrinsics)

@@ -25,13 +25,82 @@ pub enum Order {
     Either,
 }
 
+/// How much of a lens a matrix tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Certainty {
+    /// All: it is the lens alone.
+    Projection,
+    /// All, unless a model is stretched along the camera's own axes.
+    Product,
+    /// E and F, since a model is stretched or skewed.
+    Depth,
+}
+
+/// A lens that a program draws with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// The lens; of [`Certainty::Depth`] only E and F.
+    pub intrinsics: Intrinsics,
+    /// How much of it is known.
+    pub certainty: Certainty,
+}
+
 /// A lens, and how much speaks for it: the smaller, the more.
 #[derive(Clone, Copy, Debug)]
 struct Found {
-    intrinsics: Intrinsics,
-    pure: bool,
-    doubt: (bool, u8),
+    told: Told,
+    doubt: (bool, bool, u8),
 }
+
+impl Told {
+    /// One that is known altogether.
+    pub fn sure(intrinsics: Intrinsics) -> Self {
+        Self { intrinsics, certainty: Certainty::Projection }
+    }
+
+    /// Where it was found.
+    pub fn how(&self) -> &'static str {
+        match self.certainty {
+            Certainty::Projection => "projection matrix uniform",
+            Certainty::Product | Certainty::Depth => "model-view-projection matrix uniform",
+        }
+    }
+
+    /// The lens, with the help of those that are `known` where the matrix does not tell it for sure: a product of a known lens
+    /// has its E and F, whatever the model is. `aspect`: width by height of the viewport. A lens whose pixels are not square, or
+    /// that looks aside, gives way to a known one without these marks of a stretched model. `None`: it is not known.
+    pub fn settled<'a>(&self, known: impl Iterator<Item = &'a Intrinsics>, aspect: f64) -> Option<Intrinsics> {
+        let lens = self.intrinsics;
+        let regular = |lens: &Intrinsics| {
+            (lens.c / lens.a / aspect - 1.0).abs() < IRREGULAR && lens.b.abs() < IRREGULAR && lens.d.abs() < IRREGULAR
+        };
+        let same_depth = |other: &Intrinsics| {
+            let e = (other.e - lens.e).abs() <= DEPTH_TOLERANCE * lens.e.abs().max(1.0);
+            e && other.f.zip(lens.f).is_none_or(|(a, b)| (a - b).abs() <= OFFSET_TOLERANCE * a.abs().max(b.abs()))
+        };
+        match self.certainty {
+            Certainty::Projection => Some(lens),
+            Certainty::Product if regular(&lens) => Some(lens),
+            Certainty::Product => {
+                let mut fitting = known.filter(|known| same_depth(known) && regular(known));
+                Some(fitting.next().copied().unwrap_or(lens))
+            }
+            Certainty::Depth => {
+                let fitting: Vec<&Intrinsics> = known.filter(|known| same_depth(known)).collect();
+                fitting.iter().find(|known| regular(known)).or(fitting.first()).map(|known| **known)
+            }
+        }
+    }
+}
+
+/// Greatest deviation of a lens that is like those of most programs.
+const IRREGULAR: f64 = 0.02;
+
+/// Greatest deviation of E that rounding of a product in f32 explains; of lenses with E beyond ±1 relative.
+const DEPTH_TOLERANCE: f64 = 2e-6;
+
+/// Greatest relative deviation of F, as the classification gives it.
+const OFFSET_TOLERANCE: f64 = 2e-3;
 
 impl Candidate<'_> {
     /// A matrix of either order.
@@ -41,16 +110,23 @@ impl Candidate<'_> {
 
     /// The lens that it holds.
     pub fn lens(&self) -> Option<Intrinsics> {
-        self.found().map(|found| found.intrinsics)
+        let told = self.found()?.told;
+        (told.certainty != Certainty::Depth).then_some(told.intrinsics)
     }
 
     fn found(&self) -> Option<Found> {
         let turned = transposed(self.value);
-        let found = |value: &[f64; 16], pure: bool, guessed: bool| match classify(value) {
-            MatrixClass::Perspective(intrinsics) => {
-                Some(Found { intrinsics, pure, doubt: (guessed, self.rank * 2 + u8::from(!pure)) })
-            }
-            _ => None,
+        let found = |value: &[f64; 16], pure: bool, guessed: bool| {
+            let (intrinsics, certainty) = match classify(value) {
+                MatrixClass::Perspective(lens) if pure => (lens, Certainty::Projection),
+                MatrixClass::Perspective(lens) => (lens, Certainty::Product),
+                MatrixClass::Stretched { e, f } => {
+                    (Intrinsics { a: 1.0, b: 0.0, c: 1.0, d: 0.0, e, f }, Certainty::Depth)
+                }
+                _ => return None,
+            };
+            let doubt = (certainty == Certainty::Depth, guessed, self.rank * 2 + u8::from(!pure));
+            Some(Found { told: Told { intrinsics, certainty }, doubt })
         };
         if is_projection(&turned) {
             return found(&turned, true, false);
@@ -61,14 +137,17 @@ impl Candidate<'_> {
             Order::Either if is_projection(self.value) => found(self.value, true, false),
             // The transpose of a translation looks like a perspective.
             Order::Either if [self.value, &turned].iter().any(|value| classify(value) == MatrixClass::Affine) => None,
-            Order::Either => found(self.value, false, false).or_else(|| found(&turned, false, true)),
+            Order::Either => {
+                let both = [found(self.value, false, false), found(&turned, false, true)];
+                both.into_iter().flatten().min_by_key(|found| found.doubt)
+            }
         }
     }
 }
 
-/// The lens that the matrices hold, how it was found, and the number of the matrix that holds it; `None`: what they draw
-/// is flat. A product that only reads as a perspective by its rows counts if no other matrix does.
-pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Intrinsics, &'static str, usize)> {
+/// The lens that the matrices hold, and the number of the matrix that holds it; `None`: what they draw is flat. A product
+/// that only reads as a perspective by its rows counts if no other matrix does.
+pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Told, usize)> {
     let mut best: Option<(Found, usize)> = None;
     for (number, candidate) in candidates.enumerate() {
         let Some(found) = candidate.found() else { continue };
@@ -76,10 +155,7 @@ pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Intr
             best = Some((found, number));
         }
     }
-    best.map(|(found, number)| {
-        let how = if found.pure { "projection matrix uniform" } else { "model-view-projection matrix uniform" };
-        (found.intrinsics, how, number)
-    })
+    best.map(|(found, number)| (found.told, number))
 }
 
 /// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
@@ -128,7 +204,8 @@ pub fn rank(name: &str) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Candidate, Order, find, fours, is_projection, rank, transposed};
+    use super::{Candidate, Certainty, Order, Told, find, fours, is_projection, rank, transposed};
+    use crate::runtime::session::Intrinsics;
 
     const PROJECTION: [f64; 16] = [1.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.1, 0.2, -1.01, -1.0, 0.0, 0.0, -0.2, 0.0];
 
@@ -148,7 +225,7 @@ mod tests {
     }
 
     fn lens(list: &[Candidate<'_>]) -> Option<f64> {
-        find(list.iter().copied()).map(|(lens, _, _)| lens.a)
+        find(list.iter().copied()).map(|(told, _)| told.intrinsics.a)
     }
 
     #[test]
@@ -186,6 +263,24 @@ mod tests {
         for value in [translation, transposed(&translation)] {
             assert_eq!(lens(&[Candidate::either(0, &value)]), None);
         }
+    }
+
+    #[test]
+    fn a_known_lens_is_that_of_a_stretched_model_with_its_depth() {
+        let known = Intrinsics { a: 1.5, b: 0.0, c: 2.0, d: 0.0, e: -1.01, f: Some(-0.2) };
+        let other = Intrinsics { e: -1.02, ..known };
+        let told = |certainty, intrinsics| Told { certainty, intrinsics };
+        let aspect = 2.0 / 1.5;
+        let depth = told(Certainty::Depth, Intrinsics { a: 1.0, c: 1.0, ..known });
+        assert_eq!(depth.settled([other, known].iter(), aspect), Some(known));
+        assert_eq!(depth.settled([other].iter(), aspect), None, "another camera");
+        assert_eq!(depth.settled([Intrinsics { f: Some(-0.3), ..known }].iter(), aspect), None, "another near plane");
+        let along_axes = Intrinsics { c: 0.01, d: 0.4, ..known };
+        assert_eq!(told(Certainty::Product, along_axes).settled([other, known].iter(), aspect), Some(known));
+        assert_eq!(told(Certainty::Product, along_axes).settled([other].iter(), aspect), Some(along_axes));
+        let zoomed = Intrinsics { a: 3.0, c: 4.0, ..known };
+        assert_eq!(told(Certainty::Product, zoomed).settled([known].iter(), aspect), Some(zoomed), "a lens of its own");
+        assert_eq!(Told::sure(along_axes).settled([known].iter(), aspect), Some(along_axes), "the lens alone");
     }
 
     #[test]

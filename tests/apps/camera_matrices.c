@@ -75,6 +75,14 @@ static const form forms[] = {
      "void main() { at = position.xy; gl_Position = vec4(position.xy, 0.5, 1.0); }\n",
      "#version 120\nvarying vec2 at;\nuniform mat4 inversePMV;\n" COLOUR
      "void main() { gl_FragColor = vec4(colour((inversePMV * vec4(at, 1.0, 1.0)).xyz), 1.0); }\n"},
+    {"sky_forced", TRIANGLE,
+     SKY("uniform mat4 inverseP, inverseMV;\nvec3 direction() {\n    vec4 eye = inverseP * vec4(at, -1.0, 1.0);\n"
+         "    return (inverseMV * vec4(eye.xy, -1.0, 0.0)).xyz;\n}\n",
+         "direction()")},
+    {"sky_forced_view", TRIANGLE,
+     SKY("uniform mat4 P, view;\nvec3 direction() {\n    vec4 eye = inverse(P) * vec4(at, -1.0, 1.0);\n"
+         "    return inverse(mat3(view)) * vec3(eye.xy / -eye.z, -1.0);\n}\n",
+         "direction()")},
     {"sky_off", TRIANGLE, SKY("uniform mat4 inversePMV;\n", "(inversePMV * vec4(at, 1.0, 1.0)).xyz")},
     {"light_all", TRIANGLE, LIGHT("uniform mat4 inversePMV;\n", "p = inversePMV * ndc;" SHOW)},
     {"light_apart", TRIANGLE,
@@ -200,6 +208,7 @@ static void use(const app *a, GLuint of)
     glUseProgram(of);
     set(of, "P", p);
     set(of, "MV", mv);
+    set(of, "view", a->view);
     set(of, "PMV", pmv);
     set(of, "inverseP", inverse(p));
     set(of, "inverseMV", inverse(mv));

@@ -41,6 +41,7 @@ fn right(forms: &[&str]) {
 fn skies_are_where_they_belong() {
     right(&["sky_all", "sky_apart", "sky_inverted", "sky_row_vector", "sky_texture"]);
     right(&["sky_block", "sky_structure", "sky_vertices", "sky_old", "sky_off"]);
+    right(&["sky_forced", "sky_forced_view"]);
 }
 
 fn places_from_depth_are_those_of_the_scene() {

@@ -15,6 +15,7 @@ tests! {
     an_attribute_of_each_instance,
     parameters_of_a_vertex_program,
     a_storage_block,
+    a_model_that_is_stretched,
 }
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
@@ -99,4 +100,23 @@ fn a_storage_block() {
     right("storage_camera", &["member", "rows", "constant", "far", "uniform", "same"]);
     right("storage_camera", &["structures", "structure_by_uniform"]);
     flat_but_for_a_given_lens("storage_camera", "instance");
+}
+
+/// Matrices of stretched models do not tell the lens; that of the other models is used. Where the camera looks along the axes
+/// of a stretched model, its matrix looks like that of another lens.
+fn a_model_that_is_stretched() {
+    for (yaw, pitch) in [(0.0, 0.0), (CAMERAS[1].1, CAMERAS[1].2)] {
+        for form in ["axes", "skew"] {
+            let extra = ["--mode", form, "--shot", "shot.ppm"];
+            let run = Run { yaw, pitch, ..run("stretched_models", &extra) };
+            let Some(plain) = run.plain() else { return };
+            let picture = plain.expect_success().picture("shot.ppm");
+            let what = format!("{form} {yaw} {pitch}");
+            expect_good(&compare(&picture, shown_by_window(run.size, run.fov, camera_of(&run))), &picture, &what);
+            let Some(under) = run.under("fisheye") else { return };
+            let picture = under.expect_success().expect_no_gl_errors().picture("capture.png");
+            let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+            expect_good(&compare(&picture, shown_by_fisheye(circle, camera_of(&run))), &picture, &what);
+        }
+    }
 }

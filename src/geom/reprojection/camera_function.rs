@@ -81,14 +81,8 @@ impl CameraFunction {
         match (self.direction, lens.f) {
             // An inverse would multiply what was rounded.
             (Direction::FromClip, Some(f)) => {
-                let projection = DMat4::from_cols(
-                    DVec4::X * lens.a,
-                    DVec4::Y * lens.c,
-                    DVec4::new(lens.b, lens.d, lens.e, -1.0),
-                    DVec4::Z * f,
-                );
                 let matrix = self.oriented(DMat4::from_cols_array(matrix));
-                Some(of_similarity(matrix * self.coordinates.from_clip() * projection, f))
+                Some(of_similarity(matrix * self.coordinates.from_clip() * lens.projection(f), f))
             }
             _ => Some(Rows::of(self.to_clip(matrix)?).deviation(lens)),
         }
@@ -123,17 +117,22 @@ impl CameraFunction {
         })
     }
 
+    /// Whether the matrix is written for row vectors.
+    pub fn is_transposed(&self) -> bool {
+        self.transposed
+    }
+
     /// Where it leads.
     pub fn direction(&self) -> Direction {
         self.direction
     }
 
-    fn oriented(&self, matrix: DMat4) -> DMat4 {
+    pub(super) fn oriented(&self, matrix: DMat4) -> DMat4 {
         if self.transposed { matrix.transpose() } else { matrix }
     }
 
     /// The matrix to clip coordinates that `matrix` would come from.
-    fn to_clip(self, matrix: &[f64; 16]) -> Option<DMat4> {
+    pub(super) fn to_clip(self, matrix: &[f64; 16]) -> Option<DMat4> {
         let matrix = self.oriented(DMat4::from_cols_array(matrix));
         let matrix = match self.direction {
             Direction::ToClip => matrix,
@@ -156,7 +155,7 @@ impl CameraFunction {
 }
 
 /// `None`: there is none that numbers of 64 bits can tell.
-fn inverse(matrix: DMat4) -> Option<DMat4> {
+pub(super) fn inverse(matrix: DMat4) -> Option<DMat4> {
     let scale: f64 = (0..4).map(|column| matrix.col(column).length()).product();
     let determinant = matrix.determinant();
     // Written so that NaN is refused.

@@ -23,9 +23,11 @@ const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 /// the eye; a mirrored (negative determinant), upside-down or left-handed (`w = +z`) program has
 /// the mirror in its eye axes then, and re-projected directions still agree with its own picture.
 ///
-/// `Other`: non-finite entries, singular, non-uniform scale or skew (unless it is along the
-/// camera's own axes, where it cannot be told from another lens), or a depth row that is not
-/// parallel to the w row (oblique near plane).
+/// `Stretched`: a model with non-uniform scale or skew. Where this is along the camera's own axes it cannot be told
+/// from another lens, whose E and F are right.
+///
+/// `Other`: non-finite entries, singular, or a depth row that is not parallel to the w row (oblique
+/// near plane).
 pub fn classify(matrix: &[f64; 16]) -> MatrixClass {
     classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * column + row])))
 }
@@ -44,10 +46,7 @@ fn classify_rows(m: [[f64; 4]; 4]) -> MatrixClass {
     if m[3][..3] == [0.0; 3] {
         return if m[3][3] != 0.0 { MatrixClass::Affine } else { MatrixClass::Other };
     }
-    match projection(&m).or_else(|| separated(&m)) {
-        Some(intrinsics) => MatrixClass::Perspective(intrinsics),
-        None => MatrixClass::Other,
-    }
+    projection(&m).map_or_else(|| product(&m), MatrixClass::Perspective)
 }
 
 /// A bare projection matrix, `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 ∓1 0]`.
@@ -61,9 +60,9 @@ fn projection(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
     Some(Intrinsics { a: a.abs(), b: b * -w, c: c.abs(), d: d * -w, e: e * -w, f: Some(f) })
 }
 
-/// A projection times a similarity, by the RQ decomposition of the 3×3 parts of the rows x, y and
+/// A projection times an affine matrix, by the RQ decomposition of the 3×3 parts of the rows x, y and
 /// w.
-fn separated(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
+fn product(m: &[[f64; 4]; 4]) -> MatrixClass {
     let [x, y, z, w] = m.map(|row| DVec3::new(row[0], row[1], row[2]));
     let scale = w.length();
     let axis = w / scale;
@@ -76,22 +75,21 @@ fn separated(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
     let tolerance = noise(x, a) + noise(y, c);
     let skew = right.dot(up).abs() / (a * c);
     // Written so that NaN (a row parallel to w, an overflow) is refused.
-    let uniform = skew <= tolerance && tolerance < 1e-2;
     let parallel = depth.length() <= 10.0 * SKEW_TOLERANCE * z.length();
-    if !(uniform && parallel) {
-        return None;
+    if !(parallel && tolerance < 1e-2) {
+        return MatrixClass::Other;
     }
     let (offset, moved) = (m[2][3], e / scale * m[3][3]);
     let f = offset + moved;
     let significant = f.abs() >= OFFSET_SIGNIFICANCE * (offset.abs() + moved.abs()) && f != 0.0;
-    let intrinsics = Intrinsics {
-        a: a / scale,
-        b: b / scale,
-        c: c / scale,
-        d: d / scale,
-        e: e / scale,
-        f: significant.then_some(f),
-    };
+    let f = significant.then_some(f);
+    let intrinsics = Intrinsics { a: a / scale, b: b / scale, c: c / scale, d: d / scale, e: e / scale, f };
     let finite = [intrinsics.a, intrinsics.b, intrinsics.c, intrinsics.d, intrinsics.e].iter().all(|n| n.is_finite());
-    finite.then_some(intrinsics)
+    match () {
+        () if !finite => MatrixClass::Other,
+        () if skew <= tolerance => MatrixClass::Perspective(intrinsics),
+        // Written so that NaN is refused, and what has no inverse.
+        () if skew < 1.0 - 1e-6 => MatrixClass::Stretched { e: intrinsics.e, f },
+        () => MatrixClass::Other,
+    }
 }

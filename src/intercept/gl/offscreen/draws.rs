@@ -44,7 +44,8 @@ pub fn draw(
     let attached = ctx.view_copies.attached(index);
     let sampled = sampled & !attached;
     let screen = class == DrawClass::Flat && sampled == 0 && upload::holds_inverse(ctx);
-    note(ctx, index, if screen { DrawClass::Screen } else { class }, sampled);
+    let class = if screen { DrawClass::Screen } else { class };
+    note(ctx, index, class, sampled);
     if !enter(ctx, index) {
         supply(ctx, sampled, own_tile(ctx));
         return false;

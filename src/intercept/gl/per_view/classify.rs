@@ -51,9 +51,11 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
 
 /// The class of what a program draws with `lens`.
 fn of_lens(ctx: &mut Context, lens: Lens) -> DrawClass {
-    let (Lens::Perspective(intrinsics, how), Some(session)) = (lens, ctx.drawable.session()) else {
+    let (Lens::Perspective(told, how), Some(session)) = (lens, ctx.drawable.session()) else {
         return DrawClass::Flat;
     };
+    let [width, height] = ctx.app.viewport.size().map(f64::from);
+    let Some(intrinsics) = told.settled(ctx.frame.cameras.lenses(), width / height) else { return DrawClass::Flat };
     ctx.frame.counts.found.count(how);
     ctx.frame.lens = Some(intrinsics);
     DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))

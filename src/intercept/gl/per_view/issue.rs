@@ -92,14 +92,14 @@ fn load_view(
             plain_program(ctx);
             restore_projection(ctx, projection_loaded);
         }
-        Some(DrawClass::Flat | DrawClass::Screen) => {
+        Some(class @ (DrawClass::Flat | DrawClass::Screen)) => {
             plain_rows(ctx);
-            upload::load_view(ctx, view, false);
+            upload::load_view(ctx, view, class);
         }
-        Some(DrawClass::Scene(camera)) => {
+        Some(class @ DrawClass::Scene(camera)) => {
             ctx.frame.cameras.show(camera);
             let rows = ctx.frame.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
-            upload::load_view(ctx, view, true);
+            upload::load_view(ctx, view, class);
             return load_rows(ctx, view, &rows);
         }
         Some(DrawClass::Background) if takes_rows => {
@@ -110,7 +110,7 @@ fn load_view(
             plain_program(ctx);
             if class == DrawClass::FixedScene {
                 show_fixed_lens(ctx);
-                upload::load_view(ctx, view, true);
+                upload::load_view(ctx, view, class);
             }
             let matrix = match class {
                 DrawClass::Background => ctx.frame.background.projection(view),

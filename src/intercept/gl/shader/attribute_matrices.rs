@@ -8,15 +8,14 @@ use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::{buffers, ranges, vertex_arrays};
-use crate::intercept::lens::{self, Candidate, rank};
-use crate::runtime::session::Intrinsics;
+use crate::intercept::lens::{self, Candidate, Told, rank};
 use std::ffi::{CStr, c_char};
 
 /// What the attributes of a program say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Found {
     /// A lens.
-    Lens(Intrinsics),
+    Lens(Told),
     /// None of them holds one.
     Nothing,
     /// One of them cannot be read.
@@ -55,7 +54,7 @@ pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> Found {
     }
     match lens::find(matrices.iter().map(|matrix| Candidate::either(matrix.rank, &matrix.value))) {
         _ if !readable => Found::Unreadable,
-        Some((intrinsics, ..)) => Found::Lens(intrinsics),
+        Some((told, _)) => Found::Lens(told),
         None => Found::Nothing,
     }
 }

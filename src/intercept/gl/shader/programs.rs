@@ -8,6 +8,7 @@ use crate::intercept::gl::shader::attribute_matrices::{self, Found};
 use crate::intercept::gl::shader::{assembly, camera_matrices, uniforms};
 use crate::intercept::gl::state::shader::programs::{Lens, Program};
 use crate::intercept::gl::vertex_input::buffers;
+use crate::intercept::lens::Told;
 use crate::intercept::log;
 use crate::lock::Lock;
 use crate::runtime::session::{MatrixClass, Session};
@@ -22,7 +23,7 @@ impl Program {
         if self.fixed_matrices {
             ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
             if let MatrixClass::Perspective(intrinsics) = ctx.compat.projection.class {
-                return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
+                return Lens::Perspective(Told::sure(intrinsics), "fixed-function matrix in a shader");
             }
         }
         let (lens, known) = self.uniforms_lens(ctx);
@@ -34,7 +35,7 @@ impl Program {
             return if known { lens } else { given(ctx) };
         }
         match attribute_matrices::lens(ctx, &mut matrices) {
-            Found::Lens(intrinsics) => Lens::Perspective(intrinsics, "matrix of a vertex attribute"),
+            Found::Lens(told) => Lens::Perspective(told, "matrix of a vertex attribute"),
             _ if known => Lens::Flat,
             Found::Nothing => given(ctx),
             Found::Unreadable => {
@@ -66,7 +67,7 @@ impl Program {
 pub fn given(ctx: &Context) -> Lens {
     match ctx.session().and_then(Session::given_lens) {
         Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
-            Lens::Perspective(lens, "the rig's lens")
+            Lens::Perspective(Told::sure(lens), "the rig's lens")
         }
         _ => Lens::Flat,
     }

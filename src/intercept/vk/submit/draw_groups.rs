@@ -5,7 +5,7 @@
 //! moved out of it.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
-use crate::intercept::lens::{self, Candidate};
+use crate::intercept::lens::{self, Candidate, Told};
 use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
@@ -137,15 +137,20 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let matrices: Vec<_> = facts.sources.iter().filter_map(ranked).collect();
     if matrices != group.matrices {
         let candidates = matrices.iter().map(|(rank, value)| Candidate::either(*rank, value));
-        group.lens = lens::find(candidates).map(|(intrinsics, how, _)| (intrinsics, how));
+        group.lens = lens::find(candidates).map(|(told, _)| (told, told.how()));
         group.matrices = matrices;
     }
     if group.matrices.is_empty() && facts.deep {
-        group.lens = group.layout.session.given_lens().map(|lens| (lens, "the rig's lens"));
+        group.lens = group.layout.session.given_lens().map(|lens| (Told::sure(lens), "the rig's lens"));
     }
     frame.counts.seen += group.draws;
     let in_views = facts.in_views && device.draws_views();
-    let outcome = match group.lens.filter(|_| in_views) {
+    let settled = group.lens.filter(|_| in_views).and_then(|(told, how)| {
+        let (width, height) = group.layout.window;
+        let lens = told.settled(frame.cameras.lenses(), f64::from(width) / f64::from(height))?;
+        Some((lens, how))
+    });
+    let outcome = match settled {
         Some((intrinsics, how)) => {
             frame.order.note_scene();
             *frame.counts.found.entry(how).or_default() += group.draws;

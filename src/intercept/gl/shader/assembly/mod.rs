@@ -70,7 +70,7 @@ pub fn lens(ctx: &Context, program: &AssemblyProgram) -> Lens {
     let candidates = program.matrices.iter().zip(values.iter());
     let candidates = candidates.map(|(matrix, value)| Candidate { rank: 0, value, order: matrix.order });
     match lens::find(candidates) {
-        Some((intrinsics, ..)) => Lens::Perspective(intrinsics, "parameters of a vertex program"),
+        Some((told, _)) => Lens::Perspective(told, "parameters of a vertex program"),
         None => Lens::Flat,
     }
 }

@@ -6,6 +6,10 @@
 //! ([`CameraFunction`](crate::geom::reprojection::CameraFunction)), and those that are functions of one are
 //! replaced by what they are in the view.
 //!
+//! Eye coordinates stay those of the program, in which images of its scene and places of its lights may be. A pass that
+//! samples no image of the scene gets the eye of the view, if it holds the projection and the view matrix apart
+//! ([`eye_axes`](crate::geom::reprojection::eye_axes)).
+//!
 //! A vertex shader keeps the matrices of its position, which is re-projected, and in draws of the scene all others, so that
 //! what it hands on fits its position.
 
@@ -39,6 +43,7 @@ pub fn of_program(gl: &Gl, profile: &Profile, program: u32, stages: &[(MatrixSta
                     location,
                     chosen_location,
                     function: None,
+                    view_matrix: None,
                     uploaded: None,
                     chosen: false,
                 });

@@ -1,12 +1,15 @@
 //! Matrices of a view for the draws that go to it.
 
 use crate::correct::single;
+use crate::geom::reprojection::eye_axes;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::shader::camera_matrices::{CameraMatrices, MatrixStage, Substitute};
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
+use crate::runtime::session::Intrinsics;
 use std::sync::Arc;
 
 /// The programs whose vertex and fragment shaders draw now, if they hold such matrices.
@@ -34,23 +37,39 @@ fn recognise(ctx: &Context, matrices: &mut CameraMatrices) -> bool {
     matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), &ctx.frame.cameras)
 }
 
-/// Gives what draws now the matrices of a view. `scene`: positions are re-projected, so that the vertex shader keeps its own.
-pub fn load_view(ctx: &mut Context, view: usize, scene: bool) {
+/// Gives what draws now the matrices of a view. In draws of a scene positions are re-projected, so that the vertex shader keeps
+/// its own.
+pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
+    let scene = !matches!(class, DrawClass::Flat | DrawClass::Screen);
     for program in drawing(ctx).into_iter().flatten() {
         let mut matrices = program.camera_matrices.locked();
         recognise(ctx, &mut matrices);
-        let CameraMatrices { uniforms, substitutes, .. } = &mut *matrices;
+        let CameraMatrices { uniforms, substitutes, eye, .. } = &mut *matrices;
+        let eye = eye.filter(|_| class == DrawClass::Screen).and_then(|(lens, transposed)| {
+            let turn = eye_axes::turn(&rows(ctx, &lens, view)?, &lens)?;
+            Some((turn, transposed))
+        });
         for substitute in substitutes {
-            let function = substitute.function.filter(|_| !scene || substitute.stage == MatrixStage::Fragment);
-            let ours = function.zip(uniforms.value(substitute.matrix)).and_then(|((function, lens), value)| {
-                let session = ctx.drawable.session()?;
-                let camera = ctx.frame.cameras.index(&lens, session);
-                let rows = ctx.frame.cameras.get(camera)?.rows.get(view)?;
-                function.for_view(value, &rows.matrix())
+            let value =
+                uniforms.value(substitute.matrix).filter(|_| !scene || substitute.stage == MatrixStage::Fragment);
+            let ours = value.and_then(|value| match (substitute.function, substitute.view_matrix, eye) {
+                (Some((function, lens)), _, Some((turn, _))) if function.is_of_projection(value, &lens) => {
+                    function.for_turned_view(value, &rows(ctx, &lens, view)?, turn)
+                }
+                (Some((function, lens)), ..) => function.for_view(value, &rows(ctx, &lens, view)?),
+                (None, Some(matrix), Some((turn, transposed))) => Some(matrix.turned(value, transposed, turn)),
+                _ => None,
             });
             substitute.set(ctx, &program, ours.map(single::values));
         }
     }
+}
+
+/// The reprojection of a view for a lens.
+fn rows(ctx: &mut Context, lens: &Intrinsics, view: usize) -> Option<[f64; 16]> {
+    let session = ctx.drawable.session()?;
+    let camera = ctx.frame.cameras.index(lens, session);
+    Some(ctx.frame.cameras.get(camera)?.rows.get(view)?.matrix())
 }
 
 /// Gives what draws now the program's own matrices.

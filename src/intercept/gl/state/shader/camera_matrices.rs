@@ -1,6 +1,7 @@
 //! Matrices of a program that may be functions of its camera.
 
 use crate::backend::gl::driver::api::Gl;
+use crate::geom::reprojection::eye_axes::{ViewMatrix, is_rigid};
 use crate::geom::reprojection::{CameraFunction, Direction};
 use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
@@ -44,6 +45,9 @@ pub struct CameraMatrices {
     /// Their values.
     pub(in crate::intercept::gl) uniforms: Uniforms,
     pub(in crate::intercept::gl) substitutes: Vec<Substitute>,
+    /// The lens of a projection alone, or of its inverse, that shaders use beside a view matrix, and whether these are
+    /// written for row vectors.
+    pub(in crate::intercept::gl) eye: Option<(Intrinsics, bool)>,
     /// The changes of the values and of the cameras when functions were last looked for.
     pub(in crate::intercept::gl) seen: Option<(u64, u64)>,
 }
@@ -61,6 +65,8 @@ pub(in crate::intercept::gl) struct Substitute {
     pub(in crate::intercept::gl) chosen_location: i32,
     /// What it is of which camera.
     pub(in crate::intercept::gl) function: Option<(CameraFunction, Intrinsics)>,
+    /// It leads to or from the eye, as its name says.
+    pub(in crate::intercept::gl) view_matrix: Option<ViewMatrix>,
     pub(in crate::intercept::gl) uploaded: Option<[f32; 16]>,
     pub(in crate::intercept::gl) chosen: bool,
 }
@@ -77,11 +83,46 @@ impl CameraMatrices {
                 let value = self.uniforms.value(substitute.matrix);
                 substitute.function = value.and_then(|value| find(value, cameras, substitute.inverted));
             }
+            self.find_eye();
         }
         self.substitutes.iter().any(|substitute| {
             let function = substitute.function.map(|(function, _)| function);
             function.is_some_and(|function| substitute.inverted || function.direction() == Direction::FromClip)
         })
+    }
+}
+
+impl CameraMatrices {
+    /// Looks for projections beside view matrices.
+    fn find_eye(&mut self) {
+        let Self { uniforms, substitutes, eye, .. } = self;
+        let alone = |substitute: &Substitute| {
+            let (function, lens) = substitute.function?;
+            let value = uniforms.value(substitute.matrix)?;
+            function.is_of_projection(value, &lens).then_some((lens, function.is_transposed()))
+        };
+        *eye = substitutes.iter().find_map(alone);
+        for substitute in &mut *substitutes {
+            let rigid = |(_, transposed)| uniforms.value(substitute.matrix).is_some_and(|m| is_rigid(m, transposed));
+            let other = substitute.function.is_none() && eye.is_some_and(rigid);
+            substitute.view_matrix = uniforms.name(substitute.matrix).filter(|_| other).and_then(view_matrix_called);
+        }
+        if substitutes.iter().all(|substitute| substitute.view_matrix.is_none()) {
+            *eye = None;
+        }
+    }
+}
+
+/// What a matrix that turns and moves is by its name.
+fn view_matrix_called(name: &str) -> Option<ViewMatrix> {
+    let name = name.rsplit('.').next().unwrap_or(name).to_ascii_lowercase();
+    let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
+    if has(&["inv", "toworld", "to_world", "2world", "c2w", "v2w"]) {
+        Some(ViewMatrix::FromEye)
+    } else if has(&["view", "toeye", "to_eye", "w2c", "w2v"]) {
+        Some(ViewMatrix::ToEye)
+    } else {
+        None
     }
 }
 

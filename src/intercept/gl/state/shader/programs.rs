@@ -7,7 +7,7 @@ use crate::intercept::gl::state::shader::camera_matrices::CameraMatrices;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
-use crate::runtime::session::Intrinsics;
+use crate::intercept::lens::Told;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex};
 
@@ -148,7 +148,7 @@ impl FragCoord {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// A perspective, and how it was found.
-    Perspective(Intrinsics, &'static str),
+    Perspective(Told, &'static str),
     /// No perspective.
     Flat,
 }

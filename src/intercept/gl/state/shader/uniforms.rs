@@ -139,6 +139,11 @@ impl Uniforms {
         self.matrices.iter().map(|matrix| &*matrix.name)
     }
 
+    /// The name of the matrix of this number.
+    pub fn name(&self, number: usize) -> Option<&str> {
+        self.matrices.get(number).map(|matrix| &*matrix.name)
+    }
+
     /// The number of the matrix that OpenGL calls `name`.
     pub fn number(&self, name: &str) -> Option<usize> {
         self.matrices.iter().position(|matrix| *matrix.name == *name)
@@ -165,13 +170,14 @@ impl Uniforms {
         };
         let used = || self.matrices.iter().filter(is_used);
         let found = lens::find(used().map(Matrix::candidate));
-        let Some((intrinsics, how, number)) = found else {
+        let Some((told, number)) = found else {
             self.unclear = false;
             return Lens::Flat;
         };
         let array = used().nth(number).and_then(|matrix| matrix.element).map(|(array, _)| array);
         let beside = used().filter(|matrix| array.is_some() && matrix.element.map(|(array, _)| array) == array);
-        let unclear = beside.filter_map(|matrix| matrix.candidate().lens()).any(|lens| !lens::same(&lens, &intrinsics));
+        let unclear =
+            beside.filter_map(|matrix| matrix.candidate().lens()).any(|lens| !lens::same(&lens, &told.intrinsics));
         self.unclear = unclear;
         if unclear {
             log::once(
@@ -180,7 +186,7 @@ impl Uniforms {
             );
             return Lens::Flat;
         }
-        Lens::Perspective(intrinsics, how)
+        Lens::Perspective(told, told.how())
     }
 
     /// Reads the matrices in blocks again, and the numbers that choose among them; whether any changed.

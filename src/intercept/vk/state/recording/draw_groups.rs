@@ -2,6 +2,7 @@
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::camera::Cameras;
+use crate::intercept::lens::Told;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::to_window::Area;
@@ -79,7 +80,7 @@ pub struct DrawGroup {
     /// Class that was written last, with its matrices.
     pub(in crate::intercept::vk) last: Option<DrawClass>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
-    pub(in crate::intercept::vk) lens: Option<(Intrinsics, &'static str)>,
+    pub(in crate::intercept::vk) lens: Option<(Told, &'static str)>,
 }
 
 impl DrawGroup {

@@ -1,0 +1,146 @@
+//! Eye coordinates of a view, for shaders that use what they are: the axis of the eye is their z axis.
+//!
+//! A shader that makes a direction from a pixel often takes the inverse of the projection, sets z to −1, and turns the
+//! direction by the inverse of the view matrix. For it, the eye of a view looks along the view's axis: with T, which
+//! turns the program's eye coordinates to those of the view, the projection is R·P·T⁻¹, which is a bare one, and the view
+//! matrix T·V.
+
+use super::Intrinsics;
+use super::camera_function::{CameraFunction, Direction, inverse};
+use glam::{DMat3, DMat4, DVec3};
+
+/// Greatest relative deviation that rounding explains.
+const TOLERANCE: f64 = 1e-4;
+
+/// What a matrix is that turns and moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewMatrix {
+    /// From the world to the eye.
+    ToEye,
+    /// From the eye to the world.
+    FromEye,
+}
+
+/// The turn from the program's eye coordinates to those of a view with the reprojection `view`; `None` where the view has no
+/// axis.
+pub fn turn(view: &[f64; 16], lens: &Intrinsics) -> Option<DMat4> {
+    // F only scales clip coordinates that directions have not.
+    let projection = lens.projection(lens.f.unwrap_or(-1.0));
+    let rows = DMat4::from_cols_array(view) * projection;
+    let [x, y, w] = [0, 1, 3].map(|row| rows.row(row).truncate());
+    let back = (-w).try_normalize()?;
+    let aside = |row: DVec3| row - row.dot(back) * back;
+    let right = aside(x).try_normalize()?;
+    let up = aside(y);
+    let up = (up - up.dot(right) * right).try_normalize()?;
+    Some(DMat4::from_mat3(DMat3::from_cols(right, up, back).transpose()))
+}
+
+/// Whether a matrix only turns, scales evenly and moves.
+pub fn is_rigid(matrix: &[f64; 16], transposed: bool) -> bool {
+    let matrix = DMat4::from_cols_array(matrix);
+    let matrix = if transposed { matrix.transpose() } else { matrix };
+    let [x, y, z] = [0, 1, 2].map(|column| matrix.col(column).truncate());
+    let scale = z.length();
+    let near =
+        |value: f64, expected: f64| (value - expected).abs() <= TOLERANCE * expected.abs().max(f64::MIN_POSITIVE);
+    let perpendicular = |a: DVec3, b: DVec3| a.dot(b).abs() <= TOLERANCE * scale * scale;
+    matrix.row(3) == glam::DVec4::W
+        && near(x.length(), scale)
+        && near(y.length(), scale)
+        && perpendicular(x, y)
+        && perpendicular(y, z)
+        && perpendicular(z, x)
+        && matrix != DMat4::IDENTITY
+}
+
+impl ViewMatrix {
+    /// What a view matrix, or its inverse, is for an eye that is turned.
+    pub fn turned(self, matrix: &[f64; 16], transposed: bool, turn: DMat4) -> [f64; 16] {
+        let oriented = |matrix: DMat4| if transposed { matrix.transpose() } else { matrix };
+        let matrix = oriented(DMat4::from_cols_array(matrix));
+        let matrix = match self {
+            Self::ToEye => turn * matrix,
+            // A turn's inverse is its transpose.
+            Self::FromEye => matrix * turn.transpose(),
+        };
+        oriented(matrix).to_cols_array()
+    }
+}
+
+impl CameraFunction {
+    /// Whether `matrix`, of which this is the function, is one of the projection alone.
+    pub fn is_of_projection(&self, matrix: &[f64; 16], lens: &Intrinsics) -> bool {
+        let projection = lens.projection(lens.f.unwrap_or(-1.0));
+        let left = || Some(inverse(projection)? * self.to_clip(matrix)?);
+        left().is_some_and(|left| {
+            let scale = left.x_axis.x;
+            let rest = (left.x_axis - glam::DVec4::X * scale).length()
+                + (left.y_axis - glam::DVec4::Y * scale).length()
+                + (left.z_axis.truncate() - DVec3::Z * scale).length()
+                + left.w_axis.truncate().length();
+            rest <= TOLERANCE * scale.abs() && scale != 0.0
+        })
+    }
+
+    /// What `matrix`, which is one of the projection alone, is for a view whose eye is turned.
+    pub fn for_turned_view(&self, matrix: &[f64; 16], view: &[f64; 16], turn: DMat4) -> Option<[f64; 16]> {
+        let matrix = self.oriented(DMat4::from_cols_array(&self.for_view(matrix, view)?));
+        let matrix = match self.direction() {
+            Direction::ToClip => matrix * turn.transpose(),
+            Direction::FromClip => turn * matrix,
+        };
+        Some(self.oriented(matrix).to_cols_array())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ViewMatrix, is_rigid, turn};
+    use crate::geom::reprojection::{CameraAdjustment, CameraFunction, Intrinsics, clip_rows};
+    use crate::geom::{Frustum, pose};
+    use glam::{DMat3, DMat4, DVec3, DVec4};
+
+    const LENS: Intrinsics = Intrinsics { a: 1.5, b: 0.0, c: 2.0, d: 0.0, e: -1.02, f: Some(-0.2) };
+
+    /// The projection of a turned view is a bare one, and both matrices together lead where the view's pixels look.
+    #[test]
+    fn a_turned_eye_sees_the_same_directions() {
+        let frustum = Frustum { left: -0.9, right: 0.7, bottom: -1.0, top: 0.6 };
+        let rotation = pose::rotation(40.0, 25.0, 10.0);
+        let rows = clip_rows(&LENS, &CameraAdjustment::NONE, rotation, &frustum);
+        let view = rows.widened(&LENS, &CameraAdjustment::NONE, &frustum).matrix();
+        let turn = turn(&view, &LENS).expect("a view");
+        assert!((DMat3::from_mat4(turn) - rotation).to_cols_array().iter().all(|part| part.abs() < 1e-12), "{turn}");
+        let scene =
+            DMat4::from_mat3(pose::rotation(-20.0, 5.0, 0.0)) * DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0));
+        let projection = LENS.projection(-0.2);
+        let unprojection = projection.inverse().to_cols_array();
+        let function = CameraFunction::of(&unprojection, &LENS).expect("an inverse");
+        assert!(function.is_of_projection(&unprojection, &LENS));
+        assert!(!function.is_of_projection(&(projection * scene).inverse().to_cols_array(), &LENS));
+        let unprojection = function.for_turned_view(&unprojection, &view, turn).expect("a matrix");
+        let to_world = scene.inverse().to_cols_array();
+        let to_world = DMat4::from_cols_array(&ViewMatrix::FromEye.turned(&to_world, false, turn));
+        let to_eye = DMat4::from_cols_array(&ViewMatrix::ToEye.turned(&scene.to_cols_array(), false, turn));
+        assert!((to_world * to_eye - DMat4::IDENTITY).to_cols_array().iter().all(|part| part.abs() < 1e-12));
+        // As a shader does it.
+        let eye = DMat4::from_cols_array(&unprojection) * DVec4::new(0.25, -0.5, -1.0, 1.0);
+        let direction = to_world * (eye / -eye.z).truncate().truncate().extend(-1.0).extend(0.0);
+        let expected = DVec3::new(-0.1 + 0.25 * 0.8, -0.2 - 0.5 * 0.8, -1.0);
+        let expected = scene.inverse() * (rotation.transpose() * expected).extend(0.0);
+        assert!((direction - expected).length() < 1e-9, "{direction} {expected}");
+    }
+
+    #[test]
+    fn matrices_that_turn_and_move_are_rigid() {
+        let scene =
+            DMat4::from_mat3(pose::rotation(-20.0, 5.0, 0.0)) * DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0));
+        let rounded = |matrix: DMat4| matrix.to_cols_array().map(|part| f64::from(part as f32));
+        assert!(is_rigid(&rounded(scene), false) && is_rigid(&rounded(scene.transpose()), true));
+        assert!(!is_rigid(&rounded(scene), true) && !is_rigid(&rounded(LENS.projection(-0.2)), false));
+        assert!(!is_rigid(&rounded(scene * DMat4::from_scale(DVec3::new(1.0, 1.1, 1.0))), false));
+        assert!(!is_rigid(&DMat4::IDENTITY.to_cols_array(), false) && !is_rigid(&[0.0; 16], false));
+        assert!(!is_rigid(&[f64::NAN; 16], false));
+    }
+}
