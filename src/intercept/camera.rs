@@ -23,9 +23,15 @@ pub struct Cameras {
     list: Vec<Camera>,
     /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame allocates nothing.
     spare: Vec<Vec<ReprojectionMatrix>>,
+    /// The lens of the fixed-function pipeline, with which the views are drawn, and for how many frames that is known. It is none
+    /// of the list, whose first lenses others take over.
+    fixed: Option<(Intrinsics, u8)>,
     /// Number of times that the lenses of [`Cameras::shown`] changed.
     changes: u64,
 }
+
+/// A lens is shown in the frame that is drawn with it, and known to be in the next.
+const FRAMES_SHOWN: u8 = 2;
 
 /// More lenses in a frame than this are not told apart from noise.
 const GREATEST: usize = 16;
@@ -55,8 +61,14 @@ impl Cameras {
     pub fn show(&mut self, index: usize) {
         if let Some(camera) = self.list.get_mut(index) {
             self.changes += u64::from(camera.shown == 0);
-            camera.shown = 2;
+            camera.shown = FRAMES_SHOWN;
         }
+    }
+
+    /// The views are drawn with this lens of the fixed-function pipeline.
+    pub fn show_fixed(&mut self, lens: &Intrinsics) {
+        self.changes += u64::from(self.fixed.is_none_or(|(known, _)| known != *lens));
+        self.fixed = Some((*lens, FRAMES_SHOWN));
     }
 
     /// All lenses of this frame and the last one.
@@ -66,7 +78,8 @@ impl Cameras {
 
     /// The lenses that the views of this frame or of the last one are drawn with.
     pub fn shown(&self) -> impl Iterator<Item = &Intrinsics> {
-        self.list.iter().filter(|camera| camera.shown > 0).map(|camera| &camera.intrinsics)
+        let list = self.list.iter().filter(|camera| camera.shown > 0).map(|camera| &camera.intrinsics);
+        list.chain(self.fixed.iter().map(|(lens, _)| lens))
     }
 
     /// Number of times that [`Cameras::shown`] changed.
@@ -76,7 +89,14 @@ impl Cameras {
 
     /// A frame ended: lenses that it did not use are forgotten.
     pub fn end_frame(&mut self) {
-        let Self { list, spare, changes } = self;
+        let Self { list, spare, fixed, changes } = self;
+        if let Some((_, frames)) = fixed {
+            *frames -= 1;
+            if *frames == 0 {
+                *fixed = None;
+                *changes += 1;
+            }
+        }
         list.retain_mut(|camera| {
             let was_shown = camera.shown > 0;
             camera.shown = camera.shown.saturating_sub(1);
@@ -92,6 +112,7 @@ impl Cameras {
     /// The views changed: nothing is valid any more.
     pub fn clear(&mut self) {
         self.changes += 1;
+        self.fixed = None;
         for mut camera in self.list.drain(..) {
             forget(&mut camera, &mut self.spare);
         }

@@ -109,7 +109,9 @@ fn load_view(
         Some(class) => {
             plain_program(ctx);
             if class == DrawClass::FixedScene {
-                show_fixed_lens(ctx);
+                if let Some(lens) = &ctx.frame.lens {
+                    ctx.frame.cameras.show_fixed(lens);
+                }
                 upload::load_view(ctx, view, class);
             }
             let matrix = match class {
@@ -138,14 +140,6 @@ fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Optio
 fn restore_projection(ctx: &Context, loaded: &mut bool) {
     if std::mem::take(loaded) {
         projection::load(ctx.driver.gl, ctx.app.matrix_mode, &ctx.compat.projection.matrix);
-    }
-}
-
-/// The views are drawn with the lens of the fixed-function pipeline.
-fn show_fixed_lens(ctx: &mut Context) {
-    if let (Some(lens), Some(session)) = (ctx.frame.lens, ctx.drawable.session()) {
-        let camera = ctx.frame.cameras.index(&lens, session);
-        ctx.frame.cameras.show(camera);
     }
 }
 
