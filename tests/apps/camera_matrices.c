@@ -99,12 +99,24 @@ static const form forms[] = {
      PLACE("uniform mat4 P, MV;\n", "    vec4 c = P * (MV * vec4(place, 1.0)); vec2 seen = c.xy / c.w * 0.5 + 0.5;\n")},
     {"place_texture", CUBE,
      PLACE("uniform mat4 TPMV;\n", "    vec4 c = TPMV * vec4(place, 1.0); vec2 seen = c.xy / c.w;\n")},
+    {"place_geometry", CUBE,
+     HEAD "in vec3 tint, clip;\nout vec4 result;\nuniform vec2 size;\n"
+          "void main() {\n    vec2 seen = clip.xy / clip.z * 0.5 + 0.5;\n"
+          "    if (distance(seen * size, gl_FragCoord.xy) > 0.02) discard;\n    result = vec4(tint, 1.0);\n}\n"},
     {"place_lamp", CUBE,
      PLACE("uniform mat4 lamp;\nuniform vec4 lamps[4];\n",
            "    vec4 c = lamp * vec4(place, 1.0);\n"
            "    vec4 d = lamps[0] * place.x + lamps[1] * place.y + lamps[2] * place.z + lamps[3];\n"
            "    vec2 seen = gl_FragCoord.xy / size + 1000.0 * (c.xy / c.w - d.xy / d.w);\n")},
 };
+
+/* Hands positions on, and with them the places of pixels. */
+static const char geometry[] =
+    HEAD "layout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\n"
+         "in vec3 shade[], place[];\nout vec3 tint, clip;\n"
+         "void main() {\n    for (int i = 0; i < 3; i++) {\n"
+         "        tint = shade[i]; clip = gl_in[i].gl_Position.xyw;\n"
+         "        gl_Position = gl_in[i].gl_Position; EmitVertex();\n    }\n}\n";
 
 static const form *chosen;
 static mesh cube;
@@ -115,10 +127,11 @@ static bool is(const char *kind)
     return strncmp(chosen->name, kind, strlen(kind)) == 0;
 }
 
-static GLuint build(const char *vertex, const char *fragment)
+static GLuint build(const char *vertex, const char *fragment, const char *between)
 {
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
-    return program_build(stages, 2);
+    const shader_source stages[] = {
+        {GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}, {GL_GEOMETRY_SHADER, between}};
+    return program_build(stages, between == NULL ? 2 : 3);
 }
 
 static void make_texture(const app *a, int i, GLenum format, GLenum pixels, GLenum attachment)
@@ -135,7 +148,7 @@ static void setup(app *a)
 {
     chosen = form_of(a, forms, sizeof *forms, sizeof forms / sizeof *forms);
     cube = mesh_cube();
-    program = build(chosen->vertex, chosen->fragment);
+    program = build(chosen->vertex, chosen->fragment, is("place_geometry") ? geometry : NULL);
     glGenVertexArrays(1, &empty);
     form_block(program);
     if (is("light") || is("sky_off")) {
@@ -144,9 +157,9 @@ static void setup(app *a)
         glGenTextures(2, textures);
         make_texture(a, 0, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_DEPTH_ATTACHMENT);
         make_texture(a, 1, GL_RGBA8, GL_RGBA, GL_COLOR_ATTACHMENT0);
-        scene = build(CUBE, HEAD "in vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n");
+        scene = build(CUBE, HEAD "in vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n", NULL);
         show = build(TRIANGLE, HEAD "in vec2 at;\nout vec4 result;\nuniform sampler2D colours;\n"
-                                    "void main() { result = texture(colours, at * 0.5 + 0.5); }\n");
+                                    "void main() { result = texture(colours, at * 0.5 + 0.5); }\n", NULL);
     }
 }
 

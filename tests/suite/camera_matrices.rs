@@ -49,7 +49,7 @@ fn places_from_depth_are_those_of_the_scene() {
 }
 
 fn places_on_the_screen_are_the_view_s() {
-    right(&["place_all", "place_shared", "place_texture", "place_lamp"]);
+    right(&["place_all", "place_shared", "place_texture", "place_geometry", "place_lamp"]);
 }
 
 /// The program's own picture is the same to the byte.

@@ -4,6 +4,8 @@ use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::camera_matrices::text::{self, Named};
 use crate::intercept::gl::shader::frag_coord;
 use crate::intercept::gl::shader::patch::{self, Stage};
+use crate::intercept::gl::shader::prover::declarations::behind;
+use crate::intercept::gl::shader::prover::tokens;
 use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use std::collections::HashMap;
@@ -56,16 +58,22 @@ impl Texts<'_> {
         shaders.filter_map(|(shader, _)| Some((*shader, self.sources.get(shader)?)))
     }
 
-    /// The shader object with the `main` of the last stage before rasterisation.
+    /// The shader object with the `main` of the last stage that makes positions. A geometry shader that only passes them on
+    /// may compute with them what belongs to the pixels of the view.
     pub fn position(&self) -> Option<(u32, Stage)> {
         let stages = [
             (api::GL_GEOMETRY_SHADER, Stage::Geometry),
             (api::GL_TESS_EVALUATION_SHADER, Stage::TessellationEvaluation),
             (api::GL_VERTEX_SHADER, Stage::Vertex),
         ];
-        let (kind, stage) = stages.into_iter().find(|(kind, _)| self.shaders.iter().any(|s| s.1 == *kind))?;
-        let main = self.of_kind(kind).find(|(_, source)| patch::patch(source, stage, self.es, self.curved).is_some());
-        main.map(|(shader, _)| (shader, stage))
+        let present = stages.into_iter().filter(|(kind, _)| self.shaders.iter().any(|s| s.1 == *kind));
+        let mut mains = present.map(|(kind, stage)| {
+            let patched = |source: &str| patch::patch(source, stage, self.es, self.curved).is_some();
+            self.of_kind(kind).find(|(_, source)| patched(source)).map(|(shader, _)| (shader, stage))
+        });
+        let last = mains.next()??;
+        let passed_on = last.1 == Stage::Geometry && !self.curved && passes_positions_on(self.source(last.0));
+        Some(mains.next().flatten().filter(|_| passed_on).unwrap_or(last))
     }
 
     /// The fragment shaders that ask where on the screen they are.
@@ -117,5 +125,57 @@ impl Texts<'_> {
             texts.insert(shader, text);
             linked.matrices.push((stage, matrices));
         }
+    }
+}
+
+/// Whether all positions of a geometry shader are those of its input.
+fn passes_positions_on(source: &str) -> bool {
+    let bare = tokens::bare(source);
+    let directives = bare.lines().filter(|line| line.trim_start().starts_with('#'));
+    if directives.clone().any(|line| line.contains("gl_Position") || line.contains('\\')) {
+        return false;
+    }
+    let mut words = Vec::new();
+    bare.lines().filter(|line| !line.trim_start().starts_with('#')).for_each(|line| tokens::words(line, &mut words));
+    let mut written = (0..words.len())
+        .filter(|at| words[*at] == "gl_Position" && at.checked_sub(1).is_none_or(|before| words[before] != "."))
+        .peekable();
+    written.peek().is_some()
+        && written.all(|at| match words.get(at + 1..at + 3) {
+            Some(["=", "gl_in"]) => {
+                behind(&words, at + 3).is_some_and(|end| words.get(end..end + 3) == Some(&[".", "gl_Position", ";"]))
+            }
+            Some(["=", "gl_PositionIn"]) => behind(&words, at + 3).is_some_and(|end| words.get(end) == Some(&";")),
+            _ => false,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::passes_positions_on;
+
+    #[test]
+    fn positions_are_passed_on_where_nothing_else_is_written() {
+        let main = |text: &str| format!("#version 330\nvoid main() {{ {text} EmitVertex(); }}");
+        for text in [
+            "gl_Position = gl_in[0].gl_Position;",
+            "for (int i = 0; i < 3; i++) { gl_Position = gl_in[i + f(i)].gl_Position; a = gl_in[i].gl_Position.xy; }",
+            "gl_Position = gl_PositionIn[i];",
+        ] {
+            assert!(passes_positions_on(&main(text)), "{text}");
+        }
+        for text in [
+            "gl_Position = gl_in[0].gl_Position + vec4(1.0);",
+            "gl_Position = P * gl_in[0].gl_Position;",
+            "gl_Position = gl_in[0].gl_Position; gl_Position.x += 1.0;",
+            "gl_Position = gl_PositionIn[i] * 2.0;",
+            "",
+        ] {
+            assert!(!passes_positions_on(&main(text)), "{text}");
+        }
+        assert!(!passes_positions_on(&format!(
+            "#define A gl_Position\n{}",
+            main("gl_Position = gl_in[0].gl_Position;")
+        )));
     }
 }
