@@ -1,5 +1,6 @@
 //! Finds the lens among a program's 4×4 matrices. No graphics API is named.
 
+use crate::geom::reprojection::CameraFunction;
 use crate::runtime::session::{Intrinsics, MatrixClass, classify};
 use std::collections::BTreeSet;
 
@@ -125,6 +126,10 @@ impl Candidate<'_> {
                 }
                 _ => return None,
             };
+            // The inverse of a projection has the form of one whose E is 0.
+            if intrinsics.e == 0.0 && CameraFunction::of_inverse(value).is_some() {
+                return None;
+            }
             let doubt = (certainty == Certainty::Depth, guessed, self.rank * 2 + u8::from(!pure));
             Some(Found { told: Told { intrinsics, certainty }, doubt })
         };
@@ -206,6 +211,7 @@ pub fn rank(name: &str) -> u8 {
 mod tests {
     use super::{Candidate, Certainty, Order, Told, find, fours, is_projection, rank, transposed};
     use crate::runtime::session::Intrinsics;
+    use glam::DMat4;
 
     const PROJECTION: [f64; 16] = [1.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.1, 0.2, -1.01, -1.0, 0.0, 0.0, -0.2, 0.0];
 
@@ -216,6 +222,18 @@ mod tests {
         let translation = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 1.0];
         assert!(!is_projection(&translation));
         assert!(!is_projection(&transposed(&translation)));
+    }
+
+    #[test]
+    fn the_inverse_of_a_projection_is_no_lens() {
+        let inverse = |m: &[f64; 16]| DMat4::from_cols_array(m).inverse().to_cols_array();
+        let either = |value: &[f64; 16]| lens(&[Candidate::either(0, value)]);
+        assert_eq!(either(&inverse(&PROJECTION)), None);
+        assert_eq!(either(&transposed(&inverse(&PROJECTION))), None);
+        // Reversed depth without a far plane.
+        let mut reversed = PROJECTION;
+        (reversed[10], reversed[14]) = (0.0, 0.1);
+        assert_eq!(either(&reversed), Some(1.5));
     }
 
     #[test]

@@ -1,7 +1,12 @@
-/* Direction test whose last stage before rasterisation is a geometry shader, which projects. */
+/*
+ * Direction test whose last stage before rasterisation is a geometry shader, which projects. With `--mode shared` another
+ * program, in which the vertex shader is the last such stage, is linked before this one is linked again.
+ */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/shader.h"
+
+#include <string.h>
 
 static const char vertex[] =
     "#version 330 core\n"
@@ -40,12 +45,32 @@ static const char geometry[] =
 static mesh cube;
 static shader_pair pair;
 
+static void link_again(app *a)
+{
+    GLuint shaders[3];
+    GLsizei count = 0;
+    const GLuint other = glCreateProgram();
+    glGetAttachedShaders(pair.program, 3, &count, shaders);
+    for (GLsizei i = 0; i < count; i++) {
+        GLint kind = 0;
+        glGetShaderiv(shaders[i], GL_SHADER_TYPE, &kind);
+        if (kind == GL_VERTEX_SHADER)
+            glAttachShader(other, shaders[i]);
+    }
+    glLinkProgram(other);
+    glLinkProgram(pair.program);
+    app_check(a, count == 3, "%d shaders are attached", count);
+    pair.projection = glGetUniformLocation(pair.program, "P");
+    pair.modelview = glGetUniformLocation(pair.program, "MV");
+}
+
 static void setup(app *a)
 {
-    (void)a;
     const shader_source stages[] = {
         {GL_VERTEX_SHADER, vertex}, {GL_GEOMETRY_SHADER, geometry}, {GL_FRAGMENT_SHADER, shader_shade}};
     pair = shader_pair_build(stages, 3, "P", "MV");
+    if (a->mode != NULL && strcmp(a->mode, "shared") == 0)
+        link_again(a);
     cube = mesh_cube();
 }
 

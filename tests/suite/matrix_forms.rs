@@ -16,6 +16,7 @@ tests! {
     parameters_of_a_vertex_program,
     a_storage_block,
     a_model_that_is_stretched,
+    a_vertex_shader_of_two_programs,
 }
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
@@ -119,4 +120,9 @@ fn a_model_that_is_stretched() {
             expect_good(&compare(&picture, shown_by_fisheye(circle, camera_of(&run))), &picture, &what);
         }
     }
+}
+
+/// The vertex shader is the last stage of another program, for which it was changed.
+fn a_vertex_shader_of_two_programs() {
+    right("geometry", &["shared"]);
 }

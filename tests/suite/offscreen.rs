@@ -22,6 +22,7 @@ tests! {
     copies_into_textures,
     attachments_and_textures_that_change,
     old_and_new_entry_points,
+    flat_drawing_into_a_scene,
     a_flat_scene_is_found_wrong,
 }
 
@@ -193,4 +194,23 @@ fn a_flat_scene_is_found_wrong() {
         let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
         assert!(report.wrong * 2 > report.compared, "{mode}: only {} of {}", report.wrong, report.compared);
     }
+}
+
+/// A head-up display that is drawn into the scene's image lies where one in the window lies: once, on the panel's place.
+fn flat_drawing_into_a_scene() {
+    let run = Run { frames: 6, cupola_frames: 6, ..Run::new("hud") };
+    let off_screen = Run { extra: &["--fbo"], ..run.clone() };
+    let (Some(expected), Some(found)) = (run.under("fisheye"), off_screen.under("fisheye")) else { return };
+    let [expected, found] =
+        [expected, found].map(|run| run.expect_success().expect_no_gl_errors().picture("capture.png"));
+    // Only borders of the squares differ: they are blended once in the views, and once with the panel.
+    let far = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).any(|(a, b)| a.abs_diff(b) > 12);
+    let pixels = || (0..256).flat_map(|y| (0..256).map(move |x| (x, y)));
+    let wrong = pixels().filter(|(x, y)| far(found.at(*x, *y), expected.at(*x, *y))).count();
+    assert!(wrong < 120, "{wrong} pixels differ");
+    // Control: the squares have 200 pixels and more.
+    let Some(plain) = (Run { program: "immediate", ..run }).under("fisheye") else { return };
+    let plain = plain.expect_success().picture("capture.png");
+    let squares = pixels().filter(|(x, y)| far(plain.at(*x, *y), expected.at(*x, *y))).count();
+    assert!(squares > 200, "{squares} pixels are of the squares");
 }

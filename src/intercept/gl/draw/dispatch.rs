@@ -201,7 +201,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
         let samples = if number == 0 { 1.0 } else { 0.0 };
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling { samples, primitives: 1.0 / pictures as f64 });
         let blending = panel.then(|| PanelBlend::begin(gl, &ctx.driver.known_state));
-        repeats.around(gl, number, last, || match &measure {
+        repeats.around(gl, number, last, || match measure {
             Some(measure) if number == 0 => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),
             _ => issue(ctx, gl),
         });

@@ -1,5 +1,6 @@
 //! Whether a flat draw that samples an image fills the window, as one that shows a scene does, or a part of it, as
-//! a map in a corner does. Counted by an occlusion query, once for each kind of draw.
+//! a map in a corner does; and whether one into such an image fills its viewport, as a background does, or a part, as a text
+//! does. Counted by an occlusion query, once for each kind of draw.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -15,10 +16,26 @@ const GREATEST: usize = 64;
 
 /// Whether the next draw fills the window; `Err`: it is to be measured, if it can be.
 pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
+    let Some(target) = ctx.drawable.target() else { return Ok(false) };
+    let (width, height) = target.size();
+    let all = i64::from(width) * i64::from(height) * i64::from(target.config().samples.max(1));
+    known(ctx, sampled, all, false).unwrap_or_else(|| Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled)))
+}
+
+/// Whether the next draw, which samples no image that is followed, fills the program's viewport in a framebuffer with so
+/// many samples per pixel; `Err`: it is to be measured.
+pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> {
+    let [width, height] = ctx.app.viewport.size().map(i64::from);
+    known(ctx, 0, width * height * i64::from(samples.max(1)), true).unwrap_or(Ok(true))
+}
+
+/// What is known of draws like the next one; `meanwhile` until the result of the measurement is there. `None`: it cannot be
+/// measured.
+fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<Result<bool, Measure>> {
     let program = ctx.shaders.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
     let signature = Signature { program, sampled, viewport: ctx.app.viewport };
     let kinds = &mut ctx.view_copies.coverage.0;
-    let index = match kinds.iter().position(|kind| kind.signature == signature) {
+    let kind = match kinds.iter().position(|kind| kind.signature == signature) {
         Some(index) => index,
         None => {
             if kinds.len() >= GREATEST {
@@ -28,16 +45,10 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
             kinds.len() - 1
         }
     };
-    match kinds[index].state {
-        State::Known(fills) => Ok(fills),
-        State::Measured(..) => Ok(false),
-        State::New => {
-            if can_measure(&ctx.driver, &ctx.queries) {
-                Err(Measure(index))
-            } else {
-                Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled))
-            }
-        }
+    match kinds[kind].state {
+        State::Known(fills) => Some(Ok(fills)),
+        State::Measured(..) => Some(Ok(meanwhile)),
+        State::New => can_measure(&ctx.driver, &ctx.queries).then_some(Err(Measure { kind, all })),
     }
 }
 
@@ -72,11 +83,8 @@ fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool 
     })
 }
 
-/// Issues the draw that is measured, in a tile of the window's size.
-pub fn measure(ctx: &mut Context, what: &Measure, issue: impl FnOnce(&mut Context)) {
-    let Some(target) = ctx.drawable.target() else { return issue(ctx) };
-    let (width, height) = target.size();
-    let all = i64::from(width) * i64::from(height) * i64::from(target.config().samples.max(1));
+/// Issues the draw that is measured, with the program's own window space.
+pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context)) {
     let gl = ctx.driver.gl;
     let mut query = 0;
     // SAFETY: a query of ours around the draw; no other counts samples, as `can_measure` saw.
@@ -87,8 +95,8 @@ pub fn measure(ctx: &mut Context, what: &Measure, issue: impl FnOnce(&mut Contex
     issue(ctx);
     // SAFETY: begun above.
     unsafe { gl.end_query(api::GL_SAMPLES_PASSED) };
-    match ctx.view_copies.coverage.0.get_mut(what.0) {
-        Some(kind) => kind.state = State::Measured(query, all),
+    match ctx.view_copies.coverage.0.get_mut(what.kind) {
+        Some(kind) => kind.state = State::Measured(query, what.all),
         // SAFETY: an object of ours.
         None => unsafe { gl.delete_queries(1, &query) },
     }

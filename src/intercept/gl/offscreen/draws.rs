@@ -2,11 +2,12 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::sampling;
 use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{
     copy_count, duplicate_mode, enter, leave, look, own_tile, possible, supply, views, without_scissor,
 };
+use crate::intercept::gl::offscreen::{coverage, sampling};
+use crate::intercept::gl::per_view::background;
 use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
@@ -14,6 +15,7 @@ use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::scene::to_window::ToWindow;
@@ -56,6 +58,12 @@ pub fn draw(
     };
     let count = views(ctx);
     ctx.view_copies.issued.count(shown, count);
+    let (class, measure) = if class == DrawClass::Flat && sampled == 0 { place(ctx, index) } else { (class, None) };
+    let measure = Cell::new(measure);
+    let issue = &mut |ctx: &mut Context, gl: &Gl| match measure.take() {
+        Some(measure) => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),
+        None => issue(ctx, gl),
+    };
     if in_framebuffer && sampled != 0 {
         draw_through(ctx, attached, class, sampled, (changes, shown), issue);
     } else {
@@ -76,6 +84,21 @@ pub fn draw(
         }
     }
     true
+}
+
+/// Where a flat draw that samples no image of the scene belongs in the views: what fills the picture, all of each; a text,
+/// where the panel would be.
+fn place(ctx: &mut Context, index: usize) -> (DrawClass, Option<Measure>) {
+    let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
+    let samples = image.map_or(0, |image| image.samples);
+    if ctx.app.scissor_test && !ctx.app.scissor.contains(ctx.app.viewport) {
+        return (DrawClass::Flat, None);
+    }
+    match coverage::fills_viewport(ctx, samples) {
+        Err(measure) => (DrawClass::Flat, Some(measure)),
+        Ok(false) if background::prepare(ctx) => (DrawClass::Background, None),
+        Ok(_) => (DrawClass::Flat, None),
+    }
 }
 
 /// Draws in perspective that sample these images by places of their own find the last view's content, whether it was drawn

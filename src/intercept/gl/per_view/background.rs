@@ -13,5 +13,11 @@ pub fn is_behind(ctx: &mut Context) -> bool {
     }
     let Some(target) = ctx.drawable.target() else { return false };
     let whole = ctx.app.scissor.contains(LowerLeftRect::of_size(target.size()));
-    (whole || !ctx.app.scissor_test) && ctx.frame.background.prepare(&target.session, &ctx.compat.projection.matrix)
+    (whole || !ctx.app.scissor_test) && prepare(ctx)
+}
+
+/// Makes the matrices by which what is flat lies in the views. `false`: there are none.
+pub fn prepare(ctx: &mut Context) -> bool {
+    let Some(session) = ctx.drawable.session() else { return false };
+    ctx.frame.background.prepare(session, &ctx.compat.projection.matrix)
 }

@@ -52,6 +52,7 @@ fn note_compiled(ctx: &Context, shader: u32) {
         Some(text) => programs.compiled.insert(shader, text),
         None => programs.compiled.remove(&shader),
     };
+    programs.changed.remove(&shader);
 }
 
 /// Links with the changed stages; leaves the program as it would be without us where that fails.
@@ -59,18 +60,27 @@ fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.driver.gl;
     let shaders = attached(gl, program);
     // Compiling takes long; other threads' contexts use the table meanwhile.
-    let sources: HashMap<u32, Arc<str>> = {
+    let (sources, left): (HashMap<u32, Arc<str>>, HashSet<u32>) = {
         let mut programs = ctx.share.programs.locked();
         forget(gl, programs.programs.remove(&program));
-        shaders.iter().filter_map(|s| Some((s.0, programs.compiled.get(&s.0)?.clone()))).collect()
+        let source = |name: u32| Some((name, programs.compiled.get(&name)?.clone()));
+        let sources: HashMap<u32, Arc<str>> = shaders.iter().filter_map(|shader| source(shader.0)).collect();
+        let left = sources.keys().copied().filter(|shader| programs.changed.contains(shader)).collect();
+        (sources, left)
     };
     let position_names = dependence::position_names(&sources, &shaders);
     let (es, curved) = (ctx.driver.profile.es, methods::asked_for());
     let texts = Texts { sources: &sources, shaders: &shaders, position_names: position_names.as_ref(), es, curved };
-    let (linked, touched) = link_with_changes(gl, program, &texts);
+    let (linked, touched) = link_with_changes(gl, program, &texts, left);
     for shader in touched {
+        let mut programs = ctx.share.programs.locked();
+        match linked.texts.contains_key(&shader) {
+            true => programs.changed.insert(shader),
+            false => programs.changed.remove(&shader),
+        };
         // What the program asks for is its own text, which may not have been compiled yet.
-        let own = ctx.share.programs.locked().sources.get(&shader).cloned();
+        let own = programs.sources.get(&shader).cloned();
+        drop(programs);
         set_source(gl, shader, own.as_deref().unwrap_or(&sources[&shader]));
     }
     ctx.frame.counts.linked += u64::from(texts.position().is_some());
@@ -123,9 +133,10 @@ fn link(ctx: &mut Context, program: u32) {
     }
 }
 
-/// Links with as much as can be changed. Shaders that could not be linked with their change are compiled as they were.
-/// Returns the shaders that were given another text, too.
-fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>) -> (Linked, HashSet<u32>) {
+/// Links with as much as can be changed. Shaders that could not be linked with their change are compiled as they were, and
+/// so are those that were `left` as they were changed for another program. Returns the shaders that were given another text,
+/// too.
+fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>, left: HashSet<u32>) -> (Linked, HashSet<u32>) {
     let position = texts.position().is_some();
     let frag_coord = texts.asking().next().is_some();
     let attempts = [(true, true, true), (true, true, false), (true, false, false), (false, true, false)];
@@ -134,18 +145,17 @@ fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>) -> (Linked, HashS
         frag_coord: frag_coord && with_frag_coord,
         matrices,
     });
-    // A shader that another program has, too, may still be compiled with the text that was changed for it.
-    let mut touched: HashSet<u32> = texts.asking().collect();
+    let mut touched = left;
     for (number, attempt) in attempts.iter().enumerate() {
         if *attempt == Changes::default() || attempts[..number].contains(attempt) {
             continue;
         }
-        let Some((changed, linked)) = texts.changed(*attempt) else { continue };
-        for shader in touched.iter().filter(|shader| !changed.contains_key(shader)) {
+        let Some(linked) = texts.changed(*attempt) else { continue };
+        for shader in touched.iter().filter(|shader| !linked.texts.contains_key(shader)) {
             compiles(gl, *shader, texts.source(*shader));
         }
-        touched.extend(changed.keys());
-        if link_changed(gl, program, &changed) && !(attempt.position && captures_position(gl, program)) {
+        touched.extend(linked.texts.keys());
+        if link_changed(gl, program, &linked.texts) && !(attempt.position && captures_position(gl, program)) {
             return (linked, touched);
         }
     }

@@ -27,6 +27,8 @@ pub struct Changes {
 pub struct Linked {
     /// What is changed.
     pub changes: Changes,
+    /// The texts of the shaders that are changed.
+    pub texts: HashMap<u32, String>,
     /// The fragment shaders count rows from above.
     pub upper_left: bool,
     /// The matrices between which and ours a stage chooses.
@@ -82,15 +84,14 @@ impl Texts<'_> {
         fragments.filter(|(_, source)| patch::mentions(source, "gl_FragCoord")).map(|(shader, _)| shader)
     }
 
-    /// The texts of the shaders that are changed, and what comes of it; `None` where one of them cannot be.
-    pub fn changed(&self, changes: Changes) -> Option<(HashMap<u32, String>, Linked)> {
+    /// The texts with these changes, and what comes of it; `None` where one of them cannot be.
+    pub fn changed(&self, changes: Changes) -> Option<Linked> {
         let mut linked = Linked { changes, ..Default::default() };
-        let mut texts: HashMap<u32, String> = HashMap::new();
         if changes.matrices {
             for (kind, stage) in
                 [(api::GL_VERTEX_SHADER, MatrixStage::Vertex), (api::GL_FRAGMENT_SHADER, MatrixStage::Fragment)]
             {
-                self.choose_matrices(kind, stage, &mut texts, &mut linked);
+                self.choose_matrices(kind, stage, &mut linked);
             }
             if linked.matrices.is_empty() {
                 return None;
@@ -98,22 +99,23 @@ impl Texts<'_> {
         }
         if changes.frag_coord {
             for shader in self.asking() {
-                let text = texts.get(&shader).map_or(self.source(shader), String::as_str);
+                let text = linked.texts.get(&shader).map_or(self.source(shader), String::as_str);
                 let (text, convention) = frag_coord::patch(text, self.es)?;
                 linked.upper_left = convention.upper_left;
-                texts.insert(shader, text);
+                linked.texts.insert(shader, text);
             }
         }
         if changes.position {
             let (shader, stage) = self.position()?;
-            let text = texts.get(&shader).map_or(self.source(shader), String::as_str);
-            texts.insert(shader, patch::patch(text, stage, self.es, self.curved)?);
+            let text = linked.texts.get(&shader).map_or(self.source(shader), String::as_str);
+            let text = patch::patch(text, stage, self.es, self.curved)?;
+            linked.texts.insert(shader, text);
         }
-        Some((texts, linked))
+        Some(linked)
     }
 
     /// Puts choices into the text of a stage. A stage of several texts stays as it is.
-    fn choose_matrices(&self, kind: u32, stage: MatrixStage, texts: &mut HashMap<u32, String>, linked: &mut Linked) {
+    fn choose_matrices(&self, kind: u32, stage: MatrixStage, linked: &mut Linked) {
         let mut shaders = self.of_kind(kind);
         let (Some((shader, source)), None) = (shaders.next(), shaders.next()) else { return };
         let wanted = |name: &str| match stage {
@@ -122,7 +124,7 @@ impl Texts<'_> {
             MatrixStage::Vertex => self.position_names.is_some_and(|names| !names.contain(name)),
         };
         if let Some((text, matrices)) = text::with_choices(source, self.es, stage.names(), wanted) {
-            texts.insert(shader, text);
+            linked.texts.insert(shader, text);
             linked.matrices.push((stage, matrices));
         }
     }

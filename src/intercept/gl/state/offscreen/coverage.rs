@@ -1,10 +1,10 @@
-//! Flat draws to the window that sample images that are followed.
+//! Flat draws to the window that sample images that are followed, and flat draws into such images.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::images::Set;
 
-/// Flat draws to the window that sample images which are followed.
+/// Flat draws to the window that sample images which are followed, and flat draws into such images.
 #[derive(Default)]
 pub struct Coverage(pub(in crate::intercept::gl) Vec<Kind>);
 
@@ -30,7 +30,13 @@ pub(in crate::intercept::gl) enum State {
 }
 
 /// The measurement of one draw.
-pub struct Measure(pub(in crate::intercept::gl) usize);
+#[derive(Clone, Copy)]
+pub struct Measure {
+    /// Its kind, by its place in the list.
+    pub(in crate::intercept::gl) kind: usize,
+    /// Number of samples that there are.
+    pub(in crate::intercept::gl) all: i64,
+}
 
 impl Coverage {
     /// Images have other places in the list, or the window has another size.

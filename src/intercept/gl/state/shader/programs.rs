@@ -21,6 +21,8 @@ pub struct Programs {
     pub(in crate::intercept::gl) sources: HashMap<u32, Arc<str>>,
     /// What it was when the shader was compiled, which is what is linked.
     pub(in crate::intercept::gl) compiled: HashMap<u32, Arc<str>>,
+    /// Shaders that are compiled from a text that was changed for a program.
+    pub(in crate::intercept::gl) changed: HashSet<u32>,
     /// Which programs are in use.
     pub(in crate::intercept::gl) uses: Uses,
     pub(in crate::intercept::gl) programs: HashMap<u32, Arc<Program>>,
