@@ -34,7 +34,7 @@ struct Constants {
     dome_shift: vec3<f32>,
     // Half-spaces normal·p + w ≥ 0. 0: all of the surface is screen. Otherwise what is in all of `limits`. 2: and in both
     // `sides`. 3: or in one of them.
-    rim: u32,
+    edge_test: u32,
     limits: array<vec4<f32>, 3>,
     sides: array<vec4<f32>, 2>,
 }
@@ -73,14 +73,14 @@ fn trace(source: Source) -> Ray {
     let reach = b + sqrt(max(b * b + dot(weighted, ray) * depth, 0.0));
     on_screen = on_screen & (reach > 0.0);
     let p = start + ray * (depth / reach);
-    if constants.rim != 0u {
+    if constants.edge_test != 0u {
         on_screen = on_screen & is_within(constants.limits[0], p) & is_within(constants.limits[1], p)
             & is_within(constants.limits[2], p);
     }
-    if constants.rim >= 2u {
+    if constants.edge_test >= 2u {
         let first = is_within(constants.sides[0], p);
         let second = is_within(constants.sides[1], p);
-        on_screen = on_screen & select(first & second, first | second, constants.rim == 3u);
+        on_screen = on_screen & select(first & second, first | second, constants.edge_test == 3u);
     }
     return Ray(constants.to_base * p + constants.shift, on_screen, constants.dome * p + constants.dome_shift, 1.0, 0.0);
 }

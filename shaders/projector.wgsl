@@ -14,7 +14,7 @@ struct Form {
     l_x: vec3<f32>,
     l_y: vec3<f32>,
     l_one: vec3<f32>,
-    // In ways 2 and 3 there is no quadratic part: offset·reach + linear.
+    // With evaluations 2 and 3 there is no quadratic part: offset·reach + linear.
     offset: vec3<f32>,
 }
 
@@ -33,12 +33,12 @@ struct Constants {
     // How forms are computed. 0: as they are. 1: before a plane they are linear. Otherwise the projector stands inside. With a
     // ray o + t·d, a = d·d and b = o·d, all forms are then offset·reach + linear, times a positive factor. 2: reach is the
     // root of the discriminant. 3: it stands too near to the surface for that, and reach is 1/t.
-    way: u32,
+    evaluation: u32,
     // a over x², y², xy, x; y, 1. b over x, y, 1.
     squared: array<vec4<f32>, 2>,
     along: vec3<f32>,
     // 0: all of the surface is screen. Otherwise only where all of `limits` is ≥ 0. 2: and `sides`' x and y. 3: or one of them.
-    rim: u32,
+    edge_test: u32,
     limits: Form,
     sides: Form,
     neighbours: array<Neighbour, 12>,
@@ -55,10 +55,10 @@ fn quadratic(low: vec4<f32>, high: vec4<f32>, p: vec2<f32>) -> f32 {
 
 fn evaluate(form: Form, p: vec2<f32>, reach: f32) -> vec3<f32> {
     let linear = (form.l_x * p.x + form.l_y * p.y) + form.l_one;
-    if constants.way == 1u {
+    if constants.evaluation == 1u {
         return linear;
     }
-    if constants.way >= 2u {
+    if constants.evaluation >= 2u {
         return form.offset * reach + linear;
     }
     let rest = ((form.q_xx * (p.x * p.x) + form.q_yy * (p.y * p.y)) + (form.q_xy * (p.x * p.y) + form.q_x * p.x))
@@ -131,25 +131,25 @@ fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
 fn trace(source: Source) -> Ray {
     var reach = 1.0;
     var on_screen = true;
-    if constants.way != 1u {
+    if constants.evaluation != 1u {
         let discriminant = quadratic(constants.discriminant[0], constants.discriminant[1], source);
-        if constants.way == 0u {
+        if constants.evaluation == 0u {
             reach = sqrt(max(discriminant, 0.0));
             on_screen = discriminant >= 0.0;
         } else {
             reach = sqrt(discriminant);
         }
     }
-    if constants.way == 3u {
+    if constants.evaluation == 3u {
         let b = (constants.along.x * source.x + constants.along.y * source.y) + constants.along.z;
         reach = quadratic(constants.squared[0], constants.squared[1], source) / (reach - b);
     }
-    if constants.rim != 0u {
+    if constants.edge_test != 0u {
         on_screen = on_screen & all(evaluate(constants.limits, source, reach) >= vec3<f32>(0.0));
     }
-    if constants.rim >= 2u {
+    if constants.edge_test >= 2u {
         let sides = evaluate(constants.sides, source, reach).xy >= vec2<f32>(0.0);
-        on_screen = on_screen & select(all(sides), any(sides), constants.rim == 3u);
+        on_screen = on_screen & select(all(sides), any(sides), constants.edge_test == 3u);
     }
     var own = vec2<f32>(1.0, constants.border.w);
     if constants.neighbour_count > 0u {

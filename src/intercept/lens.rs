@@ -1,7 +1,6 @@
 //! Finds the lens among a program's 4×4 matrices. No graphics API is named.
 
-use crate::geom::reprojection::CameraFunction;
-use crate::runtime::session::{Intrinsics, MatrixClass, classify};
+use crate::runtime::session::{CameraFunction, Intrinsics, MatrixClass, classify};
 use std::collections::BTreeSet;
 
 /// A matrix that may hold the lens.

@@ -24,16 +24,7 @@ use std::borrow::Cow;
 /// an output sees too much for one perspective view; [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into
 /// the atlas. Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
-    plan_with_margin(rig, request, 0, &Cache::none())
-}
-
-/// As [`plan`], for outputs that sample up to so many texels beside the exact place; `cache` may
-/// know what is chosen, or keeps it.
-///
-/// # Errors
-/// As [`plan`].
-pub fn plan_with_margin(rig: &Rig, request: &Request, margin: u32, cache: &Cache) -> Result<ViewPlan> {
-    Planning::new(rig, request, margin, cache)?.place()
+    Planning::new(rig, request, 0, &Cache::none())?.place()
 }
 
 /// Views that are chosen and may yet be widened.
@@ -41,24 +32,25 @@ pub fn plan_with_margin(rig: &Rig, request: &Request, margin: u32, cache: &Cache
 pub(crate) struct Planning<'a> {
     rig: Cow<'a, Rig>,
     request: &'a Request,
-    margin: u32,
+    sampling_margin: u32,
     output_maps: Vec<OutputMap>,
     arrangement: Arrangement,
 }
 
 impl<'a> Planning<'a> {
-    /// Chooses the views of a rig.
+    /// Chooses the views of a rig whose outputs sample up to `sampling_margin` texels beside the exact
+    /// place; `cache` may know what is chosen, or keeps it.
     ///
     /// # Errors
     /// As [`plan`].
-    pub fn new(rig: &'a Rig, request: &'a Request, margin: u32, cache: &Cache) -> Result<Self> {
+    pub fn new(rig: &'a Rig, request: &'a Request, sampling_margin: u32, cache: &Cache) -> Result<Self> {
         // A mirrored picture shows the same directions.
         let rig = rig.upright();
         let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
         request.check(outputs.len(), rig.passthrough)?;
         let output_maps = output_map::all(&rig, outputs.len(), request)?;
         let arrangement = cached::arrange(&rig, &output_maps, cache)?;
-        Ok(Self { rig, request, margin, output_maps, arrangement })
+        Ok(Self { rig, request, sampling_margin, output_maps, arrangement })
     }
 
     /// The views with their places in the atlas, without those that no pixel samples.
@@ -68,7 +60,7 @@ impl<'a> Planning<'a> {
     pub fn place(&mut self) -> Result<ViewPlan> {
         loop {
             let Arrangement { views, notes } = &self.arrangement;
-            let plan = layout::place(&self.rig, self.request, self.margin, views, notes)?;
+            let plan = layout::place(&self.rig, self.request, self.sampling_margin, views, notes)?;
             let Some(idle) = idle::find(&plan, &self.output_maps) else { return Ok(plan) };
             let view = self.arrangement.views.remove(idle);
             self.arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));

@@ -80,7 +80,7 @@ pub struct ViewPlan {
     pub guard: u32,
     /// Texels among them for outputs whose sampling is approximate: views stay valid this far
     /// beyond their part.
-    pub margin: u32,
+    pub sampling_margin: u32,
     /// Remarks for people: what was left out or scaled down, and why.
     pub notes: Vec<String>,
 }

@@ -84,7 +84,7 @@ pub fn compare_each(
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ExactPixel {
     /// Direction at its middle.
-    direction: Option<DVec3>,
+    pub(super) direction: Option<DVec3>,
     /// As of [`pixel_angle`].
     angle: Option<f64>,
 }

@@ -8,6 +8,8 @@ pub mod accuracy;
 mod exact;
 #[cfg(test)]
 pub(crate) mod testing;
+mod traced;
 
 pub use accuracy::{MapError, PixelError, compare, compare_each, displacement};
 pub use exact::{WarpMap, camera_direction, exact_direction, exact_map};
+pub use traced::TracedMap;

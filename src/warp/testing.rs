@@ -1,33 +1,9 @@
 //! Rigs for the tests of the mathematical modules, made without files.
 
-use super::accuracy::{ExactPixel, centre, compare_pixels};
-use super::{MapError, WarpMap};
 use crate::geom::Frustum;
 use crate::rig::*;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// All pixels of an exact map, traced once: several maps are compared with it.
-pub(crate) struct TracedMap {
-    exact: WarpMap,
-    pixels: Vec<ExactPixel>,
-}
-
-impl TracedMap {
-    pub(crate) fn new(exact: WarpMap) -> Self {
-        let (width, height) = exact.size();
-        let place = |y| (0..width).map(move |x| centre(x, y));
-        let pixels = (0..height).flat_map(place).map(|pixel| ExactPixel::of(&exact, pixel)).collect();
-        Self { exact, pixels }
-    }
-
-    /// As [`super::compare`].
-    pub(crate) fn compare(&self, step: u32, map: impl FnMut(u32, u32) -> Option<DVec3>) -> MapError {
-        let width = self.exact.size().0;
-        let at = |x: u32, y: u32| self.pixels[(y * width + x) as usize];
-        compare_pixels(&self.exact, at, step, map, |_| {})
-    }
-}
 
 /// An output of a kind, with overlap blending and a ramp of a tenth of the picture.
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {

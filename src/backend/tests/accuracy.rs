@@ -18,13 +18,13 @@ struct Comparison {
     compared: usize,
 }
 
-/// Compares pixels with `exact`; `pixel` is the angle that a pixel spans there.
+/// Compares pixels with `exact`; `pixel` is the angle that a pixel spans there, around what `exact` says.
 fn compare(
     map: &[MapPixel],
     width: u32,
     step: usize,
     exact: impl Fn(u32, u32) -> Option<DVec3>,
-    pixel: impl Fn(u32, u32) -> f64,
+    pixel: impl Fn(u32, u32, DVec3) -> f64,
 ) -> Comparison {
     let mut found = Comparison { worst: 0.0, disagreements: 0, not_finite: 0, compared: 0 };
     // Of numbers that are small if they are finite, the sum tells.
@@ -46,7 +46,7 @@ fn compare(
                 let [x, y, z] = shown.direction.map(f64::from);
                 let angle = direction.cross(DVec3::new(x, y, z)).length().asin();
                 let opposite = direction.dot(DVec3::new(x, y, z)) < 0.0;
-                let error = if opposite { f64::INFINITY } else { angle / pixel(column, row) };
+                let error = if opposite { f64::INFINITY } else { angle / pixel(column, row, direction) };
                 found.worst = found.worst.max(error);
                 found.compared += 1;
             }
@@ -63,7 +63,7 @@ pub fn fisheye_180_at_4096(driver: &dyn Driver) {
     let plan = fisheye_plan(size, aperture, DVec3::ZERO);
     let map = driver.map(&plan, 0);
     let pixel = aperture / 4096.0;
-    let found = compare(&map, size.0, 3, |c, r| fisheye_direction(&plan, size, c, r), |_, _| pixel);
+    let found = compare(&map, size.0, 3, |c, r| fisheye_direction(&plan, size, c, r), |_, _, _| pixel);
     println!("fisheye 180° at 4096²: {found:?}");
     assert!(found.worst <= 0.002 && found.not_finite == 0, "{found:?}");
     assert!(found.compared > 4_000_000);
@@ -71,7 +71,7 @@ pub fn fisheye_180_at_4096(driver: &dyn Driver) {
     assert!(found.disagreements < 8, "{found:?}");
     // Negative control: half a pixel's aside must be seen.
     let aside = |c: u32, r: u32| fisheye_direction(&plan, (4096, 4095), c, r.min(4094));
-    assert!(compare(&map, size.0, 997, aside, |_, _| pixel).worst > 0.2);
+    assert!(compare(&map, size.0, 997, aside, |_, _, _| pixel).worst > 0.2);
 }
 
 pub fn wide_fisheyes_not_square_and_off_centre(driver: &dyn Driver) {
@@ -82,7 +82,7 @@ pub fn wide_fisheyes_not_square_and_off_centre(driver: &dyn Driver) {
         let map = driver.map(&plan, 0);
         // Off the centre a pixel spans as little as 1/(1 + |offset|) of its angle.
         let pixel = aperture / 512.0 / (1.0 + offset.length());
-        let found = compare(&map, size.0, 1, |c, r| fisheye_direction(&plan, size, c, r), |_, _| pixel);
+        let found = compare(&map, size.0, 1, |c, r| fisheye_direction(&plan, size, c, r), |_, _, _| pixel);
         println!("fisheye {degrees}°: {found:?}");
         assert!(found.worst <= 0.002 && found.not_finite == 0 && found.disagreements < 4, "{degrees}°: {found:?}");
     }
@@ -98,9 +98,9 @@ fn projector_direction(projector: &Projector, size: (u32, u32), column: u32, row
 
 fn compare_projector(map: &[MapPixel], projector: &Projector, size: (u32, u32), step: usize) -> Comparison {
     let exact = |c, r| projector_direction(projector, size, c, r);
-    let pixel = |c, r| match (exact(c, r), exact(c + 1, r), exact(c, r + 1)) {
+    let pixel = |c, r, a: DVec3| match (exact(c + 1, r), exact(c, r + 1)) {
         // The shorter side of the pixel.
-        (Some(a), Some(b), Some(d)) => a.distance(b).min(a.distance(d)),
+        (Some(b), Some(d)) => a.distance(b).min(a.distance(d)),
         _ => 0.0,
     };
     compare(map, size.0, step, exact, pixel)
@@ -166,7 +166,7 @@ pub fn a_projector_outside_misses_around_the_sphere(driver: &dyn Driver) {
     plan.passes[0].batches[0].views = (0..6).collect();
     plan.passes[0].batches[0].edge = true;
     let map = driver.map(&plan, 0);
-    let found = compare(&map, size.0, 1, |c, r| projector_direction(&projector, size, c, r), |_, _| 1e-3);
+    let found = compare(&map, size.0, 1, |c, r| projector_direction(&projector, size, c, r), |_, _, _| 1e-3);
     assert!(map[0].view.is_none() && map[size.0 as usize * 240 + 320].view.is_some());
     // Within f32's rounding of the silhouette.
     assert!(found.disagreements < 4 && found.not_finite == 0, "{found:?}");
@@ -184,6 +184,6 @@ pub fn a_perspective_picture(driver: &dyn Driver) {
         Some((turn * frustum.rays() * DVec3::new(x, y, 1.0)).normalize())
     };
     let map = driver.map(&plan, 0);
-    let found = compare(&map, size.0, 1, exact, |_, _| 1.8 / 300.0);
+    let found = compare(&map, size.0, 1, exact, |_, _, _| 1.8 / 300.0);
     assert!(found.worst < 0.001 && found.disagreements == 0, "{found:?}");
 }

@@ -28,7 +28,7 @@ pub fn view_plan(views: Vec<View>, atlas: (u32, u32)) -> ViewPlan {
         panel: None,
         primary: None,
         guard: GUARD,
-        margin: 0,
+        sampling_margin: 0,
         notes: Vec::new(),
     }
 }

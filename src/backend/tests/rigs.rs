@@ -3,8 +3,8 @@
 use crate::correct::{Plan, build};
 use crate::rig::Rig;
 use crate::views::Request;
+use crate::warp::TracedMap;
 use crate::warp::WarpMap;
-use crate::warp::testing::TracedMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 type Size = (u32, u32);

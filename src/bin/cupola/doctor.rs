@@ -48,6 +48,17 @@ struct Finding {
     words: String,
 }
 
+impl Finding {
+    fn print(&self) {
+        let mark = match self.good {
+            Some(true) => "good",
+            Some(false) => "BAD ",
+            None => "    ",
+        };
+        println!("{mark} {:12} {}", self.key, self.words);
+    }
+}
+
 /// Runs the subcommand. The exit code is 0 if programs that use GLX or EGL can be corrected.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut findings = Vec::new();
@@ -80,26 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     };
     tell("display", None, place);
 
-    let hooked = match library::find().and_then(|library| {
-        let loader = loader::Loader::temporary(scratch.path())?;
-        Ok((library, loader.environment(&display)?))
-    }) {
-        Ok((library, mut environment)) => {
-            let refusals: Vec<String> =
-                ["__glx_Main", "__egl_Main"].iter().filter_map(|entry| library::refusal(&library, entry)).collect();
-            let words = match refusals.first() {
-                None => library.display().to_string(),
-                Some(why) => format!("{} cannot be used: {why}", library.display()),
-            };
-            tell("library", Some(refusals.is_empty()), words);
-            environment.extend(display.clone());
-            Some(environment)
-        }
-        Err(failure) => {
-            tell("library", Some(false), failure.message);
-            None
-        }
-    };
+    let hooked = hooked(&scratch, &display, &mut tell);
     let works = [("glx", Way::Glx), ("egl", Way::Egl)].map(|(key, way)| {
         let (good, words) = route(way, &display, hooked.as_ref());
         tell(key, Some(good), words);
@@ -117,17 +109,38 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
     } else {
-        for finding in &findings {
-            let mark = match finding.good {
-                Some(true) => "good",
-                Some(false) => "BAD ",
-                None => "    ",
-            };
-            println!("{mark} {:12} {}", finding.key, finding.words);
-        }
+        findings.iter().for_each(Finding::print);
         println!("{}", if usable { "Programs can be corrected here." } else { "Programs cannot be corrected here." });
     }
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Tells about the library. Returns the environment of a program that it corrects.
+fn hooked(
+    scratch: &loader::Scratch,
+    display: &Environment,
+    mut tell: impl FnMut(&'static str, Option<bool>, String),
+) -> Option<Environment> {
+    let found = library::find().and_then(|library| {
+        let loader = loader::Loader::temporary(scratch.path())?;
+        Ok((library, loader.environment(display)?))
+    });
+    let (library, mut environment) = match found {
+        Ok(found) => found,
+        Err(failure) => {
+            tell("library", Some(false), failure.message);
+            return None;
+        }
+    };
+    let refusals: Vec<String> =
+        ["__glx_Main", "__egl_Main"].iter().filter_map(|entry| library::refusal(&library, entry)).collect();
+    let words = match refusals.first() {
+        None => library.display().to_string(),
+        Some(why) => format!("{} cannot be used: {why}", library.display()),
+    };
+    tell("library", Some(refusals.is_empty()), words);
+    environment.extend(display.clone());
+    Some(environment)
 }
 
 /// Whether Vulkan programs can be corrected, and a description; `None` where there is no Vulkan

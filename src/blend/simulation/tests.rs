@@ -133,8 +133,8 @@ fn pictures_must_fit() {
 /// Greatest and root mean square deviation from 1 of the light at random points of the screen, when
 /// all outputs of `rig` show white in codes of `levels` steps, and the output `moved` shows it one
 /// pixel to the right. Points are left out that are nearer to the top or the bottom of a picture
-/// than the part `margin` of its height.
-fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usize>, margin: f64) -> [f64; 2] {
+/// than the part `left_out` of its height.
+fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usize>, left_out: f64) -> [f64; 2] {
     let sizes = vec![size; rig.outputs.len()];
     let weights = Weights::new(rig, &sizes).expect("valid");
     let mut random = crate::testing::random::Random::new(17);
@@ -142,7 +142,7 @@ fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usi
     while count < 40_000 {
         let point = random.direction() * rig.dome.radius;
         let height = f64::from(size.1);
-        let outside = |pixel: DVec2| pixel.y < margin * height || pixel.y > (1.0 - margin) * height;
+        let outside = |pixel: DVec2| pixel.y < left_out * height || pixel.y > (1.0 - left_out) * height;
         if weights.projectors().any(|(_, map)| map.pixel(point).is_some_and(outside)) {
             continue;
         }

@@ -45,7 +45,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
-    let mut planning = Planning::new(rig, request, margin(rig, &domes), cache)?;
+    let mut planning = Planning::new(rig, request, sampling_margin(rig, &domes), cache)?;
     let mut views = planning.place()?;
     let pictures = pictures(rig, sizes, flips, cache)?;
     let examine = |views: &ViewPlan| -> Vec<Examined> {
@@ -144,7 +144,7 @@ const MOST_REACH: f64 = 64.0;
 const TEXELS_PER_PIXEL: f64 = 4.0;
 
 /// Returns the greatest distance at which an output samples a view beside the exact place, texels.
-fn margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
+fn sampling_margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
     // An output's own picture is not sampled beside its place.
     let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());
     let errors = sampling.map(|(output, dome)| {

@@ -214,9 +214,9 @@ impl<'a> Examiner<'a> {
     }
 
     /// The one view that answers for all of a patch, if the corners tell.
-    fn only_view(&self, directions: &[DVec3; 4], margin: f64) -> Option<usize> {
+    fn only_view(&self, directions: &[DVec3; 4], departure: f64) -> Option<usize> {
         for (index, view) in self.views.iter().enumerate() {
-            match view.cone.relation(directions, margin) {
+            match view.cone.relation(directions, departure) {
                 Relation::Inside => return Some(index),
                 Relation::Outside => {}
                 Relation::Unclear => return None,

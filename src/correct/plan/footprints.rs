@@ -141,8 +141,8 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
     // Where only some samples are in the view, little is known of what lies between them.
     let partly = all().count() < (SAMPLES * SAMPLES) as usize;
     let apart = if partly { 2.0 * step + 0.1 * size.max_element() } else { step };
-    let margin = DVec2::splat(apart + f64::from(plan.views.guard) + 2.0);
-    let (from, to) = ((least - margin).max(low), (greatest + margin).min(low + size));
+    let around = DVec2::splat(apart + f64::from(plan.views.guard) + 2.0);
+    let (from, to) = ((least - around).max(low), (greatest + around).min(low + size));
     (from.x < to.x && from.y < to.y).then(|| TexelSpan {
         left: from.x.floor() as i32,
         bottom: from.y.floor() as i32,

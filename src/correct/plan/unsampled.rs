@@ -46,7 +46,7 @@ struct Sheet {
     /// Texels of the tile.
     size: DVec2,
     /// Greatest distance of a texel that a pixel reads from the pixel's place, in texels.
-    margin: f64,
+    guard: f64,
 }
 
 impl Sheet {
@@ -61,30 +61,30 @@ impl Sheet {
             size: DVec2::new(f64::from(width), f64::from(height)),
             // Filters and the overlap of views reach less far than the guard, which is counted in
             // whole texels.
-            margin: f64::from(guard),
+            guard: f64::from(guard),
         }
     }
 
     /// Marks the cells that a patch touches, given its corners in the view's axes and how far it
     /// departs from their quadrilateral (radians).
-    fn mark(&mut self, corners: &[DVec3], margin: f64) {
+    fn mark(&mut self, corners: &[DVec3], departure: f64) {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in corners {
             // A patch that reaches behind the view, or nearly so, may be anywhere in it.
-            if -corner.z < margin.max(1e-3) {
+            if -corner.z < departure.max(1e-3) {
                 (low, high) = (DVec2::NEG_INFINITY, DVec2::INFINITY);
                 break;
             }
             let at = corner.truncate() / -corner.z;
-            // The tangent grows by less than this over the margin, since it lies within the patch's
+            // The tangent grows by less than this over the departure, since it lies within the patch's
             // own size.
-            let slack = 2.0 * margin * (1.0 + at.length_squared());
+            let slack = 2.0 * departure * (1.0 + at.length_squared());
             (low, high) = (low.min(at - slack), high.max(at + slack));
         }
         let corner = DVec2::new(self.frustum.left, self.frustum.bottom);
         let scale = self.size / DVec2::new(self.frustum.width(), self.frustum.height());
         let cell = |at: f64, cells: u32| (at / f64::from(CELL)).floor().clamp(-1.0, f64::from(cells)) as i64;
-        let (low, high) = ((low - corner) * scale - self.margin, (high - corner) * scale + self.margin);
+        let (low, high) = ((low - corner) * scale - self.guard, (high - corner) * scale + self.guard);
         let (left, right) = (cell(low.x, self.columns), cell(high.x, self.columns));
         let (bottom, top) = (cell(low.y, self.rows), cell(high.y, self.rows));
         for row in bottom.max(0)..=top.min(i64::from(self.rows) - 1) {
@@ -149,13 +149,13 @@ impl Marker<'_> {
         Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
     }
 
-    /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of
+    /// Whether a block lies amid what one view shows, at least `distance` radians from the sides of
     /// all views and not next to what shows nothing: a rectangle around its texels then reaches no
     /// unsampled ones.
-    fn is_amid(&self, block: PixelSpan, corners: &[DVec3; 4], margin: f64) -> bool {
-        let margin = margin.max(ROUNDING);
+    fn is_amid(&self, block: PixelSpan, corners: &[DVec3; 4], distance: f64) -> bool {
+        let distance = distance.max(ROUNDING);
         let relation =
-            self.cones.iter().map(|(_, cone)| cone.relation(corners, margin)).find(|r| *r != Relation::Outside);
+            self.cones.iter().map(|(_, cone)| cone.relation(corners, distance)).find(|r| *r != Relation::Outside);
         relation.is_none_or(|relation| relation == Relation::Inside) && self.corners(block, f64::from(BLOCK)).is_some()
     }
 
@@ -191,13 +191,13 @@ impl Marker<'_> {
     }
 
     /// Marks a patch of directions in every view that may answer for a part of it.
-    fn mark_patch(&mut self, corners: &[DVec3; 4], margin: f64) {
+    fn mark_patch(&mut self, corners: &[DVec3; 4], departure: f64) {
         for (view, cone) in &self.cones {
-            let relation = cone.relation(corners, margin.max(ROUNDING));
+            let relation = cone.relation(corners, departure.max(ROUNDING));
             if relation == Relation::Outside {
                 continue;
             }
-            self.sheets[*view].mark(&cone.localized(corners), margin);
+            self.sheets[*view].mark(&cone.localized(corners), departure);
             if relation == Relation::Inside {
                 break;
             }

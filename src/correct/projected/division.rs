@@ -191,8 +191,16 @@ return cupola_part(gl_in[0].gl_Position, gl_in[1].gl_Position, vec3(1.0, 0.0, 0.
 
 /// A run's way through the parts of its primitive: to the first that is fine enough, then to the
 /// next, each time from the top. There is no list of what is waiting, because drivers on processors
-/// make every access to one a chain of comparisons. `path` has two bits for each cut, the number of
-/// the part that is followed; `counts` how many parts there are, less one.
+/// make every access to one a chain of comparisons.
+///
+/// `path` has two bits for each cut, the number of the part that is followed, and `counts` the
+/// number of its parts, less one. `known` cuts are on the path, and `part` is what is left after
+/// `level` of them. `pending` parts beside the path wait; a part is cut only while there is room
+/// for all of them. When a part is shown, `path` is counted up as a number whose digits have the
+/// bases in `counts`: last digits that are at their greatest are dropped, the one before grows.
+///
+/// The first `TURNS` cuts are not counted up: there the number of the run says which part it
+/// follows, and a run whose number has no part ends.
 const MAIN: &str = "void main() {
 cupola_part part = cupola_whole();
 int path = RUN;

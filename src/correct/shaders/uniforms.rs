@@ -31,7 +31,7 @@ const OVERLAP: f64 = 0.125;
 
 /// Returns the overlap of the views of a plan, texels.
 fn overlap(views: &ViewPlan) -> f64 {
-    OVERLAP + f64::from(views.margin)
+    OVERLAP + f64::from(views.sampling_margin)
 }
 
 /// A view as the shaders take it.

@@ -41,7 +41,7 @@ pub(super) fn values(source: &OpticsSource, batch: &Batch, base: DMat3, shared_p
     }
     if batch.edge && !source.bounds.is_all() {
         let sides = source.bounds.sides.as_ref();
-        out.rim = sides.map_or(1, |sides| if sides.join == Join::Both { 2 } else { 3 });
+        out.edge_test = sides.map_or(1, |sides| if sides.join == Join::Both { 2 } else { 3 });
         for (to, space) in out.limits.iter_mut().zip(&source.bounds.limits) {
             *to = half_space(space.as_ref());
         }

@@ -25,7 +25,7 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
         direction: form(&source.direction.transformed(base)),
         dome: form(&source.dome_direction),
         discriminant: quadratic_polynomial(&discriminant),
-        way: match evaluation {
+        evaluation: match evaluation {
             EvaluationMethod::Forms => 0,
             EvaluationMethod::Linear => 1,
             EvaluationMethod::Root => 2,
@@ -40,7 +40,7 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
         if let Some((sides, _)) = &rim.sides {
             out.sides = form(sides);
         }
-        out.rim = match rim.sides {
+        out.edge_test = match rim.sides {
             None => 1,
             Some((_, Join::Both)) => 2,
             Some((_, Join::Either)) => 3,

@@ -49,7 +49,7 @@ impl Coordinates {
     const ALL: [Self; 3] = [Self::Clip, Self::Texture, Self::TextureAndDepth];
 
     /// The matrix from clip coordinates to these.
-    fn of_clip(self) -> DMat4 {
+    fn matrix(self) -> DMat4 {
         let diagonal = |z: f64| {
             let offset = DVec4::new(0.5, 0.5, 1.0 - z, 1.0);
             DMat4::from_cols(0.5 * DVec4::X, 0.5 * DVec4::Y, z * DVec4::Z, offset)
@@ -82,7 +82,7 @@ impl CameraFunction {
             // An inverse would multiply what was rounded.
             (Direction::FromClip, Some(f)) => {
                 let matrix = self.oriented(DMat4::from_cols_array(matrix));
-                Some(of_similarity(matrix * self.coordinates.of_clip() * lens.projection(f), f))
+                Some(of_similarity(matrix * self.coordinates.matrix() * lens.projection(f), f))
             }
             _ => Some(Rows::of(self.to_clip(matrix)?).deviation(lens)),
         }
@@ -138,13 +138,13 @@ impl CameraFunction {
             Direction::ToClip => matrix,
             Direction::FromClip => inverse(matrix)?,
         };
-        Some(inverse(self.coordinates.of_clip())? * matrix)
+        Some(inverse(self.coordinates.matrix())? * matrix)
     }
 
     /// What `matrix` is for a view with the reprojection `view` (both column-major).
     pub fn for_view(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<[f64; 16]> {
         let matrix = self.oriented(DMat4::from_cols_array(matrix));
-        let change = self.coordinates.of_clip();
+        let change = self.coordinates.matrix();
         let view = change * DMat4::from_cols_array(view) * inverse(change)?;
         let matrix = match self.direction {
             Direction::ToClip => view * matrix,
@@ -266,7 +266,7 @@ mod tests {
             let p = projection(near, far);
             for affine in [DMat4::IDENTITY, camera(), DMat4::from_scale(DVec3::splat(3.0)) * camera()] {
                 for coordinates in Coordinates::ALL {
-                    let to_clip = coordinates.of_clip() * p * affine;
+                    let to_clip = coordinates.matrix() * p * affine;
                     for (direction, matrix) in [(Direction::ToClip, to_clip), (Direction::FromClip, to_clip.inverse())]
                     {
                         for transposed in [false, true] {
@@ -307,7 +307,7 @@ mod tests {
             assert!(near(found.a, expected.a) && near(found.c, expected.c), "{found:?}");
             assert!(near(found.b, expected.b) && near(found.d, expected.d) && near(found.e, expected.e), "{found:?}");
         }
-        let texture = Coordinates::Texture.of_clip() * p * camera();
+        let texture = Coordinates::Texture.matrix() * p * camera();
         let (function, found) = CameraFunction::of_inverse(&rounded(texture.inverse())).expect("an inverse");
         assert_eq!(function.coordinates, Coordinates::Texture);
         assert!((found.b - lens(p).b).abs() < 1e-4, "{found:?}");
@@ -329,7 +329,7 @@ mod tests {
         let scene = camera();
         let point = scene.inverse() * (rotation.transpose() * DVec3::new(0.2, -0.3, -4.0)).extend(1.0);
         for coordinates in Coordinates::ALL {
-            let to_clip = coordinates.of_clip() * p * scene;
+            let to_clip = coordinates.matrix() * p * scene;
             let there = CameraFunction { direction: Direction::ToClip, coordinates, transposed: false };
             let back = CameraFunction { direction: Direction::FromClip, ..there };
             let there = there.for_view(&to_clip.to_cols_array(), &view).expect("a matrix");
@@ -337,7 +337,7 @@ mod tests {
             let pixel = DMat4::from_cols_array(&there) * point;
             let pixel = pixel / pixel.w;
             let expected = DVec4::new(((0.2 / 4.0) - -0.1) / 0.8, ((-0.3 / 4.0) - -0.2) / 0.8, f64::NAN, 1.0);
-            let from = inverse(coordinates.of_clip()).expect("one") * pixel;
+            let from = inverse(coordinates.matrix()).expect("one") * pixel;
             assert!((from.x - expected.x).abs() < 1e-12 && (from.y - expected.y).abs() < 1e-12, "{from} {expected}");
             assert!(from.z.abs() < 1.0, "within the view's planes");
             let found = DMat4::from_cols_array(&back) * pixel;

@@ -177,12 +177,15 @@ impl Mesh {
             if !ray.meets(node, nearest) {
                 continue;
             }
-            if node.count == 0 && waiting + 2 <= DEEPEST {
-                (stack[waiting], stack[waiting + 1]) = (node.first, index + 1);
-                waiting += 2;
+            if node.count == 0 {
+                if waiting + 2 <= DEEPEST {
+                    (stack[waiting], stack[waiting + 1]) = (node.first, index + 1);
+                    waiting += 2;
+                }
+                continue;
             }
             let first = node.first as usize;
-            for triangle in self.triangles.iter().skip(first).take(node.count as usize) {
+            for triangle in &self.triangles[first..first + node.count as usize] {
                 if let Some((distance, point)) = ray.meet(triangle).filter(|(distance, _)| *distance < nearest) {
                     nearest = distance;
                     found = Some((triangle, point));
@@ -302,14 +305,11 @@ impl Ray {
     /// Whether the ray goes through a box before the distance `nearest`.
     fn meets(&self, node: &Node, nearest: f64) -> bool {
         // An axis along which the ray does not move gives ±∞, or NaN on a side itself, which min
-        // and max pass over.
-        let (to_low, to_high) = ((node.low - self.origin) * self.inverse, (node.high - self.origin) * self.inverse);
-        let sides = |axis: usize| (to_low[axis].min(to_high[axis]), to_low[axis].max(to_high[axis]));
-        let (mut enter, mut leave) = (0.0f64, nearest);
-        for axis in 0..3 {
-            let (near, far) = sides(axis);
-            (enter, leave) = (enter.max(near), leave.min(far));
-        }
+        // and max pass over. No loop over the axes: nothing else is done as often.
+        let to_low = (node.low - self.origin) * self.inverse;
+        let to_high = (node.high - self.origin) * self.inverse;
+        let enter = 0.0f64.max(to_low.x.min(to_high.x)).max(to_low.y.min(to_high.y)).max(to_low.z.min(to_high.z));
+        let leave = nearest.min(to_low.x.max(to_high.x)).min(to_low.y.max(to_high.y)).min(to_low.z.max(to_high.z));
         enter <= leave
     }
 

@@ -10,7 +10,7 @@ use crate::rig::Favour;
 use crate::views::arranging::cost::PlannerOptions;
 use crate::views::fitting::axes::{OrientedView, facing, refined, texels};
 use crate::views::fitting::density::golden_section;
-use crate::views::fitting::fit::{MARGIN, Patch, fit};
+use crate::views::fitting::fit::{Patch, WIDENING, fit};
 use crate::views::sampling::cone::Cone;
 use crate::views::sampling::output_map::Sample;
 use crate::views::sampling::samples::Samples;
@@ -234,7 +234,7 @@ impl<'a> Task<'a> {
 
     /// Directions within so many radians beyond a cell's side are left to the neighbour.
     ///
-    /// A fifth of a pixel: less is shown by the margin of the neighbour, and a dome that ends
+    /// A fifth of a pixel: less is shown by the widened part of the neighbour, and a dome that ends
     /// exactly at a side (180° and a cube with an edge forward) must not make views beyond it.
     fn ignored(&self) -> f64 {
         (0.2 * self.pixel).clamp(1e-9, 0.02)
@@ -325,13 +325,13 @@ impl<'a> Task<'a> {
                     outputs.contains(&output) && other.depths(sample.direction).iter().all(|&depth| depth > DEPTH)
                 })
             };
-            // The margin that `layout` adds is answered for too.
-            let margin = MARGIN / part.oriented.fit.density.min_element();
+            // What `layout` widens the part by is answered for too.
+            let widening = WIDENING / part.oriented.fit.density.min_element();
             let others: Vec<Sample> = part
                 .outputs
                 .iter()
                 .flat_map(|&output| {
-                    self.fine[output].within(&cone.sides(), margin).into_iter().map(move |sample| (output, sample))
+                    self.fine[output].within(&cone.sides(), widening).into_iter().map(move |sample| (output, sample))
                 })
                 .filter(|(output, sample)| left(*output, sample))
                 .map(|(_, sample)| sample)

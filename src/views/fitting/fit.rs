@@ -24,7 +24,7 @@ pub(crate) const LEAST_COSINE: f64 = 0.12;
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
 /// two views belongs to at least one of them in 32-bit arithmetic too.
-pub(crate) const MARGIN: f64 = 0.21875;
+pub(crate) const WIDENING: f64 = 0.21875;
 
 /// Opening and resolution that a view with given axes needs.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]

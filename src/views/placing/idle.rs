@@ -89,9 +89,9 @@ impl Search<'_> {
             }
         }
         let size = diameter(&corners);
-        let margin = size * size;
+        let departure = size * size;
         size < WIDEST
-            && (self.view.relation(&corners, margin) == Relation::Outside
-                || self.earlier.iter().any(|other| other.relation(&corners, margin) == Relation::Inside))
+            && (self.view.relation(&corners, departure) == Relation::Outside
+                || self.earlier.iter().any(|other| other.relation(&corners, departure) == Relation::Inside))
     }
 }

@@ -4,7 +4,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, pose};
 use crate::rig::{Filter, Rig};
 use crate::views::arranging::planned_view::PlannedView;
-use crate::views::fitting::fit::MARGIN;
+use crate::views::fitting::fit::WIDENING;
 use crate::views::placing::atlas;
 use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 
@@ -19,7 +19,7 @@ fn guard(filter: Filter) -> f64 {
 }
 
 /// Least widening of the sampled part, as a tangent: about four times the rounding error of f32.
-/// More than the margin only where texels are narrower than two millionths.
+/// More than [`WIDENING`] only where texels are narrower than two millionths.
 const ROUNDING: f64 = 4e-7;
 
 /// Free texels between tiles.
@@ -30,18 +30,18 @@ const GUTTER: u32 = 1;
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
-/// `margin`: texels that the guard is wider than filters need.
+/// `sampling_margin`: texels that the guard is wider than filters need.
 pub(crate) fn place(
     rig: &Rig,
     request: &Request,
-    margin: u32,
+    sampling_margin: u32,
     planned: &[PlannedView],
     notes: &[String],
 ) -> Result<ViewPlan> {
     let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
-    let guard = guard(rig.views.filter) + f64::from(margin);
+    let guard = guard(rig.views.filter) + f64::from(sampling_margin);
     let mut scale = 1.0;
     let (mut views, tiles, size) = loop {
         let views: Vec<View> = planned.iter().map(|planned| sized(planned, quality, scale, guard)).collect();
@@ -76,7 +76,7 @@ pub(crate) fn place(
         panel,
         primary,
         guard: guard.ceil() as u32,
-        margin,
+        sampling_margin,
         notes,
     })
 }
@@ -100,11 +100,17 @@ fn too_small(request: &Request) -> Error {
     )
 }
 
-/// One direction of a view: the sampled part widened by the margin, the opening of the tile, and
-/// its texels.
+/// One direction of a view: the sampled part, widened by [`WIDENING`], the opening of the tile, and
+/// its number of texels.
+///
+/// From the middle outwards the tile consists of the sampled part (`span`), the widening and the
+/// guard on either side (`around`). The number of texels is a whole one, so that texels are a
+/// little narrower than `density` asks for: `texel` is the width with which `span` keeps exactly
+/// the texels that `around` leaves. Part and opening are then measured from the middle in such
+/// texels. A span of 0 (a single direction) has texels of the asked width.
 fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64), u32) {
-    let rounding = (ROUNDING - MARGIN / density).max(0.0);
-    let (span, around) = (high - low + 2.0 * rounding, 2.0 * (MARGIN + guard));
+    let rounding = (ROUNDING - WIDENING / density).max(0.0);
+    let (span, around) = (high - low + 2.0 * rounding, 2.0 * (WIDENING + guard));
     // 2^20 is far beyond any atlas: the loop that scales down sees it as too large.
     let texels = (span * density + around).max(around + 0.5).ceil().min(1_048_576.0);
     let texel = if span > 0.0 { span / (texels - around) } else { 1.0 / density };
@@ -177,7 +183,7 @@ mod tests {
     fn a_part_is_widened_by_what_rounding_moves_directions() {
         // 64 texels of 1e-9, and 64 of 1e-3: what is owned is wider on either side, by 4e-7 at
         // least.
-        for (texel, least) in [(1e-9, ROUNDING), (1e-3, MARGIN * 1e-3)] {
+        for (texel, least) in [(1e-9, ROUNDING), (1e-3, WIDENING * 1e-3)] {
             let (low, high) = (0.3, 0.3 + 64.0 * texel);
             let ((from, to), (first, last), texels) = side(low, high, 1.0 / texel, 1.5);
             for beside in [low - from, to - high] {

@@ -75,16 +75,16 @@ impl Cone {
     }
 
     /// How the patch with these corners, all of unit length, lies to the cone, if it departs from
-    /// their quadrilateral by `margin` at most.
-    pub fn relation(&self, corners: &[DVec3; 4], margin: f64) -> Relation {
+    /// their quadrilateral by `departure` at most.
+    pub fn relation(&self, corners: &[DVec3; 4], departure: f64) -> Relation {
         let depths = corners.map(|corner| self.depths(corner));
         let mut inside = true;
         for side in 0..4 {
             let of_side = depths.map(|depths| depths[side]);
-            if of_side.iter().all(|&depth| depth < -margin) {
+            if of_side.iter().all(|&depth| depth < -departure) {
                 return Relation::Outside;
             }
-            inside &= of_side.iter().all(|&depth| depth > margin);
+            inside &= of_side.iter().all(|&depth| depth > departure);
         }
         if inside { Relation::Inside } else { Relation::Unclear }
     }

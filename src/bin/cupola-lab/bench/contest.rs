@@ -5,7 +5,7 @@ use super::quality::{self, Quality};
 use super::scenes::Scene;
 use crate::failure::Failure;
 use crate::trial::{self, gl::Times};
-use cupola::warp::{MapError, WarpMap, compare_each};
+use cupola::warp::{MapError, TracedMap, WarpMap};
 use std::time::Instant;
 
 /// Results for one scene.
@@ -56,8 +56,8 @@ pub struct Errors {
 
 /// Measures all methods on `scene`. `phase` is called with a description of the current step.
 pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest, Failure> {
-    let exact = WarpMap::new(&scene.rig, 0, scene.size, None)?;
-    let Entrants { mut trial, mut vulkan, methods } = Entrants::new(&scene, &exact)?;
+    let exact = TracedMap::new(WarpMap::new(&scene.rig, 0, scene.size, None)?);
+    let Entrants { mut trial, mut vulkan, methods, .. } = Entrants::new(&scene, &exact)?;
     let mut round = 0;
     let mut others: Vec<Vec<f64>> = methods.iter().map(|_| Vec::new()).collect();
     let mut failed = None;
@@ -76,7 +76,7 @@ pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest,
         return Err(error);
     }
     phase(format!("{}: pictures", scene.name));
-    let truth = (scene.rig.outputs.len() == 1).then(|| quality::truth(&exact));
+    let truth = (scene.rig.outputs.len() == 1).then(|| quality::truth(exact.exact()));
     phase(format!("{}: errors", scene.name));
     let base = &times[0];
     let mut results = Vec::new();
@@ -121,12 +121,12 @@ fn processor_ratio(own: &Times, base: &Times) -> f64 {
     quantile(&sorted(own.processor.iter().zip(&base.processor).map(|(own, base)| own / base)), 0.5)
 }
 
-fn errors(exact: &WarpMap, map: &Directions) -> Errors {
-    let (width, height) = (exact.size().0 as usize, exact.size().1 as usize);
+fn errors(exact: &TracedMap, map: &Directions) -> Errors {
+    let (width, height) = (exact.exact().size().0 as usize, exact.exact().size().1 as usize);
     let mut pixels = vec![f32::NAN; width * height];
     let (mut all, mut angle) = (Vec::new(), 0.0f64);
     let look = |x: u32, y: u32| map[y as usize * width + x as usize];
-    let map = compare_each(exact, 1, look, |error| {
+    let map = exact.compare_each(1, look, |error| {
         pixels[error.pixel.1 as usize * width + error.pixel.0 as usize] = error.pixels as f32;
         all.push(error.pixels);
         angle = angle.max(error.angle);

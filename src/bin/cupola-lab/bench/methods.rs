@@ -13,7 +13,8 @@ use cupola::correct::{self, Plan, Source};
 use cupola::correct::{Table, TablePixel};
 use cupola::formats::{Grid, Mesh, Node};
 use cupola::rig::{Filter, OutputKind, Rig};
-use cupola::warp::WarpMap;
+use cupola::views::ViewPlan;
+use cupola::warp::TracedMap;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -66,6 +67,10 @@ pub struct Entrants {
     pub vulkan: Option<trial::vk::Trial>,
     /// The methods. The first is the plain picture whose time is the unit of time.
     pub methods: Vec<Method>,
+    /// Atlases that are drawn, with their views: several methods have the same.
+    atlases: Vec<(ViewPlan, Vec<Vec<u32>>)>,
+    /// Pictures of the methods of other programs that are drawn.
+    pictures: Vec<(Sampling, Vec<Vec<u32>>)>,
 }
 
 /// Bounds on the error of tables and meshes in pixels.
@@ -83,9 +88,10 @@ const COLUMNS: [u32; 3] = [16, 64, 256];
 
 impl Entrants {
     /// All methods for `scene`.
-    pub fn new(scene: &Scene, exact: &WarpMap) -> Result<Self, Failure> {
+    pub fn new(scene: &Scene, exact: &TracedMap) -> Result<Self, Failure> {
         let vulkan = trial::vk::Trial::new(scene.size).ok();
-        let mut this = Self { trial: Trial::new(scene.size)?, vulkan, methods: Vec::new() };
+        let trial = Trial::new(scene.size)?;
+        let mut this = Self { trial, vulkan, methods: Vec::new(), atlases: Vec::new(), pictures: Vec::new() };
         let (width, height) = scene.size;
         let number = this.trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(width, height))?;
         this.add("one bilinear picture", Clock::OpenGl(number), None, None);
@@ -130,7 +136,8 @@ impl Entrants {
     /// Adds Cupola's correction with `plan`.
     fn add_plan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
         let (number, _) = self.trial.add_plan(plan)?;
-        self.trial.fill(number, &[quality::atlas(plan)])?;
+        let drawn = drawn_once(&mut self.atlases, &plan.views, || Ok(vec![quality::atlas(plan)]))?;
+        self.trial.fill(number, drawn)?;
         let context = self.trial.context();
         let map = gl::gpu_map(&context.gl, context.is_gles, plan, 0)?;
         self.add(name, Clock::OpenGl(number), texels(plan), Some(directions(&map)));
@@ -167,7 +174,7 @@ impl Entrants {
     }
 
     /// Adds the methods of other programs.
-    fn add_others(&mut self, scene: &Scene, exact: &WarpMap, plan: &Plan) -> Result<(), Failure> {
+    fn add_others(&mut self, scene: &Scene, exact: &TracedMap, plan: &Plan) -> Result<(), Failure> {
         let (width, height) = scene.size;
         // Resolution of cube faces that the centre of a domemaster or projector needs.
         let side = plan.views.views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(1);
@@ -177,7 +184,7 @@ impl Entrants {
             let mesh = direction_mesh(scene, exact, columns, rows);
             self.add_peer(scene, exact, peers::Peer { name, mesh, sampling: Sampling::Cube(side), texels: None })?;
         }
-        for mesh in peers::meshes(scene, exact, side) {
+        for mesh in peers::meshes(scene, exact.exact(), side) {
             self.add_peer(scene, exact, mesh)?;
         }
         for formula in peers::formulas(scene, side) {
@@ -187,7 +194,7 @@ impl Entrants {
     }
 
     /// Adds a mesh. Its map is the linear interpolation of the values at its nodes.
-    fn add_peer(&mut self, scene: &Scene, exact: &WarpMap, peer: peers::Peer) -> Result<(), Failure> {
+    fn add_peer(&mut self, scene: &Scene, exact: &TracedMap, peer: peers::Peer) -> Result<(), Failure> {
         let mut drawn = TrialMesh { corners: Vec::new(), triangles: peer.mesh.triangles().to_vec() };
         for node in peer.mesh.nodes() {
             let [x, y] = node.position.as_vec2().to_array();
@@ -204,7 +211,7 @@ impl Entrants {
     }
 
     /// Adds a formula. Its map is what the driver computes.
-    fn add_formula(&mut self, scene: &Scene, exact: &WarpMap, formula: peers::Formula) -> Result<(), Failure> {
+    fn add_formula(&mut self, scene: &Scene, exact: &TracedMap, formula: peers::Formula) -> Result<(), Failure> {
         let number = self.trial.add_mesh(&TrialMesh::quad(), &formula.sampling)?;
         self.fill(number, scene, &formula.sampling)?;
         let places = self.trial.coordinates(&TrialMesh::quad(), &formula.sampling)?;
@@ -220,16 +227,35 @@ impl Entrants {
     }
 
     /// Draws the scene into the textures that a method samples.
-    fn fill(&self, number: usize, scene: &Scene, sampling: &Sampling) -> Result<(), Failure> {
-        let pictures = match *sampling.picture() {
-            Sampling::Cube(side) => quality::cube(side),
-            Sampling::Picture(width, height) => {
-                vec![quality::domemaster((width, height), &peers::domemaster(scene)?)]
-            }
-            Sampling::Formula(..) => Vec::new(),
-        };
-        Ok(self.trial.fill(number, &pictures)?)
+    fn fill(&mut self, number: usize, scene: &Scene, sampling: &Sampling) -> Result<(), Failure> {
+        let sampled = sampling.picture();
+        let drawn = drawn_once(&mut self.pictures, sampled, || {
+            Ok(match *sampled {
+                Sampling::Cube(side) => quality::cube(side),
+                Sampling::Picture(width, height) => {
+                    vec![quality::domemaster((width, height), &peers::domemaster(scene)?)]
+                }
+                Sampling::Formula(..) => Vec::new(),
+            })
+        })?;
+        Ok(self.trial.fill(number, drawn)?)
     }
+}
+
+/// The pictures under a key; `draw` draws those that are missing.
+fn drawn_once<'a, K: Clone + PartialEq>(
+    drawn: &'a mut Vec<(K, Vec<Vec<u32>>)>,
+    key: &K,
+    draw: impl FnOnce() -> Result<Vec<Vec<u32>>, Failure>,
+) -> Result<&'a [Vec<u32>], Failure> {
+    let index = match drawn.iter().position(|(of, _)| of == key) {
+        Some(index) => index,
+        None => {
+            drawn.push((key.clone(), draw()?));
+            drawn.len() - 1
+        }
+    };
+    Ok(&drawn[index].1)
 }
 
 /// A plan for the outputs of a rig, all of the scene's size.
@@ -258,11 +284,10 @@ fn directions(map: &[gl::MapPixel]) -> Directions {
 }
 
 /// `plan` with a table of the exact map instead of the formula.
-fn tabulated(plan: &Plan, scene: &Scene, exact: &WarpMap) -> Plan {
+fn tabulated(plan: &Plan, scene: &Scene, exact: &TracedMap) -> Plan {
     let mut plan = plan.clone();
     let table = Table::new(scene.size, |column, row| {
-        let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        exact.direction(pixel).map(|direction| TablePixel { direction, weight: 1.0, dark: 0.0 })
+        exact.direction(column, row).map(|direction| TablePixel { direction, weight: 1.0, dark: 0.0 })
     });
     plan.passes[0].source = Source::Table(Arc::new(table));
     plan
@@ -283,19 +308,19 @@ fn meaning(scene: &Scene, sampling: &Sampling) -> Result<impl Fn(DVec3) -> Optio
 
 /// Values of a function at the centres of all pixels that show something in the exact map. What
 /// other programs draw outside of a fisheye's circle is not an error.
-fn each_pixel(exact: &WarpMap, at: impl Fn(DVec2) -> Option<DVec3>) -> Directions {
-    let (width, height) = exact.size();
+fn each_pixel(exact: &TracedMap, at: impl Fn(DVec2) -> Option<DVec3>) -> Directions {
+    let (width, height) = exact.exact().size();
     let at = &at;
     let row = move |y: u32| {
         let pixel = move |x: u32| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        (0..width).map(move |x| exact.direction(pixel(x)).and_then(|_| at(pixel(x))))
+        (0..width).map(move |x| exact.direction(x, y).and_then(|_| at(pixel(x))))
     };
     (0..height).flat_map(row).collect()
 }
 
 /// A mesh with the exact directions at the nodes of a grid over the output. Outside of a fisheye's
 /// circle the angle grows further.
-fn direction_mesh(scene: &Scene, exact: &WarpMap, columns: u32, rows: u32) -> Mesh {
+fn direction_mesh(scene: &Scene, exact: &TracedMap, columns: u32, rows: u32) -> Mesh {
     peers::grid_mesh(columns, rows, |part| {
         let at = 2.0 * part - 1.0;
         let value = match &scene.rig.outputs[0].kind {
@@ -303,9 +328,11 @@ fn direction_mesh(scene: &Scene, exact: &WarpMap, columns: u32, rows: u32) -> Me
                 let (sine, cosine) = (0.5 * aperture * at.length()).sin_cos();
                 (at.normalize_or_zero() * sine).extend(-cosine)
             }
-            _ => exact.direction(
-                DVec2::new(part.x, 1.0 - part.y) * DVec2::new(f64::from(exact.size().0), f64::from(exact.size().1)),
-            )?,
+            _ => {
+                let exact = exact.exact();
+                let size = DVec2::new(f64::from(exact.size().0), f64::from(exact.size().1));
+                exact.direction(DVec2::new(part.x, 1.0 - part.y) * size)?
+            }
         };
         Some(Node { position: at, value, intensity: 1.0 })
     })

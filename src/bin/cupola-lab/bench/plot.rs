@@ -16,25 +16,90 @@ const LEAST_ERROR: f64 = 1e-5;
 /// The error with the strongest colour in error maps, in pixels.
 const WORST_SHOWN: f64 = 10.0;
 
+/// A method with its time and its greatest error.
+type Point<'a> = (&'a Outcome, f64, f64);
+
+/// Logarithmic axes of time and error: lowest and highest value.
+struct Axes {
+    times: (f64, f64),
+    errors: (f64, f64),
+}
+
+impl Axes {
+    fn of(points: &[Point]) -> Self {
+        let range = |of: fn(&Point) -> f64| {
+            let low = points.iter().map(of).fold(f64::INFINITY, f64::min);
+            let high = points.iter().map(of).fold(0.0, f64::max);
+            (0.8 * low, 1.3 * high)
+        };
+        Self { times: range(|point| point.1), errors: range(|point| point.2) }
+    }
+
+    fn x(&self, time: f64) -> f64 {
+        let [left, _, right, _] = AREA;
+        left + (right - left) * part(time, self.times)
+    }
+
+    fn y(&self, error: f64) -> f64 {
+        let [_, top, _, bottom] = AREA;
+        bottom - (bottom - top) * part(error, self.errors)
+    }
+
+    /// Writes lines with their numbers.
+    fn grid(&self, svg: &mut String) -> std::fmt::Result {
+        let [left, top, right, bottom] = AREA;
+        for error in
+            (-5..5).map(|power| 10f64.powi(power)).filter(|error| (self.errors.0..self.errors.1).contains(error))
+        {
+            writeln!(
+                svg,
+                "<path d=\"M{left} {0:.1}H{right}\" stroke=\"#ddd\"/><text x=\"{1}\" y=\"{2:.1}\" text-anchor=\"end\">{error}</text>",
+                self.y(error),
+                left - 6.0,
+                self.y(error) + 4.0
+            )?;
+        }
+        for time in [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0]
+            .into_iter()
+            .filter(|t| (self.times.0..self.times.1).contains(t))
+        {
+            writeln!(
+                svg,
+                "<path d=\"M{0:.1} {top}V{bottom}\" stroke=\"#ddd\"/><text x=\"{0:.1}\" y=\"{1}\" text-anchor=\"middle\">{time}</text>",
+                self.x(time),
+                bottom + 18.0
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Where a value is between the ends of a range on a logarithmic scale, 0…1.
+fn part(value: f64, (low, high): (f64, f64)) -> f64 {
+    (value / low).ln() / (high / low).ln()
+}
+
+/// Times and errors of those methods than which no other is both faster and more exact, by time.
+fn front(points: &[Point]) -> Vec<(f64, f64)> {
+    let mut front: Vec<(f64, f64)> = points.iter().map(|point| (point.1, point.2)).collect();
+    front.retain(|(time, error)| {
+        !points.iter().any(|other| other.1 <= *time && other.2 < *error || other.1 < *time && other.2 <= *error)
+    });
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    front
+}
+
 /// An SVG plot of time against greatest error, both logarithmic. Methods are numbered by their
 /// time.
 pub fn scatter(contest: &Contest) -> String {
-    let mut points: Vec<(&Outcome, f64, f64)> = contest
+    let mut points: Vec<Point> = contest
         .results
         .iter()
         .filter_map(|result| Some((result, result.ratio, result.error.as_ref()?.map.max.max(LEAST_ERROR))))
         .collect();
     points.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let range = |of: &dyn Fn(&(&Outcome, f64, f64)) -> f64| {
-        let low = points.iter().map(of).fold(f64::INFINITY, f64::min);
-        let high = points.iter().map(of).fold(0.0, f64::max);
-        (0.8 * low, 1.3 * high)
-    };
-    let (times, errors) = (range(&|point| point.1), range(&|point| point.2));
+    let axes = Axes::of(&points);
     let [left, top, right, bottom] = AREA;
-    let part = |value: f64, (low, high): (f64, f64)| (value / low).ln() / (high / low).ln();
-    let x = |time: f64| left + (right - left) * part(time, times);
-    let y = |error: f64| bottom - (bottom - top) * part(error, errors);
     let (width, height) = SIZE;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
@@ -43,25 +108,7 @@ pub fn scatter(contest: &Contest) -> String {
         contest.scene.name, contest.scene.size.0, contest.scene.size.1
     );
     // Writing into a string cannot fail.
-    for error in (-5..5).map(|power| 10f64.powi(power)).filter(|error| (errors.0..errors.1).contains(error)) {
-        let _ = writeln!(
-            svg,
-            "<path d=\"M{left} {0:.1}H{right}\" stroke=\"#ddd\"/><text x=\"{1}\" y=\"{2:.1}\" text-anchor=\"end\">{error}</text>",
-            y(error),
-            left - 6.0,
-            y(error) + 4.0
-        );
-    }
-    for time in
-        [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0].into_iter().filter(|t| (times.0..times.1).contains(t))
-    {
-        let _ = writeln!(
-            svg,
-            "<path d=\"M{0:.1} {top}V{bottom}\" stroke=\"#ddd\"/><text x=\"{0:.1}\" y=\"{1}\" text-anchor=\"middle\">{time}</text>",
-            x(time),
-            bottom + 18.0
-        );
-    }
+    let _ = axes.grid(&mut svg);
     let _ = writeln!(
         svg,
         "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">time, in units of one bilinear picture</text>\n\
@@ -70,15 +117,11 @@ pub fn scatter(contest: &Contest) -> String {
         height - 18.0,
         0.5 * (top + bottom)
     );
-    let mut front: Vec<(f64, f64)> = points.iter().map(|point| (point.1, point.2)).collect();
-    front.retain(|(time, error)| {
-        !points.iter().any(|other| other.1 <= *time && other.2 < *error || other.1 < *time && other.2 <= *error)
-    });
-    front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let line: Vec<String> = front.iter().map(|(time, error)| format!("{:.1} {:.1}", x(*time), y(*error))).collect();
+    let line: Vec<String> =
+        front(&points).iter().map(|(time, error)| format!("{:.1} {:.1}", axes.x(*time), axes.y(*error))).collect();
     let _ = writeln!(svg, "<path d=\"M{}\" fill=\"none\" stroke=\"#2a6\" stroke-width=\"2\"/>", line.join("L"));
     for (index, (result, time, error)) in points.iter().enumerate() {
-        let (at_x, at_y) = (x(*time), y(*error));
+        let (at_x, at_y) = (axes.x(*time), axes.y(*error));
         let (color, radius) = if result.is_default { ("#d30", 7.0) } else { ("#36a", 4.5) };
         let name = result.name.replace('&', "&amp;").replace('<', "&lt;");
         let _ = writeln!(

@@ -35,7 +35,7 @@ fn scene(direction: DVec3) -> f64 {
         direction.dot(DVec3::new(-0.48, -0.36, 0.8)),
     );
     let cell = (turned * (CELLS / direction.length()) + DVec3::new(0.1, 0.35, 0.63)).floor();
-    f64::from(u8::from((cell.x + cell.y + cell.z).rem_euclid(2.0) == 0.0))
+    f64::from(u8::from((cell.x + cell.y + cell.z) as i64 % 2 == 0))
 }
 
 /// A picture of the scene. `towards` maps a position in texels, from the first corner of the first

@@ -54,6 +54,10 @@ pub struct Arguments {
     /// Set an environment variable for the player with Cupola
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// Play the files once for each of these variables, set in a new player with Cupola, and name those with which an
+    /// answer differs
+    #[arg(long, value_name = "NAME=VALUE", requires = "replay")]
+    in_turn: Vec<String>,
     /// Do not look for the shortest list of calls
     #[arg(long)]
     keep: bool,
@@ -76,25 +80,34 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let program = arguments.player.canonicalize().map_err(|error| failure(&arguments.player, error))?;
     let mut ours = environment::of_rig(&arguments.rig, &folder)?;
     for variable in &arguments.set {
-        let (name, value) =
-            variable.split_once('=').ok_or_else(|| Failure::usage(format!("--set {variable}: no value")))?;
-        ours.push((name.to_owned(), Some(value.to_owned())));
+        ours.push(setting("--set", variable)?);
     }
     let mut pair = Pair {
         plain: Player::new(&program, &questions, &server, &Vec::new()),
         ours: Player::new(&program, &questions, &server, &ours),
         file: folder.join("calls.txt"),
     };
-    let mut report = Report { folder, ..Report::default() };
     let default = [Kind::Compatibility, Kind::Core, Kind::Compatibility, Kind::Es3];
     let kinds = if arguments.kinds.is_empty() { &default[..] } else { &arguments.kinds };
     let vocabularies: Vec<Vocabulary> = kinds.iter().map(|kind| Vocabulary::new(&registry, *kind)).collect();
     find_questions(&registry, &vocabularies, kinds, &questions, &mut pair)?;
-    for file in &arguments.replay {
-        let text = std::fs::read_to_string(file).map_err(|error| failure(file, error))?;
-        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        report.play(&mut pair, &lines, &file.display().to_string(), arguments.keep)?;
+    let mut report = Report { folder, ..Report::default() };
+    if !arguments.in_turn.is_empty() {
+        let mut differs = false;
+        for variable in &arguments.in_turn {
+            let mut ours = ours.clone();
+            ours.push(setting("--in-turn", variable)?);
+            pair.ours = Player::new(&program, &questions, &server, &ours);
+            let mut report = Report { folder: report.folder.clone(), ..Report::default() };
+            report.replay(&mut pair, arguments)?;
+            if !report.differences.is_empty() {
+                println!("different with {variable}");
+                differs = true;
+            }
+        }
+        return Ok(if differs { ExitCode::FAILURE } else { ExitCode::SUCCESS });
     }
+    report.replay(&mut pair, arguments)?;
     let episodes = if arguments.replay.is_empty() { arguments.episodes } else { 0 };
     for seed in arguments.seed..arguments.seed + episodes {
         let index = (seed % kinds.len() as u64) as usize;
@@ -106,6 +119,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}: {} commands", kind.word(), vocabulary.len());
     }
     Ok(report.print())
+}
+
+/// The variable of an option.
+fn setting(option: &str, variable: &str) -> Result<(String, Option<String>), Failure> {
+    let (name, value) =
+        variable.split_once('=').ok_or_else(|| Failure::usage(format!("{option} {variable}: no value")))?;
+    Ok((name.to_owned(), Some(value.to_owned())))
 }
 
 /// Writes the questions that OpenGL answers in one of the kinds of contexts.
@@ -170,6 +190,17 @@ struct Report {
 }
 
 impl Report {
+    /// Plays the files of the option `--replay`.
+    fn replay(&mut self, pair: &mut Pair, arguments: &Arguments) -> Result<(), Failure> {
+        for file in &arguments.replay {
+            let text = std::fs::read_to_string(file)
+                .map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
+            let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            self.play(pair, &lines, &file.display().to_string(), arguments.keep)?;
+        }
+        Ok(())
+    }
+
     fn play(&mut self, pair: &mut Pair, lines: &[String], name: &str, keep: bool) -> Result<(), Failure> {
         self.episodes += 1;
         match pair.compare(lines)? {

@@ -47,6 +47,24 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
         degrees(overlay.width),
         aim([overlay.yaw, overlay.pitch, 0.0])
     )?;
+    describe_outputs(text, rig, window)?;
+    describe_views(text, rig, plan)?;
+    let sizes = sizes(rig, window);
+    let report = views::report(plan, rig, &sizes);
+    let (drawn, shown, ratio) = (report.view_texels, report.output_pixels, report.texels_per_pixel);
+    if shown > 0 {
+        writeln!(text, "cost      {drawn} texels drawn for {shown} pixels shown, {ratio:.2} each")?;
+    }
+    for note in &plan.notes {
+        writeln!(text, "note      {note}")?;
+    }
+    for crossing in jumps(rig, &sizes) {
+        writeln!(text, "note      {crossing}")?;
+    }
+    Ok(())
+}
+
+fn describe_outputs(text: &mut String, rig: &Rig, window: (u32, u32)) -> std::fmt::Result {
     writeln!(text, "outputs   {} in a window of {} × {} pixels", rig.outputs.len(), window.0, window.1)?;
     for (output, PixelRect { x, y, width, height }) in rig.outputs.iter().zip(rig.layout(window)) {
         writeln!(text, "  {:14} {}", output.name, kind(&output.kind))?;
@@ -57,6 +75,10 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
             writeln!(text, "  {:14} {extras}", "")?;
         }
     }
+    Ok(())
+}
+
+fn describe_views(text: &mut String, rig: &Rig, plan: &ViewPlan) -> std::fmt::Result {
     let method = match rig.views.method {
         ViewMethod::Auto => "the cheapest arrangement",
         ViewMethod::Cube => "faces of one cube",
@@ -72,18 +94,6 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     )?;
     for view in &plan.views {
         writeln!(text, "  {:14} {}", view.name, view_words(view))?;
-    }
-    let sizes = sizes(rig, window);
-    let report = views::report(plan, rig, &sizes);
-    let (drawn, shown, ratio) = (report.view_texels, report.output_pixels, report.texels_per_pixel);
-    if shown > 0 {
-        writeln!(text, "cost      {drawn} texels drawn for {shown} pixels shown, {ratio:.2} each")?;
-    }
-    for note in &plan.notes {
-        writeln!(text, "note      {note}")?;
-    }
-    for crossing in jumps(rig, &sizes) {
-        writeln!(text, "note      {crossing}")?;
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use crate::failure::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Raster, mpcdi, pictures::pfm};
 use cupola::geom::Optics;
+use cupola::rig::Dome;
 use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
@@ -52,30 +53,30 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
             let _ = writeln!(outputs, "black = {{ image = {} }}", quoted(&file_name(&black_file)));
         }
     }
-    text.push_str("\n[dome]\n");
-    match channels.first().and_then(|channel| channel.dome) {
-        Some(dome) => {
-            let _ = writeln!(
-                text,
-                "radius = {}\ntilt = {}\ncoverage = {}",
-                dome.radius,
-                dome.tilt.to_degrees(),
-                dome.coverage.to_degrees()
-            );
-        }
-        None => {
-            let _ = writeln!(
-                text,
-                "radius = {:.4} # metres{}\ntilt = 0.0 # degrees; not in the file\ncoverage = 180.0 # degrees; not in the file",
-                radius.unwrap_or(5.0),
-                if radius.is_some() { ": the points' mean distance from the origin" } else { "; not in the file" },
-            );
-        }
-    }
+    let dome = channels.first().and_then(|channel| channel.dome.as_ref());
+    text.push_str(&dome_section(dome, radius));
     text.push_str(&outputs);
     save(path, text.as_bytes())?;
     written.push(Written::rig(path.to_owned(), channels.len()));
     Ok(written)
+}
+
+/// The dome: that of the file, or one through the points that it has.
+fn dome_section(dome: Option<&Dome>, radius: Option<f64>) -> String {
+    match dome {
+        Some(dome) => format!(
+            "\n[dome]\nradius = {}\ntilt = {}\ncoverage = {}\n",
+            dome.radius,
+            dome.tilt.to_degrees(),
+            dome.coverage.to_degrees()
+        ),
+        None => format!(
+            "\n[dome]\nradius = {:.4} # metres{}\ntilt = 0.0 # degrees; not in the file\n\
+             coverage = 180.0 # degrees; not in the file\n",
+            radius.unwrap_or(5.0),
+            if radius.is_some() { ": the points' mean distance from the origin" } else { "; not in the file" },
+        ),
+    }
 }
 
 /// Name of a channel, or its number if it has no name.

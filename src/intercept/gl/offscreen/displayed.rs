@@ -3,8 +3,8 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::blits::{End, resample, window_format};
 use crate::intercept::gl::offscreen::target::each_view;
+use crate::intercept::gl::offscreen::transfers::{End, resample, window_format};
 use crate::intercept::gl::offscreen::view_copies::{own_tile, possible, supply, views};
 use crate::intercept::gl::offscreen::{coverage, sampling};
 use crate::intercept::gl::per_view::{panel, window_space};

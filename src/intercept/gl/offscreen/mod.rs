@@ -2,14 +2,13 @@
 //!
 //! An image that lies between a scene and the window gets a copy with a tile per view
 //! ([`view_copies`]). [`draws`] issues draws to the copies, [`displayed`] shows them in the window's
-//! views, [`blits`] copies between them, [`coverage`] finds out whether a draw fills the window,
+//! views, [`transfers`] copies between them, [`coverage`] finds out whether a draw fills the window,
 //! [`scene_graph`] which images are needed, [`sampling`] which a draw samples.
 //!
 //! ```text
 //! scene → image of the program (a tile per view) → … → flat draw that fills the window → each view
 //! ```
 
-pub mod blits;
 pub mod coverage;
 pub mod displayed;
 pub mod draws;
@@ -17,4 +16,5 @@ pub mod report;
 pub mod sampling;
 pub mod scene_graph;
 pub mod target;
+pub mod transfers;
 pub mod view_copies;

@@ -9,7 +9,7 @@
 //! and sampler objects hold without being followed.
 //!
 //! `draws` issues draws to the view copies, but for views that cannot show them. `displayed` brings the pictures into the window's
-//! views, `blits` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
+//! views, `transfers` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
 //! its corner.
 
 use crate::backend::gl::driver::api::Gl;

@@ -19,6 +19,10 @@ use crate::intercept::scene::query_scaling::{QueryScaling, factor};
 use crate::runtime::Session;
 
 /// The next draw counts with these factors.
+///
+/// A query of the program is a sequence of queries of the driver, its parts, each with one factor. A part whose factor is
+/// not chosen yet takes the first that is wanted. With another factor the part ends and the next one begins; a factor of 0
+/// needs no part. At the end the results are added up, each times its factor.
 pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     for number in 0..queries.running.len() {
         let running = &mut queries.running[number];

@@ -7,7 +7,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
-use crate::intercept::gl::offscreen::blits::{self, Corners};
+use crate::intercept::gl::offscreen::transfers::{self, Corners};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::own_window_space;
@@ -15,7 +15,7 @@ use crate::intercept::gl::per_view::window_space::own_window_space;
 /// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
 pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
-    if blits::blit(ctx, source, destination, mask, filter) {
+    if transfers::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
             ctx.note_drawn();
             ctx.frame.background.note_scene();

@@ -50,7 +50,8 @@ fn exists(ctx: &Context, name: u32) -> bool {
     name == 0 || unsafe { ctx.driver.gl.is_framebuffer(name) } != 0
 }
 
-macro_rules! clears {
+/// Defines all hooks of this file; clears, which differ in the types of their values alone, from a line each.
+macro_rules! named_framebuffer_hooks {
     ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {
             $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
@@ -123,7 +124,7 @@ macro_rules! clears {
     };
 }
 
-clears! {
+named_framebuffer_hooks! {
     "glClearNamedFramebufferfv" clear_named_framebufferfv clear_bufferfv(index: i32, value: *const f32) by by_floats;
     "glClearNamedFramebufferiv" clear_named_framebufferiv clear_bufferiv(index: i32, value: *const i32) by by_integers;
     "glClearNamedFramebufferuiv" clear_named_framebufferuiv clear_bufferuiv(index: i32, value: *const u32) by by_integers;

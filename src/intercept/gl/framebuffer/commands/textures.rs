@@ -6,7 +6,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::reading::read_back;
-use crate::intercept::gl::offscreen::{blits, sampling, view_copies};
+use crate::intercept::gl::offscreen::{sampling, transfers, view_copies};
 use std::ffi::c_void;
 
 /// The texture that is bound at `target` where images of it are followed; 0 = none.
@@ -52,12 +52,12 @@ fn copied(
     source: LowerLeftRect,
     issue: impl FnOnce(&mut Context),
 ) {
-    if texture != 0 && blits::into_texture(ctx, texture, level, offset, source) {
+    if texture != 0 && transfers::into_texture(ctx, texture, level, offset, source) {
         return;
     }
     issue(ctx);
     if texture != 0 {
-        blits::noted_into_texture(ctx, texture, level, source);
+        transfers::noted_into_texture(ctx, texture, level, source);
     }
 }
 

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_margin_keeps_what_touches_the_picture_from_beside() {
+    fn spread_keeps_what_touches_the_picture_from_beside() {
         let gone = |beside| outside(&RIGHT_ANGLE, &IDENTITY, [2.1, 0.0, -2.0], [2.2, 0.0, -2.0], beside);
         assert!(gone([0.0; 2]));
         assert!(!gone([0.1, 0.0]));

@@ -44,8 +44,8 @@ pub fn views(
         let part = look.view.filter(|_| !look.unseen).and_then(|view| extent(&view, &known.placed));
         areas.push(match part {
             _ if look.unseen => TexelSpan::NOTHING,
-            Some(part) => texels(part, tile, known.margin),
-            None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
+            Some(part) => texels(part, tile, known.spread),
+            None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.spread),
         });
     }
     ctx.draw.areas = areas;
@@ -79,7 +79,7 @@ struct Known {
     /// Around its vertices, where the views' own transforms start from.
     placed: Placed,
     /// So many pixels beside a view still matter to it.
-    margin: f64,
+    spread: f64,
 }
 
 /// What a view shows of a draw.
@@ -92,31 +92,31 @@ struct Look {
 
 impl Known {
     fn of(ctx: &mut Context, class: DrawClass, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
-        let margin = ctx.draw.max_width.margin();
+        let spread = ctx.draw.max_width.spread();
         // Where a picture is curved, a box is not what is around its corners.
         let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
-        if !enabled() || !margin.is_finite() || curved {
+        if !enabled() || !spread.is_finite() || curved {
             return None;
         }
         let model = position::transform(ctx, class)?;
         let (low, high) = bounds(ctx).known()?;
         ctx.frame.counts.bounded_draws += 1;
-        Some(Self { class, placed: Placed::of(&model, low, high), margin })
+        Some(Self { class, placed: Placed::of(&model, low, high), spread })
     }
 
     /// Looks from the view `index`, whose picture has so many pixels across and up.
     fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
         let (_, own_lens) = session.tile(index);
         let view = position::of_view(&ctx.compat, &ctx.frame, self.class, index).filter(|_| !own_lens);
-        let beside = size.map(|pixels| 2.0 * self.margin / f64::from(pixels.max(1)));
+        let beside = size.map(|pixels| 2.0 * self.spread / f64::from(pixels.max(1)));
         let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
         Look { view, unseen }
     }
 }
 
-/// The texels of the atlas within `margin` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the
+/// The texels of the atlas within `spread` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the
 /// tile's, or so near to it that a wide line may reach them.
-fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, margin: f64) -> TexelSpan {
+fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, spread: f64) -> TexelSpan {
     let along = |at: f64, start: i32, length: i32| {
         let length = f64::from(length);
         let inside = (0.5 * (1.0 + at) * length).clamp(0.0, length);
@@ -125,9 +125,9 @@ fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, margin: f64
     let across = |at: f64| along(at, tile.x, tile.width);
     let up = |at: f64| along(at, tile.y, tile.height);
     TexelSpan {
-        left: (across(left) - margin).floor() as i32,
-        bottom: (up(bottom) - margin).floor() as i32,
-        right: (across(right) + margin).ceil() as i32,
-        top: (up(top) + margin).ceil() as i32,
+        left: (across(left) - spread).floor() as i32,
+        bottom: (up(bottom) - spread).floor() as i32,
+        right: (across(right) + spread).ceil() as i32,
+        top: (up(top) + spread).ceil() as i32,
     }
 }

@@ -1,7 +1,6 @@
 //! Matrices of a view for the draws that go to it.
 
 use crate::correct::single;
-use crate::geom::reprojection::eye_axes;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
@@ -9,7 +8,7 @@ use crate::intercept::gl::state::shader::camera_matrices::{CameraMatrices, Matri
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
-use crate::runtime::session::Intrinsics;
+use crate::runtime::session::{Intrinsics, eye_axes};
 use std::sync::Arc;
 
 /// The programs whose vertex and fragment shaders draw now, if they hold such matrices.

@@ -28,9 +28,9 @@ impl MaxWidth {
         self.0 > 2.0
     }
 
-    /// How many pixels beside a view still matter to it: half the width, and what smoothing and the
-    /// rasteriser's own grid add.
-    pub fn margin(self) -> f64 {
+    /// Number of pixels that a primitive may cover beside its vertices: half the width, and what
+    /// smoothing and the rasteriser's own grid add.
+    pub fn spread(self) -> f64 {
         0.5 * f64::from(self.0) + 2.0
     }
 }

@@ -1,12 +1,10 @@
 //! Matrices of a program that may be functions of its camera.
 
 use crate::backend::gl::driver::api::Gl;
-use crate::geom::reprojection::eye_axes::{ViewMatrix, is_rigid};
-use crate::geom::reprojection::{CameraFunction, Direction};
 use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
-use crate::runtime::session::{Intrinsics, MatrixClass, classify};
+use crate::runtime::session::{CameraFunction, Direction, Intrinsics, MatrixClass, ViewMatrix, classify, eye_axes};
 
 /// A stage whose matrices are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +101,8 @@ impl CameraMatrices {
         };
         *eye = substitutes.iter().find_map(alone);
         for substitute in &mut *substitutes {
-            let rigid = |(_, transposed)| uniforms.value(substitute.matrix).is_some_and(|m| is_rigid(m, transposed));
+            let rigid =
+                |(_, transposed)| uniforms.value(substitute.matrix).is_some_and(|m| eye_axes::is_rigid(m, transposed));
             let other = substitute.function.is_none() && eye.is_some_and(rigid);
             substitute.view_matrix = uniforms.name(substitute.matrix).filter(|_| other).and_then(view_matrix_called);
         }

@@ -112,6 +112,16 @@ unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: 
 }
 
 /// Finds out what can be known of a draw while it is recorded; `None` where it cannot be followed.
+///
+/// What its matrices contain is known only at submission, where `submit` chooses the draw class. Here a draw is issued
+/// wherever a class that is still possible needs it:
+///
+/// * With matrices (`sources`) it may be the scene, in all views, or flat, on the panel.
+/// * Without matrices it is flat, unless it covers the window with a picture of the scene (`screen`) or its shaders take
+///   the lens that the rig gives (`deep`).
+/// * A flat draw before the first draw of the scene may have to go behind the scene, so that it needs the views, too.
+///
+/// Matrices count only in the viewport of the whole picture (`main`); elsewhere they may be those of another camera.
 fn classify(
     draw: &ProgramDraw<'_>,
     recording: &mut Recording,
