@@ -260,7 +260,8 @@ fn everything_else_is_refused() {
     assert_eq!(with(0, f64::NAN), MatrixClass::Other);
     assert_eq!(with(5, f64::INFINITY), MatrixClass::Other);
     assert_eq!(with(0, 0.0), MatrixClass::Other, "singular");
-    assert_eq!(with(4, 0.3), MatrixClass::Other, "skewed");
+    assert_eq!(with(4, 0.3), MatrixClass::Stretched { e: -1.002, f: Some(-0.2) }, "skewed");
+    assert_eq!(with(1, p.x_axis.x * 1e9), MatrixClass::Other, "rows of x and y are parallel but for rounding");
     assert_eq!(with(2, 0.3), MatrixClass::Other, "oblique near plane");
     assert_eq!(classify(&[0.0; 16]), MatrixClass::Other);
     assert_eq!(classify_transposed(&p.to_cols_array()), MatrixClass::Other, "a projection is not its transpose");
