@@ -44,6 +44,7 @@ pub fn of_program(gl: &Gl, profile: &Profile, program: u32, stages: &[(MatrixSta
                     chosen_location,
                     function: None,
                     view_matrix: None,
+                    of_views: Default::default(),
                     uploaded: None,
                     chosen: false,
                 });

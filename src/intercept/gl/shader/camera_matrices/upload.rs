@@ -49,17 +49,33 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
             Some((turn, transposed))
         });
         for substitute in substitutes {
-            let value =
-                uniforms.value(substitute.matrix).filter(|_| !scene || substitute.stage == MatrixStage::Fragment);
-            let ours = value.and_then(|value| match (substitute.function, substitute.view_matrix, eye) {
-                (Some((function, lens)), _, Some((turn, _))) if function.is_of_projection(value, &lens) => {
-                    function.for_turned_view(value, &rows(ctx, &lens, view)?, turn)
-                }
-                (Some((function, lens)), ..) => function.for_view(value, &rows(ctx, &lens, view)?),
-                (None, Some(matrix), Some((turn, transposed))) => Some(matrix.turned(value, transposed, turn)),
-                _ => None,
+            if scene && substitute.stage == MatrixStage::Vertex {
+                substitute.set(ctx, &program, None);
+                continue;
+            }
+            let (turned, known) = &mut substitute.of_views;
+            if *turned != eye.is_some() {
+                *turned = eye.is_some();
+                known.clear();
+            }
+            // A matrix that stays for many draws is computed once.
+            let known = known.get(view).copied().flatten();
+            let ours = known.or_else(|| {
+                let value = uniforms.value(substitute.matrix)?;
+                let matrix = match (substitute.function, substitute.view_matrix, eye) {
+                    (Some((function, lens)), _, Some((turn, _))) if function.is_of_projection(value, &lens) => {
+                        function.for_turned_view(value, &rows(ctx, &lens, view)?, turn)
+                    }
+                    (Some((function, lens)), ..) => function.for_view(value, &rows(ctx, &lens, view)?),
+                    (None, Some(matrix), Some((turn, transposed))) => Some(matrix.turned(value, transposed, turn)),
+                    _ => None,
+                };
+                matrix.map(single::values)
             });
-            substitute.set(ctx, &program, ours.map(single::values));
+            let known = &mut substitute.of_views.1;
+            known.resize(known.len().max(view + 1), None);
+            known[view] = ours;
+            substitute.set(ctx, &program, ours);
         }
     }
 }

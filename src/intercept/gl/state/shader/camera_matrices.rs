@@ -65,6 +65,8 @@ pub(in crate::intercept::gl) struct Substitute {
     pub(in crate::intercept::gl) function: Option<(CameraFunction, Intrinsics)>,
     /// It leads to or from the eye, as its name says.
     pub(in crate::intercept::gl) view_matrix: Option<ViewMatrix>,
+    /// What it is in each view, as far as that was computed, and whether for an eye that is turned.
+    pub(in crate::intercept::gl) of_views: (bool, Vec<Option<[f32; 16]>>),
     pub(in crate::intercept::gl) uploaded: Option<[f32; 16]>,
     pub(in crate::intercept::gl) chosen: bool,
 }
@@ -79,6 +81,7 @@ impl CameraMatrices {
             self.seen = Some(now);
             for substitute in &mut self.substitutes {
                 let value = self.uniforms.value(substitute.matrix);
+                substitute.of_views.1.clear();
                 substitute.function = value.and_then(|value| find(value, cameras, substitute.inverted));
             }
             self.find_eye();
