@@ -5,7 +5,7 @@
 //!    │                                                         │
 //!    └─ to the window ─ classify ─┬─ flat: panel ─────────── flat
 //!                                 ├─ shows an image ──────── offscreen::displayed
-//!                                 └─ scene, background        │
+//!                                 └─ scene, screen, behind    │
 //!                                        │                    │
 //!                                   select views         select views
 //!                                        └──── per_view::issue ┘
