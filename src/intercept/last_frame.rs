@@ -1,6 +1,7 @@
 //! The most recent frame's statistics and pictures, which are written when the program ends.
 
-use super::{log, settings};
+use super::settings::{self, Settings};
+use super::{log, signals};
 use crate::lock::Lock;
 use crate::runtime::report::{self, Picture, Statistics};
 use std::sync::{Mutex, Once};
@@ -17,6 +18,19 @@ pub struct LastFrame {
 
 /// The most recent frame and its sequence number.
 static LAST_FRAME: Mutex<(Option<LastFrame>, u64)> = Mutex::new((None, 0));
+
+/// Whether the program ends after the frame with this number: it was asked for, the time is over, or a signal ends the program.
+pub fn is_last(settings: &Settings, number: u64) -> bool {
+    if settings.has_report() {
+        signals::watch(is_kept, write);
+    }
+    settings.frames == Some(number) || settings.is_time_over() || signals::received().is_some()
+}
+
+/// Whether a frame is stored that is not written yet.
+fn is_kept() -> bool {
+    LAST_FRAME.locked().0.is_some()
+}
 
 /// Stores a frame in place of the one before. Returns its sequence number, for [`amend`].
 pub fn store(frame: LastFrame) -> u64 {
@@ -40,9 +54,12 @@ pub fn amend(number: u64, change: impl FnOnce(&mut Statistics)) {
     }
 }
 
-/// Writes the stored frame and ends the program with exit code 0.
+/// Writes the stored frame and ends the program: with exit code 0, or by the signal that it received.
 pub fn end_program() {
     write();
+    if let Some(signal) = signals::received() {
+        signals::end_by(signal);
+    }
     // SAFETY: flushes the program's own output; `_exit` runs none of its handlers, which may
     // wait for a window system that is in the middle of this call.
     unsafe {
@@ -56,9 +73,11 @@ extern "C" fn at_exit() {
     let _ = crate::fence::guard(write);
 }
 
+/// Writes the stored frame, if there is one. Another thread that calls this waits until everything is written.
 fn write() {
     let Some(settings) = settings::settings() else { return };
-    let Some(frame) = LAST_FRAME.locked().0.take() else { return };
+    let mut latest = LAST_FRAME.locked();
+    let Some(frame) = latest.0.take() else { return };
     let say = |result: crate::Result<()>| {
         if let Err(error) = result {
             log::once(&error.message);

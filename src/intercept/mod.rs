@@ -13,4 +13,5 @@ pub mod live;
 pub mod log;
 pub mod scene;
 pub mod settings;
+pub mod signals;
 pub mod vk;

@@ -7,6 +7,7 @@ use crate::rig::{self, Duplicate, Rig};
 use crate::system::{is_privileged, variable};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 /// The settings of this process.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub struct Settings {
     pub window_size: Option<(u32, u32)>,
     /// `CUPOLA_FRAMES=N`: the program ends after its N-th presented frame.
     pub frames: Option<u64>,
+    /// `CUPOLA_SECONDS=N`: the program ends after the first frame that is presented when it has run for so long.
+    end: Option<Instant>,
     /// `CUPOLA_CAPTURE=FILE.png`: the last corrected frame of each output.
     pub capture: Option<PathBuf>,
     /// `CUPOLA_CAPTURE_VIEWS=DIR`: every view of the last frame.
@@ -91,6 +94,10 @@ fn read() -> crate::Result<Settings> {
         Some(n) => Some(n.parse().ok().filter(|n| *n > 0).ok_or_else(|| wrong("CUPOLA_FRAMES", &n, "100"))?),
         None => None,
     };
+    let end = match text("CUPOLA_SECONDS") {
+        Some(n) => Some(parse_seconds(&n).ok_or_else(|| wrong("CUPOLA_SECONDS", &n, "10"))?),
+        None => None,
+    };
     let mask = match text("CUPOLA_MASK").as_deref() {
         None | Some("auto") => Mask::Auto,
         Some("0") => Mask::Never,
@@ -113,6 +120,7 @@ fn read() -> crate::Result<Settings> {
         duplicate,
         window_size,
         frames,
+        end,
         capture: path("CUPOLA_CAPTURE"),
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
         stats: path("CUPOLA_STATS"),
@@ -124,6 +132,16 @@ fn read() -> crate::Result<Settings> {
 }
 
 impl Settings {
+    /// Whether the program has run for as long as was asked for.
+    pub fn is_time_over(&self) -> bool {
+        self.end.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// Whether something is written when the program ends.
+    pub fn has_report(&self) -> bool {
+        self.stats.is_some() || self.capture.is_some() || self.capture_views.is_some()
+    }
+
     /// Reads the rig's file again, with what the environment said at the start.
     pub fn load(&self) -> crate::Result<Rig> {
         match &self.rig_file {
@@ -162,6 +180,12 @@ fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
     )
 }
 
+/// The time so many seconds from now; a number above 0.
+fn parse_seconds(text: &str) -> Option<Instant> {
+    let seconds = Duration::try_from_secs_f64(text.parse().ok()?).ok().filter(|seconds| !seconds.is_zero())?;
+    Instant::now().checked_add(seconds)
+}
+
 /// `1024x768` → (1024, 768); each 1…16384.
 fn parse_size(text: &str) -> Option<(u32, u32)> {
     let (width, height) = text.split_once('x')?;
@@ -172,13 +196,24 @@ fn parse_size(text: &str) -> Option<(u32, u32)> {
 
 #[cfg(test)]
 mod tests {
-    use super::parse_size;
+    use super::{parse_seconds, parse_size};
+    use std::time::{Duration, Instant};
 
     #[test]
     fn sizes() {
         assert_eq!(parse_size("1024x768"), Some((1024, 768)));
         for wrong in ["", "1024", "0x5", "5x-1", "axb", "99999x1"] {
             assert_eq!(parse_size(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn seconds() {
+        let before = Instant::now();
+        let end = parse_seconds("2.5").expect("a number");
+        assert!(end >= before + Duration::from_millis(2500) && end <= Instant::now() + Duration::from_millis(2500));
+        for wrong in ["", "0", "-1", "nan", "inf", "1e300", "2s"] {
+            assert_eq!(parse_seconds(wrong), None, "{wrong}");
         }
     }
 }

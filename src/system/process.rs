@@ -7,6 +7,7 @@ use std::io;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicI32, Ordering};
+use std::time::{Duration, Instant};
 
 /// Whether this program has more rights than the user who started it, as set-user-ID programs have: what the user's
 /// environment asks for does not count then.
@@ -72,13 +73,22 @@ pub fn kill_group(child: &Child) -> io::Result<()> {
     }
 }
 
-/// Spawns `command` and waits for it. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this
+/// How a program ended.
+#[derive(Clone, Copy, Debug)]
+pub enum Ended {
+    /// By itself, or by a signal of others.
+    ByItself(ExitStatus),
+    /// Its time was over, and it was stopped.
+    Stopped,
+}
+
+/// Spawns `command` and waits for it, for no longer than `limit`. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this
 /// process (for its remaining life) but are passed on, so that it outlives the program and can tidy
 /// up. Signals of the terminal reach the program by themselves and are not sent twice.
 ///
 /// # Errors
 /// [`io::ErrorKind::NotFound`] and the like if the program cannot be started.
-pub fn run_in_foreground(command: &mut Command) -> io::Result<ExitStatus> {
+pub fn run_in_foreground(command: &mut Command, limit: Option<Duration>) -> io::Result<Ended> {
     for signal in PASSED_ON {
         // SAFETY: all zeroes is a valid sigaction: no flags, an empty mask.
         let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
@@ -92,9 +102,47 @@ pub fn run_in_foreground(command: &mut Command) -> io::Result<ExitStatus> {
     }
     let mut child = command.spawn()?;
     PROGRAM.store(child.id() as i32, Ordering::SeqCst);
-    let status = child.wait();
+    let ended = match limit {
+        None => child.wait().map(Ended::ByItself),
+        Some(limit) => wait_or_stop(&mut child, limit),
+    };
     PROGRAM.store(0, Ordering::SeqCst);
-    status
+    ended
+}
+
+/// Waits for a child. After `limit` it gets SIGTERM, and SIGKILL if it does not end then, with all processes that it
+/// started.
+fn wait_or_stop(child: &mut Child, limit: Duration) -> io::Result<Ended> {
+    /// Time that a program has after SIGTERM.
+    const GRACE: Duration = Duration::from_secs(5);
+    let started = Instant::now();
+    let mut stopped = false;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(if stopped { Ended::Stopped } else { Ended::ByItself(status) });
+        }
+        let elapsed = started.elapsed();
+        let signal = if elapsed > limit + GRACE { libc::SIGKILL } else { libc::SIGTERM };
+        if elapsed > limit && (!stopped || signal == libc::SIGKILL) {
+            let mut family = vec![child.id()];
+            add_descendants(child.id(), &mut family);
+            for id in family {
+                // SAFETY: kill takes plain integers; a process that ended meanwhile is at worst not there.
+                unsafe { libc::kill(id as libc::pid_t, signal) };
+            }
+            stopped = true;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Adds the processes that `parent` started, and those that they started.
+fn add_descendants(parent: u32, family: &mut Vec<u32>) {
+    let children = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children")).unwrap_or_default();
+    for child in children.split_whitespace().filter_map(|id| id.parse().ok()) {
+        family.push(child);
+        add_descendants(child, family);
+    }
 }
 
 /// Handler of signals: sends what another process sent on to the program.

@@ -4,6 +4,8 @@
  *
  * early, late: a handler of atexit makes no context current; it is registered before the window is opened, or after that
  * and before the first draw.
+ *
+ * busy, idle: it draws on, or does nothing more, until it is ended; killed, killed-idle: another process ends it.
  */
 #include "common/fixed.h"
 
@@ -14,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { STATUS = 7 };
@@ -51,6 +54,17 @@ static void *draw_for_ever(void *ready)
     return NULL;
 }
 
+/* Another process sends a signal a while later. */
+static void kill_from_outside(void)
+{
+    if (fork() == 0) {
+        const struct timespec a_while = {0, 300000000};
+        nanosleep(&a_while, NULL);
+        kill(getppid(), SIGTERM);
+        _exit(0);
+    }
+}
+
 static void wait_for(pid_t child)
 {
     int status = 0;
@@ -84,6 +98,18 @@ static void end(void)
         abort();
     if (is("terminate"))
         raise(SIGTERM);
+    if (is("fault")) {
+        int *volatile nowhere = NULL;
+        *nowhere = 1;
+    }
+    if (is("killed") || is("killed-idle"))
+        kill_from_outside();
+    while (is("idle") || is("killed-idle"))
+        pause();
+    while (is("busy") || is("killed")) {
+        fixed_cube(&program);
+        window_swap(&program.window);
+    }
     if (is("thread")) {
         window_release(&program.window);
         pthread_t thread;

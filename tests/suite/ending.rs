@@ -11,11 +11,25 @@ tests! {
     programs_with_egl_end_as_they_would_by_themselves,
     a_program_that_unloads_opengl,
     a_picture_is_captured_though_it_is_never_swapped,
+    a_signal_leaves_captures_and_statistics,
+    a_program_ends_when_its_time_is_over,
 }
 
 /// Ways to end of the program `ending`.
-const WAYS: [&str; 11] =
-    ["exit", "early", "late", "_exit", "abort", "terminate", "thread", "fork", "exec", "closed", "closed-current"];
+const WAYS: [&str; 12] = [
+    "exit",
+    "early",
+    "late",
+    "_exit",
+    "abort",
+    "terminate",
+    "fault",
+    "thread",
+    "fork",
+    "exec",
+    "closed",
+    "closed-current",
+];
 
 fn end_alike(way: &str, windows: &[&str], rigs: &[&str]) {
     let extra: Vec<&str> = ["--mode", way].iter().chain(windows).copied().collect();
@@ -43,7 +57,7 @@ fn programs_with_egl_end_as_they_would_by_themselves() {
 }
 
 fn a_program_that_unloads_opengl() {
-    let run = Run { extra: &["--close", "1"], cupola_frames: 4, ..Run::new("cube_dlopen") };
+    let run = Run { extra: &["--close", "1"], cupola_frames: 0, ..Run::new("cube_dlopen") };
     let (Some(plain), Some(under)) = (run.plain(), run.under("fisheye")) else { return };
     plain.expect_success();
     under.expect_success();
@@ -61,4 +75,33 @@ fn a_picture_is_captured_though_it_is_never_swapped() {
         let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
         expect_good(&report, &picture, &format!("ending {way}"));
     }
+}
+
+/// Runs a program that is ended; its picture and its statistics have to be there.
+fn expect_report(way: &str, cupola_frames: usize, options: &[&str], status: i32) {
+    let extra = ["--mode", way];
+    let run = Run { frames: 3, extra: &extra, cupola_frames, cupola: options, ..Run::new("ending") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let what = format!("{way}, --frames {cupola_frames}, {options:?}");
+    assert_eq!(finished.status(), status, "{what}: {}", finished.words());
+    let picture = finished.expect_no_gl_errors().picture("capture.png");
+    let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+    expect_good(&compare(&picture, shown_by_fisheye(circle, camera_of(&run))), &picture, &what);
+}
+
+fn a_signal_leaves_captures_and_statistics() {
+    for (way, signal) in [("terminate", libc::SIGTERM), ("abort", libc::SIGABRT), ("fault", libc::SIGSEGV)] {
+        expect_report(way, 0, &[], 128 + signal);
+    }
+    // The frame that is drawn after the signal is the last one, or the last one that was drawn is.
+    expect_report("killed", 1_000_000, &[], 128 + libc::SIGTERM);
+    expect_report("killed", 0, &[], 128 + libc::SIGTERM);
+    expect_report("killed-idle", 0, &[], 128 + libc::SIGTERM);
+}
+
+fn a_program_ends_when_its_time_is_over() {
+    expect_report("busy", 0, &["--seconds", "0.5"], 0);
+    expect_report("busy", 1_000_000, &["--seconds", "0.5"], 0);
+    // One that draws nothing more is ended by a signal.
+    expect_report("idle", 0, &["--seconds", "0.5"], 0);
 }

@@ -3,11 +3,15 @@
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{Environment, apply, loader};
-use cupola::system::process;
+use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::time::{Duration, SystemTime};
+
+/// Time in which a program whose time is over may present one more frame.
+const FOR_THE_LAST_FRAME: Duration = Duration::from_secs(2);
 
 /// Run an OpenGL or Vulkan program on a dome.
 #[derive(clap::Args)]
@@ -27,6 +31,9 @@ pub struct Arguments {
     /// End the program after N frames, with exit code 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
+    /// End the program after N seconds, with exit code 0
+    #[arg(long, value_name = "N", value_parser = seconds)]
+    seconds: Option<Duration>,
     /// Write the last frame to a PNG file; with several outputs, one file FILE-NAME.png for each
     #[arg(long, value_name = "FILE.png")]
     capture: Option<PathBuf>,
@@ -114,9 +121,46 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let mut command = Command::new(program);
     command.args(rest);
     apply(&mut command, &environment);
-    let status = process::run_in_foreground(&mut command).map_err(|error| cannot_start(program, &error))?;
-    let code = status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1);
+    let started = SystemTime::now();
+    // The library ends the program in a frame; only one that draws none has to be stopped.
+    let limit = arguments.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
+    let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
+    let code = match ended {
+        Ended::Stopped => 0,
+        Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
+    };
+    if code == 0 && !switched_off {
+        expect_files(&arguments, started)?;
+    }
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
+}
+
+/// Fails if a file that was asked for is not written. Of several outputs one picture is enough.
+fn expect_files(arguments: &Arguments, started: SystemTime) -> Result<(), Failure> {
+    // Clocks of file systems are coarse.
+    let since = started - Duration::from_secs(2);
+    let is_new =
+        |file: &Path| std::fs::metadata(file).and_then(|data| data.modified()).is_ok_and(|modified| modified >= since);
+    let pictures = |file: &Path| {
+        let (Some(folder), Some(stem)) = (file.parent(), file.file_stem()) else { return false };
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let start = format!("{}-", stem.to_string_lossy());
+        let one_of_several = |name: OsString| name.to_string_lossy().starts_with(&start);
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        is_new(file) || entries.into_iter().any(|entry| one_of_several(entry.file_name()) && is_new(&entry.path()))
+    };
+    let missing = arguments.capture.as_deref().filter(|file| !pictures(file));
+    match missing.or(arguments.stats.as_deref().filter(|file| !is_new(file))) {
+        None => Ok(()),
+        Some(file) => {
+            let frames = arguments.frames.map_or_else(|| "no frame".to_owned(), |n| format!("fewer than {n} frames"));
+            Err(Failure::new(format!(
+                "{} was not written: the program presented {frames} with OpenGL or Vulkan, or Cupola left it alone (see \
+                 the messages above, and cupola doctor)",
+                file.display()
+            )))
+        }
+    }
 }
 
 /// Environment variables that configure the library.
@@ -130,6 +174,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_METHOD", arguments.method.as_ref().map(Into::into));
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
+    set("CUPOLA_SECONDS", arguments.seconds.map(|seconds| seconds.as_secs_f64().to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
     set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
@@ -146,6 +191,14 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
         set("CUPOLA_CAPTURE_VIEWS", Some(absolute(folder)?));
     }
     Ok(environment)
+}
+
+/// Parses a number of seconds above 0, such as `2.5`.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let parsed = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    parsed
+        .filter(|seconds| !seconds.is_zero() && seconds.as_secs() < 100_000_000)
+        .ok_or_else(|| "expected a number of seconds above 0, for example 2.5".to_owned())
 }
 
 /// Absolute path of a file to be written. Fails if its folder does not exist.

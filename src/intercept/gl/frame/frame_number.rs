@@ -1,6 +1,8 @@
 //! Which frame of which window it is, for `--frames`.
 
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::last_frame;
+use crate::intercept::settings::settings;
 use crate::lock::Lock;
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -28,9 +30,9 @@ pub fn next(window: usize) -> u64 {
 
 /// A window was swapped that is not that of the thread's current context. Its picture was corrected when it was left.
 pub fn swapped_elsewhere(window: &Window) {
-    let limit = crate::intercept::settings::settings().and_then(|s| s.frames);
-    if crate::fence::guard(|| count(window.handle())).is_some_and(|frame| limit == Some(frame)) {
-        crate::intercept::last_frame::end_program();
+    let last = || settings().is_some_and(|settings| last_frame::is_last(settings, count(window.handle())));
+    if crate::fence::guard(last) == Some(true) {
+        last_frame::end_program();
     }
 }
 

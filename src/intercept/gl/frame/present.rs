@@ -101,7 +101,7 @@ pub fn leave(ctx: &mut Context) {
         correct(ctx);
         // The frame may be swapped by a thread without a context, which can read nothing.
         if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
-            && settings.frames == Some(frame_number::next(window.handle()))
+            && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
             keep_report(ctx, settings);
         }
@@ -167,7 +167,7 @@ fn frame(ctx: &mut Context) {
     let Some(settings) = settings::settings() else { return correct(ctx) };
     let number =
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
-    let last = settings.frames == Some(number);
+    let last = last_frame::is_last(settings, number);
     let kept = last || settings.frames.is_none();
     if is_occluded(&ctx.drawable) && !(kept && settings.capture.is_some()) {
         ctx.frame.counts.hidden_frames += 1;
@@ -198,7 +198,7 @@ fn next_frame(ctx: &mut Context) {
 }
 
 fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
-    if settings.stats.is_none() && settings.capture.is_none() && settings.capture_views.is_none() {
+    if !settings.has_report() {
         return;
     }
     ctx.driver.take_errors();

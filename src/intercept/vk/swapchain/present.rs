@@ -34,7 +34,7 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     ending::watch(None);
     let frames = device.presented.frames.fetch_add(1, Ordering::Relaxed) + 1;
     let settings = settings::settings();
-    let last = settings.is_some_and(|settings| settings.frames == Some(frames));
+    let last = settings.is_some_and(|settings| last_frame::is_last(settings, frames));
     let (mut ready, mut outdated) = (None, false);
     // SAFETY: the program presents on this queue, so that no other thread uses it.
     let prepared = crate::fence::guard(|| unsafe {

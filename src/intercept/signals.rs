@@ -1,0 +1,154 @@
+//! Signals that end the program: captures and statistics are written first.
+//!
+//! A handler may neither allocate nor lock. It wakes a thread that writes; where the program goes on meanwhile, the frame that
+//! it draws next is its last. Only signals are taken that the program leaves to the system, and only if there is
+//! something to write.
+
+use std::cell::UnsafeCell;
+use std::mem::MaybeUninit;
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::time::Duration;
+
+/// Signals whose default action ends a process.
+const DEADLY: [libc::c_int; 10] = [
+    libc::SIGHUP,
+    libc::SIGINT,
+    libc::SIGQUIT,
+    libc::SIGILL,
+    libc::SIGABRT,
+    libc::SIGBUS,
+    libc::SIGFPE,
+    libc::SIGSEGV,
+    libc::SIGPIPE,
+    libc::SIGTERM,
+];
+
+/// Time in which the program may draw one more frame, if none was kept before.
+const FOR_A_FRAME: Duration = Duration::from_secs(5);
+
+/// Time in which everything is written that the process waits for.
+const FOR_WRITING: Duration = Duration::from_secs(5);
+
+const STEP: Duration = Duration::from_millis(10);
+
+/// The process that has the thread; a copy of it made by `fork` has none.
+static OWNER: AtomicI32 = AtomicI32::new(0);
+/// The first signal; 0 = none.
+static RECEIVED: AtomicI32 = AtomicI32::new(0);
+/// The program goes on until it is ended.
+static DRAWS_ON: AtomicBool = AtomicBool::new(true);
+/// Everything is written.
+static WRITTEN: AtomicBool = AtomicBool::new(false);
+static WAKE: Semaphore = Semaphore(UnsafeCell::new(MaybeUninit::uninit()));
+
+struct Semaphore(UnsafeCell<MaybeUninit<libc::sem_t>>);
+
+// SAFETY: it is used through the calls for semaphores only, which are made for threads.
+unsafe impl Sync for Semaphore {}
+
+/// Takes the signals from now on. `write` writes what is kept, and `is_kept` says whether there is something. Further calls do
+/// nothing.
+pub fn watch(is_kept: fn() -> bool, write: fn()) {
+    static WATCH: Once = Once::new();
+    WATCH.call_once(|| {
+        // SAFETY: the semaphore is static, and nothing uses it yet.
+        let ready = unsafe { libc::sem_init(WAKE.0.get().cast(), 0, 0) } == 0;
+        if ready && spawn_without_signals(move || write_on_demand(is_kept, write)) {
+            OWNER.store(std::process::id() as i32, Ordering::Release);
+            DEADLY.into_iter().for_each(take);
+        }
+    });
+}
+
+/// The signal that is to end the program after this frame.
+pub fn received() -> Option<libc::c_int> {
+    Some(RECEIVED.load(Ordering::Acquire)).filter(|signal| *signal != 0)
+}
+
+/// Ends this process by the signal, as it would have ended without Cupola.
+pub fn end_by(signal: libc::c_int) {
+    // SAFETY: plain numbers; the signal is sent to the whole process, since this thread may block it.
+    unsafe {
+        libc::signal(signal, libc::SIG_DFL);
+        libc::kill(libc::getpid(), signal);
+    }
+    std::thread::sleep(FOR_WRITING);
+}
+
+/// Starts the thread that writes; it takes no signals of the program's. Returns whether it runs.
+fn spawn_without_signals(run: impl FnOnce() + Send + 'static) -> bool {
+    let (mut all, mut before) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+    // SAFETY: both sets are filled before they are read; the mask of this thread is put back.
+    unsafe {
+        libc::sigfillset(all.as_mut_ptr());
+        libc::pthread_sigmask(libc::SIG_SETMASK, all.as_ptr(), before.as_mut_ptr());
+    }
+    let thread = std::thread::Builder::new().name("cupola-signals".to_owned()).spawn(run);
+    // SAFETY: as above.
+    unsafe { libc::pthread_sigmask(libc::SIG_SETMASK, before.as_ptr(), std::ptr::null_mut()) };
+    thread.is_ok()
+}
+
+/// Takes a signal, unless the program takes or ignores it itself.
+fn take(signal: libc::c_int) {
+    // SAFETY: all zeroes is a valid sigaction; both structures live during the calls, and the handler has the three-argument
+    // form that the flags announce.
+    unsafe {
+        let mut known: libc::sigaction = std::mem::zeroed();
+        if libc::sigaction(signal, std::ptr::null(), &mut known) != 0 || known.sa_sigaction != libc::SIG_DFL {
+            return;
+        }
+        let mut action: libc::sigaction = std::mem::zeroed();
+        action.sa_sigaction = handle as *const () as libc::sighandler_t;
+        action.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART;
+        libc::sigaction(signal, &action, std::ptr::null_mut());
+    }
+}
+
+/// The handler. A signal from another process lets the program go on for a frame; after all others it cannot.
+extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: *mut libc::c_void) {
+    // SAFETY: every call here may be made in a handler; the kernel passes a valid `info`; errno is the program's.
+    unsafe {
+        let errno = *libc::__errno_location();
+        let own = libc::getpid();
+        let from_outside = match (*info).si_code {
+            libc::SI_USER | libc::SI_QUEUE => (*info).si_pid() != own,
+            // The terminal's.
+            code => code == libc::SI_KERNEL && matches!(signal, libc::SIGINT | libc::SIGQUIT | libc::SIGHUP),
+        };
+        let ours = OWNER.load(Ordering::Acquire) == own;
+        if !from_outside {
+            DRAWS_ON.store(false, Ordering::Release);
+        }
+        if ours {
+            let _ = RECEIVED.compare_exchange(0, signal, Ordering::AcqRel, Ordering::Acquire);
+            libc::sem_post(WAKE.0.get().cast());
+        }
+        if !ours || !from_outside {
+            let step = libc::timespec { tv_sec: 0, tv_nsec: STEP.as_nanos() as libc::c_long };
+            let mut left = if ours { FOR_WRITING.as_millis() / STEP.as_millis() } else { 0 };
+            while left > 0 && !WRITTEN.load(Ordering::Acquire) {
+                libc::nanosleep(&step, std::ptr::null_mut());
+                left -= 1;
+            }
+            libc::signal(signal, libc::SIG_DFL);
+            libc::raise(signal);
+        }
+        *libc::__errno_location() = errno;
+    }
+}
+
+/// Waits for a signal, writes what is kept, and ends the process by the signal.
+fn write_on_demand(is_kept: fn() -> bool, write: fn()) {
+    // SAFETY: the semaphore was initialised before this thread was started.
+    while unsafe { libc::sem_wait(WAKE.0.get().cast()) } != 0 {}
+    let mut waited = Duration::ZERO;
+    while DRAWS_ON.load(Ordering::Acquire) && !is_kept() && waited < FOR_A_FRAME {
+        std::thread::sleep(STEP);
+        waited += STEP;
+    }
+    let _ = crate::fence::guard(write);
+    WRITTEN.store(true, Ordering::Release);
+    end_by(RECEIVED.load(Ordering::Acquire));
+}
