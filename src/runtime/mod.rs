@@ -1,8 +1,9 @@
-//! What belongs to one window: its rig and plan ([`session`]), captures and statistics ([`report`]).
-//! [`cache`] opens the process's cache of results, [`embedded`] serves the C interface.
+//! What belongs to one window: its rig and plan ([`session`]), captures and statistics ([`report`],
+//! [`frame_times`]). [`cache`] opens the process's cache of results, [`embedded`] serves the C interface.
 
 pub mod cache;
 pub mod embedded;
+pub mod frame_times;
 pub mod report;
 pub mod session;
 

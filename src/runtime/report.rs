@@ -2,6 +2,7 @@
 
 use crate::cache::Counts;
 use crate::error::{Error, ErrorKind, Result};
+use crate::runtime::frame_times::{FrameTimes, Milliseconds};
 use crate::system::create;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -79,11 +80,42 @@ pub struct Statistics {
     pub cache: Counts,
     /// OpenGL errors of ours; must be 0.
     pub own_errors: u64,
-    /// Mean time that the device took for a correction, milliseconds, where it was measured (Vulkan).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub correction_milliseconds: Option<f64>,
+    /// Times of the window's frames.
+    pub milliseconds: FrameMilliseconds,
     /// Notes of the planner.
     pub notes: Vec<String>,
+}
+
+/// Times of frames in [`Statistics`]; what was not measured is left out.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct FrameMilliseconds {
+    /// From one frame to the next.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Milliseconds>,
+    /// Time of the presenting thread on the processor, program and driver included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub processor: Option<Milliseconds>,
+    /// Time in which that thread records the correction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub processor_correction: Option<Milliseconds>,
+    /// Time of the device from the first draw of a frame to the correction: the program's drawing in all views (OpenGL).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device_drawing: Option<Milliseconds>,
+    /// Time of the device for the correction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device_correction: Option<Milliseconds>,
+}
+
+impl From<&FrameTimes> for FrameMilliseconds {
+    fn from(times: &FrameTimes) -> Self {
+        Self {
+            frame: times.frame.summary(),
+            processor: times.processor.summary(),
+            processor_correction: times.correction.summary(),
+            device_drawing: times.device_drawing.summary(),
+            device_correction: times.device_correction.summary(),
+        }
+    }
 }
 
 /// A view's part of [`Statistics`].

@@ -1,10 +1,13 @@
-/* Changes the size of its window after each of the first three frames, and then after every fiftieth. */
+/*
+ * Changes the size of its window after each of the first three frames, and then after every fiftieth; with --mode fixed only
+ * after the first, as programs do that fix the size of their window when they have a context.
+ */
 #include "common/fixed.h"
 
 static void draw(app *a)
 {
     fixed_cube(a);
-    if (app_is_first_read(a))
+    if (a->mode != NULL || app_is_first_read(a))
         return;
     image picture = image_read_framebuffer(a->window.width, a->window.height);
     app_check_cube_picture(a, &picture, "after a resize");
@@ -14,6 +17,11 @@ static void draw(app *a)
 static void after(app *a)
 {
     static const int sizes[3][2] = {{200, 260}, {333, 177}, {300, 300}};
+    if (a->mode != NULL) {
+        if (a->frame == 0)
+            window_resize(&a->window, 200, 260);
+        return;
+    }
     if (a->frame >= 3 && a->frame % 50 != 49)
         return;
     GLint old[4], now[4];

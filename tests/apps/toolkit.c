@@ -1,10 +1,11 @@
 /*
  * Direction test in the manner of toolkits: a context without a window draws the scene into a texture, and another one,
- * which shares it, composes the window of it.
+ * which shares it, composes the window of it; with --mode docked only a part of the window.
  */
 #include "common/fixed.h"
 
 #include <GL/glx.h>
+#include <string.h>
 
 static GLXContext studio;
 static GLXPbuffer nowhere;
@@ -36,7 +37,7 @@ static void make_framebuffer(const app *a)
     glViewport(0, 0, a->window.width, a->window.height);
 }
 
-static void compose(void)
+static void compose(float part)
 {
     glMatrixMode(GL_PROJECTION);
     glLoadIdentity();
@@ -50,7 +51,7 @@ static void compose(void)
     for (int i = 0; i < 4; i++) {
         float x = i == 1 || i == 2, y = i >= 2;
         glTexCoord2f(x, y);
-        glVertex2f(2.0f * x - 1.0f, 2.0f * y - 1.0f);
+        glVertex2f(2.0f * part * x - 1.0f, 2.0f * part * y - 1.0f);
     }
     glEnd();
 }
@@ -64,7 +65,7 @@ static void draw(app *a)
     app_check_error(a, "in the context without a window");
     window_make_current(&a->window);
     glClear(GL_COLOR_BUFFER_BIT);
-    compose();
+    compose(a->mode != NULL && strcmp(a->mode, "docked") == 0 ? 0.5f : 1.0f);
 }
 
 int main(int argc, char **argv)

@@ -13,6 +13,7 @@ tests! {
     a_program_with_post_processing,
     passes_that_hold_the_camera_s_matrices,
     a_toolkit_s_two_contexts,
+    a_scene_that_stays_flat_is_told,
     duplication_can_be_switched_off_and_forced,
     samples_that_are_resolved,
     depth_and_several_attachments,
@@ -118,9 +119,24 @@ fn a_toolkit_s_two_contexts() {
     planetarium("toolkit");
     identity("toolkit");
     let Some(finished) = Run::new("toolkit").under("fisheye") else { return };
-    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+    let finished = finished.expect_success().expect_no_gl_errors();
+    let statistics = finished.statistics();
     // Of three frames the first is seen only.
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(2), "{statistics:#}");
+    // Both contexts are counted.
+    assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(1), "{statistics:#}");
+    assert!(statistics["projection_found"]["fixed-function matrix"].as_u64() >= Some(2), "{statistics:#}");
+    assert!(!finished.words().contains("shown flat"), "{}", finished.words());
+}
+
+/// A scene that fills only a part of the window: the program is told why it is flat, and the statistics say it.
+fn a_scene_that_stays_flat_is_told() {
+    let run = Run { extra: &["--mode", "docked"], frames: 310, cupola_frames: 310, ..Run::new("toolkit") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let finished = finished.expect_success();
+    assert!(finished.words().contains("the program's scene is shown flat"), "{}", finished.words());
+    let statistics = finished.statistics();
+    assert!(statistics["single_framebuffers"]["it was not seen to fill the window"].is_u64(), "{statistics:#}");
 }
 
 /// The user's word goes before what is seen.

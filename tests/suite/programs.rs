@@ -80,7 +80,8 @@ pub struct Run<'a> {
     pub yaw: f64,
     pub pitch: f64,
     pub frames: usize,
-    /// Cupola ends the program in this frame; the program itself ends after `frames`.
+    /// Cupola ends the program in this frame, and captures it; the program itself ends after `frames`, if that is earlier, and
+    /// nothing is captured then. 0: the program ends itself, and its last frame is captured.
     pub cupola_frames: usize,
     /// More options of the program.
     pub extra: &'a [&'a str],
@@ -165,7 +166,10 @@ impl<'a> Run<'a> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.env("CUPOLA_LIBRARY", library());
         let place = display::place();
-        command.args(["run", "--rig", rig, "--capture", "capture.png", "--stats", "stats.json"]);
+        command.args(["run", "--rig", rig]);
+        if self.cupola_frames <= self.frames {
+            command.args(["--capture", "capture.png", "--stats", "stats.json"]);
+        }
         if self.cupola_frames > 0 {
             command.args(["--frames", &self.cupola_frames.to_string()]);
         }

@@ -19,6 +19,7 @@ tests! {
     two_contexts_draw_one_picture,
     a_swap_without_a_current_context_is_a_frame,
     a_frame_asks_the_x_server_once,
+    a_window_keeps_the_size_that_was_asked_for,
 }
 
 /// Runs a program that judges itself, plainly and under several rigs.
@@ -124,4 +125,15 @@ fn a_frame_asks_the_x_server_once() {
         let Some(under) = run.under(rig).map(sent) else { return };
         assert!(under <= plain + more, "{rig}: a swap sends {under} requests instead of {plain}");
     }
+}
+
+/// Also if the program fixes another size when it has its context.
+fn a_window_keeps_the_size_that_was_asked_for() {
+    let size = |cupola: &[&str]| {
+        let run = Run { extra: &["--mode", "fixed"], frames: 4, cupola_frames: 4, cupola, ..Run::new("resize") };
+        let picture = run.under("fisheye")?.expect_success().expect_no_gl_errors().picture("capture.png");
+        Some((picture.width, picture.height))
+    };
+    let (Some(own), Some(asked)) = (size(&[]), size(&["--size", "240x220"])) else { return };
+    assert_eq!((own, asked), ((200, 260), (240, 220)));
 }

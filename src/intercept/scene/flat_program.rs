@@ -6,6 +6,17 @@ use crate::runtime::Session;
 /// Number of draws after which it is told so.
 const ENOUGH: u64 = 300;
 
+/// What a program draws to images of its own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum OffScreen {
+    /// Nothing.
+    Nothing,
+    /// Flat things only.
+    Flat,
+    /// A scene, which is not drawn to each view, and why.
+    Scene(Option<String>),
+}
+
 /// Says once that all draws to a window are flat, and what to try.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FlatProgram {
@@ -13,23 +24,41 @@ pub struct FlatProgram {
 }
 
 impl FlatProgram {
-    /// Looks at the program at the end of a frame: `draws` of it to the window, whether one of them was of a scene, and
-    /// whether it draws `off_screen` first.
-    pub fn look(&mut self, draws: u64, has_scene: bool, off_screen: bool, session: &Session) {
-        if !self.is_flat(draws, has_scene) || session.given_lens().is_some() {
+    /// Looks at the program at the end of a frame: `draws` of it to the window, and whether something of a scene was shown there
+    /// ever. `off_screen` is asked for what it draws off screen.
+    pub fn look(&mut self, draws: u64, has_scene: bool, session: &Session, off_screen: impl FnOnce() -> OffScreen) {
+        if !self.is_flat(draws, has_scene) {
+            return;
+        }
+        let off_screen = off_screen();
+        if session.given_lens().is_some() && !matches!(off_screen, OffScreen::Scene(_)) {
             return;
         }
         let shows_own_lens = (0..session.views().len()).all(|index| session.tile(index).1);
         if !shows_own_lens {
-            let next = if off_screen {
-                "The program draws to images of its own first: the statistics (--stats) say which of them are not drawn \
-                 for each view, and why"
-            } else {
-                "If it is a scene, set camera.lens in the rig to the program's field of view (docs/compatibility.md)"
-            };
-            log::once(&format!(
-                "nothing that was drawn to this window so far has a matrix with a perspective: it is shown flat. {next}"
-            ));
+            log::once(&match off_screen {
+                OffScreen::Scene(Some(reason)) => {
+                    format!(
+                        "the program's scene is shown flat. It is drawn to an image first, and not to each view: {reason}"
+                    )
+                }
+                OffScreen::Scene(None) => {
+                    "the program's scene is shown flat. It is drawn to an image first, from which \
+                     nothing seems to reach the window; try --duplicate always (docs/compatibility.md)"
+                        .to_owned()
+                }
+                OffScreen::Flat | OffScreen::Nothing => {
+                    let where_to = if matches!(off_screen, OffScreen::Flat) {
+                        "to this window and to images"
+                    } else {
+                        "to this window"
+                    };
+                    format!(
+                        "nothing that was drawn {where_to} so far has a matrix with a perspective: it is shown flat. If it \
+                         is a scene, set camera.lens in the rig to the program's field of view (docs/compatibility.md)"
+                    )
+                }
+            });
         }
     }
 

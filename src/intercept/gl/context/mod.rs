@@ -1,7 +1,7 @@
 //! One context of the program.
 //!
 //! [`gl_context::Context`] holds the state of all features and is what hooks get
-//! ([`hooks`], [`current`]). [`window_space`] sets viewport and scissor of the driver,
+//! ([`hooks`], [`current`]). [`registry`] knows all contexts of the process. [`window_space`] sets viewport and scissor of the driver,
 //! [`list_recording`] records display lists, [`own_calls`] is the scope of calls of our own,
 //! [`errors`] keeps the program's errors and ours apart, [`methods`] says how the rig's outputs are
 //! made.
@@ -14,4 +14,5 @@ pub mod list_recording;
 pub mod methods;
 pub mod own_calls;
 pub mod read_pixels;
+pub mod registry;
 pub mod window_space;

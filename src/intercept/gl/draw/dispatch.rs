@@ -116,7 +116,7 @@ fn perspective_or_flat(
         };
         if main && measure.is_none() && is_screen_pass(ctx) {
             fallback::look_screen(ctx);
-            ctx.frame.background.note_scene();
+            ctx.frame.note_scene();
             ctx.frame.counts.found.count("inverse of a camera matrix");
             return Some(DrawClass::Screen);
         }
@@ -127,7 +127,7 @@ fn perspective_or_flat(
         }
         class = DrawClass::Background;
     } else {
-        ctx.frame.background.note_scene();
+        ctx.frame.note_scene();
     }
     Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
 }

@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::entry::contexts;
+use crate::intercept::gl::context::registry;
 use crate::intercept::gl::framebuffer::target::attach;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
@@ -41,7 +41,7 @@ impl Context {
             }
         }
         if self.drawable.target().is_none() {
-            match contexts::take_picture(&self.share, &window) {
+            match registry::take_picture(&self.share, &window) {
                 Some(picture) => attach::take_over(self, picture),
                 None => attach::attach(self, Extras::default()),
             }
@@ -53,7 +53,7 @@ impl Context {
 
     /// A context without a window draws for that of another in its group.
     fn borrow(&mut self) {
-        let borrowed = contexts::lend_session(&self.share);
+        let borrowed = registry::lend_session(&self.share);
         if self.drawable.borrowed_session.as_ref().map(Arc::as_ptr) != borrowed.as_ref().map(Arc::as_ptr) {
             self.drawable.borrowed_session = borrowed;
             self.compat.projection.clear();

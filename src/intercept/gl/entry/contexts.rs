@@ -1,79 +1,13 @@
-//! The contexts of the process, by their handles.
+//! What making a context current and leaving it does.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{CURRENT, HANDLE, after_panic, current};
-use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::registry::{Entry, contexts};
 use crate::intercept::gl::frame::present;
-use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::Window;
-use crate::lock::Lock;
-use crate::runtime::session::Session;
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
-
-pub(in crate::intercept::gl) static CONTEXTS: Mutex<Option<Contexts>> = Mutex::new(None);
-
-/// All contexts of the process.
-#[derive(Default)]
-pub(in crate::intercept::gl) struct Contexts {
-    /// By their window system's handle.
-    known: HashMap<usize, Entry>,
-    /// Addresses of contexts that the program destroyed while a thread had them current: they live until it
-    /// has another.
-    dying: Vec<usize>,
-}
-
-pub(in crate::intercept::gl) struct Entry {
-    share: Arc<ShareGroup>,
-    // The address of a leaked Context; 0 = not current yet. Freed when the program destroys it.
-    context: usize,
-    /// A thread has it current.
-    current: bool,
-}
-
-impl Contexts {
-    /// The thread that had a context current has it no longer.
-    fn release(&mut self, handle: usize, address: usize) {
-        if let Some(index) = self.dying.iter().position(|dying| *dying == address) {
-            self.dying.swap_remove(index);
-            free(address);
-        } else if let Some(entry) = self.known.get_mut(&handle).filter(|e| e.context == address) {
-            entry.current = false;
-        }
-    }
-
-    /// The program destroyed a context, or its handle came back without that.
-    fn forget(&mut self, entry: Entry) {
-        if entry.current {
-            self.dying.push(entry.context);
-        } else if entry.context != 0 {
-            free(entry.context);
-        }
-    }
-}
-
-/// Frees a context that is current nowhere; its OpenGL objects went with it.
-pub(in crate::intercept::gl) fn free(address: usize) {
-    // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that holds it;
-    // no thread has the context current, so that no reference to it is left.
-    let context = unsafe { Box::from_raw(address as *mut Context) };
-    context.share.programs.locked().uses.change(context.shaders.pipelines.used, 0);
-}
-
-pub(in crate::intercept::gl) fn contexts<R>(use_them: impl FnOnce(&mut Contexts) -> R) -> R {
-    use_them(CONTEXTS.locked().get_or_insert_with(Contexts::default))
-}
-
-/// Notes that `handle` was created, sharing objects with `shared` (0 = with none).
-pub fn created(handle: usize, shared: usize) {
-    contexts(|contexts| {
-        let share = contexts.known.get(&shared).map(|e| e.share.clone()).unwrap_or_default();
-        if let Some(old) = contexts.known.insert(handle, Entry { share, context: 0, current: false }) {
-            contexts.forget(old);
-        }
-    });
-}
+use std::sync::Arc;
 
 /// The program is about to make another context or window current: what it drew is shown to the window that it
 /// leaves, whose buffers it may swap when another is current.
@@ -126,38 +60,4 @@ pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>, read
     {
         after_panic("make current");
     }
-}
-
-/// The program destroyed `handle`. A context that is current on any thread lives on until it is not.
-pub fn destroyed(handle: usize) {
-    contexts(|contexts| {
-        if let Some(entry) = contexts.known.remove(&handle) {
-            contexts.forget(entry);
-        }
-    });
-}
-
-/// The plan of a window that another context of the group draws, which is not current on any thread.
-pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
-    contexts(|contexts| {
-        let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
-        others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
-            let other = unsafe { &*(entry.context as *const Context) };
-            other.drawable.target().map(|target| target.session.clone())
-        })
-    })
-}
-
-/// What another context of the group has for `window`, which is not current on any thread: contexts that draw to one
-/// window draw one picture.
-pub fn take_picture(share: &Arc<ShareGroup>, window: &Window) -> Option<Box<DefaultFramebuffer>> {
-    contexts(|contexts| {
-        let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
-        others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
-            let other = unsafe { &mut *(entry.context as *mut Context) };
-            other.give_picture(window)
-        })
-    })
 }

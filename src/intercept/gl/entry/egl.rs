@@ -2,6 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
+use crate::intercept::gl::context::registry;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
@@ -297,9 +298,9 @@ fn x11_window(display: Pointer, native: Pointer) -> c_ulong {
 
 noted_calls! {
     c"eglCreateContext" create_context(display: Pointer, config: Pointer, share: Pointer, attributes: *const c_int) -> Pointer,
-        |context| contexts::created(context as usize, share as usize);
+        |context| registry::created(context as usize, share as usize);
     c"eglDestroyContext" destroy_context(display: Pointer, context: Pointer) -> c_uint, |ok| if ok != 0 {
-        contexts::destroyed(context as usize);
+        registry::destroyed(context as usize);
     };
     c"eglCreateWindowSurface" create_window_surface(display: Pointer, config: Pointer, native: c_ulong, attributes: *const c_int) -> Pointer,
         |surface| note_surface(surface, native);

@@ -2,6 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
+use crate::intercept::gl::context::registry;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
@@ -211,14 +212,14 @@ fn forget_drawable(drawable: c_ulong) {
 
 noted_calls! {
     c"glXCreateContext" create_context(display: Pointer, visual: Pointer, share: Pointer, direct: c_int) -> Pointer,
-        |context| contexts::created(context as usize, share as usize);
+        |context| registry::created(context as usize, share as usize);
     c"glXCreateNewContext" create_new_context(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer,
-        |context| contexts::created(context as usize, share as usize);
+        |context| registry::created(context as usize, share as usize);
     c"glXCreateContextWithConfigSGIX" create_context_with_config(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer,
-        |context| contexts::created(context as usize, share as usize);
+        |context| registry::created(context as usize, share as usize);
     c"glXCreateContextAttribsARB" create_context_attribs(display: Pointer, config: Pointer, share: Pointer, direct: c_int, attributes: *const c_int) -> Pointer,
-        |context| contexts::created(context as usize, share as usize);
-    c"glXDestroyContext" destroy_context(display: Pointer, context: Pointer) -> (), |done| contexts::destroyed(context as usize);
+        |context| registry::created(context as usize, share as usize);
+    c"glXDestroyContext" destroy_context(display: Pointer, context: Pointer) -> (), |done| registry::destroyed(context as usize);
     c"glXCreateWindow" create_window(display: Pointer, config: Pointer, x11: c_ulong, attributes: *const c_int) -> c_ulong,
         |drawable| note_drawable(drawable, Drawable::Window(x11));
     c"glXCreatePixmap" create_pixmap(display: Pointer, config: Pointer, pixmap: c_ulong, attributes: *const c_int) -> c_ulong,

@@ -1,24 +1,21 @@
 //! The end of a frame: correct it into the window, count, capture.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::correct::LowerLeftRect;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
-use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::context::read_pixels::read_back;
-use crate::intercept::gl::frame::{capture, frame_number, front_buffer};
+use crate::intercept::gl::frame::{frame_number, front_buffer, report};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::window::Window;
-use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::vertex_input::buffers;
-use crate::intercept::last_frame::{self, LastFrame};
-use crate::intercept::scene::report;
+use crate::intercept::last_frame;
 use crate::intercept::{log, settings};
-use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use crate::runtime::frame_times::FrameTimes;
+use crate::system::thread_time;
 
 /// Whether the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
@@ -103,7 +100,7 @@ pub fn leave(ctx: &mut Context) {
         if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
             && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
-            keep_report(ctx, settings);
+            report::keep(ctx, settings);
         }
     }
 }
@@ -158,12 +155,19 @@ fn correct_now(ctx: &mut Context) {
 /// Corrections in a row that may fail before the program gets its window back.
 const MOST_FAILED_CORRECTIONS: u32 = 2;
 
+/// Tells of a program that is flat altogether.
+fn look_for_a_scene(ctx: &mut Context) {
+    let mut flat_program = ctx.frame.flat_program;
+    if let Some(session) = ctx.drawable.session() {
+        let (draws, has_scene) = (ctx.frame.counts.draws_seen, ctx.frame.shows_scene());
+        flat_program.look(draws, has_scene, session, || report::off_screen(ctx));
+    }
+    ctx.frame.flat_program = flat_program;
+}
+
 fn frame(ctx: &mut Context) {
     ctx.frame.counts.frames += 1;
-    if let Some(session) = ctx.drawable.session() {
-        let (counts, off_screen) = (&ctx.frame.counts, !ctx.view_copies.framebuffers.is_empty());
-        ctx.frame.flat_program.look(counts.draws_seen, counts.found.iter().next().is_some(), off_screen, session);
-    }
+    look_for_a_scene(ctx);
     let Some(settings) = settings::settings() else { return correct(ctx) };
     let number =
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
@@ -172,10 +176,16 @@ fn frame(ctx: &mut Context) {
     if is_occluded(&ctx.drawable) && !(kept && settings.capture.is_some()) {
         ctx.frame.counts.hidden_frames += 1;
     } else {
+        measure(ctx, |gl, _, device| device.drawn(gl));
+        let before = ctx.frame.times.is_some().then(thread_time);
         correct(ctx);
+        measure(ctx, |gl, times, device| {
+            device.corrected(gl);
+            times.correction.add(thread_time().saturating_sub(before.unwrap_or_default()));
+        });
     }
     if kept {
-        keep_report(ctx, settings);
+        report::keep(ctx, settings);
     }
     if last {
         last_frame::end_program();
@@ -188,106 +198,25 @@ fn is_occluded(drawable: &Drawable) -> bool {
     drawable.occluded && drawable.window.as_ref().is_some_and(|window| window.look().occluded)
 }
 
+/// Measures, if times are asked for.
+fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut DeviceTimes)) {
+    if let Some(times) = &mut ctx.frame.times {
+        act(ctx.driver.gl, &mut times.0, &mut times.1);
+    }
+}
+
 fn next_frame(ctx: &mut Context) {
+    if ctx.frame.times.is_none() && settings::settings().is_some_and(|settings| settings.stats.is_some()) {
+        ctx.frame.times = Some(Box::new((FrameTimes::default(), DeviceTimes::new(ctx.driver.gl, &ctx.driver.profile))));
+    }
+    measure(ctx, |gl, times, device| {
+        times.end_frame();
+        device.begin(gl, times);
+    });
     ctx.frame.end();
     view_copies::end_frame(ctx);
     buffers::of(&ctx.share).end_frame();
     ctx.vertex_input.blocks.storage_changed();
     follow_size(ctx);
     follow_rig(ctx);
-}
-
-fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
-    if !settings.has_report() {
-        return;
-    }
-    ctx.driver.take_errors();
-    let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
-    let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
-    let views = if settings.capture_views.is_some() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
-    last_frame::store(LastFrame { statistics, pictures, views });
-}
-
-fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
-    let (duplicated_framebuffers, single_framebuffers) = crate::intercept::gl::offscreen::report::status(ctx);
-    let driver = format!("{}, {}", ctx.driver.gl.text(api::GL_VERSION), ctx.driver.gl.text(api::GL_RENDERER));
-    let mut statistics = Statistics {
-        hidden_frames: ctx.frame.counts.hidden_frames,
-        draws_seen: ctx.frame.counts.draws_seen,
-        panel_draws: ctx.frame.counts.panel_draws,
-        primary_draws: ctx.frame.counts.primary_draws,
-        bounded_draws: ctx.frame.counts.bounded_draws,
-        ranges_read: ctx.vertex_input.ranges.reads,
-        closings: ctx.frame.counts.closings,
-        duplicated_draws: crate::intercept::gl::offscreen::report::draws(&ctx.view_copies),
-        duplicated_framebuffers,
-        single_framebuffers,
-        projection_found: ctx.frame.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
-        batches_left_out: ctx.drawable.target().map_or(0, |t| t.backend().left_out()),
-        coarse_primitives: (!ctx.projected.uncounted).then(|| {
-            ctx.projected.fixed_function.coarse
-                + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
-        }),
-        outputs_narrowed: ctx.drawable.target().map_or(0, |t| t.backend().narrowed()),
-        shaders_linked: ctx.frame.counts.linked,
-        own_errors: ctx.frame.counts.errors,
-        ..report::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
-    };
-    if let Some(target) = ctx.drawable.target() {
-        statistics.own_errors += target.backend().errors();
-        report::add_plan(&mut statistics, &target.session);
-        statistics.views = target
-            .session
-            .views()
-            .iter()
-            .zip(target.counts())
-            .enumerate()
-            .zip(crate::intercept::gl::offscreen::report::counts(ctx))
-            .map(|((index, (view, (draws_issued, draws_culled))), off_screen)| ViewStatistics {
-                name: view.name.clone(),
-                width: view.tile.width,
-                height: view.tile.height,
-                closed_texels: target.closed().get(index).copied().unwrap_or(0),
-                draws_issued,
-                draws_culled,
-                duplicated_draws_issued: off_screen[0],
-                duplicated_draws_culled: off_screen[1],
-            })
-            .collect();
-    }
-    statistics
-}
-
-/// The outputs of the frame that was just corrected.
-fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
-    let gl = ctx.driver.gl;
-    let Some(target) = ctx.drawable.target() else {
-        let Some(window) = &ctx.drawable.window else { return Vec::new() };
-        return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
-    };
-    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
-    if settings.offscreen {
-        return names
-            .enumerate()
-            .filter_map(|(i, name)| capture::picture(&ctx.driver, &ctx.drawable, i, name))
-            .collect();
-    }
-    names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
-}
-
-/// Every view, the panel and the program's own picture.
-fn view_pictures(driver: &Driver, drawable: &Drawable) -> Vec<Picture> {
-    let Some(target) = drawable.target() else { return Vec::new() };
-    let session = &target.session;
-    let mut pictures = Vec::new();
-    for (i, view) in session.views().iter().enumerate() {
-        pictures.push(read_back(driver.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
-    }
-    for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
-        if let Some(tile) = tile {
-            pictures.push(read_back(driver.gl, target.readable_framebuffer(), name, tile));
-        }
-    }
-    pictures
 }

@@ -62,7 +62,7 @@ pub fn window_changed(view_copies: &mut ViewCopies) {
 
 /// Issues a draw that shows the images in `sampled`.
 pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    ctx.frame.background.note_scene();
+    ctx.frame.note_scene();
     // What was flat until now is covered.
     panel::clear_panel(ctx);
     if make_canvases(ctx) {

@@ -1,19 +1,23 @@
 //! What the statistics say of the program's framebuffers.
+//!
+//! What is known of images is in the context of a group that was current last; so that context is asked for the framebuffers
+//! of others.
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
-/// How many framebuffers that the program drew to are drawn once per view, and why how many others are not.
-pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
+/// How many `framebuffers` that the program drew to are drawn once per view, and why how many others are not.
+pub fn status(ctx: &Context, framebuffers: &[Framebuffer]) -> (u64, BTreeMap<String, u64>) {
     let mut single: BTreeMap<String, u64> = BTreeMap::new();
     let mut duplicated = 0;
-    for framebuffer in &ctx.view_copies.framebuffers {
+    for framebuffer in framebuffers {
         match obstacle(ctx, framebuffer) {
             None => duplicated += 1,
             Some(obstacle) => {
@@ -24,6 +28,20 @@ pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
         }
     }
     (duplicated, single)
+}
+
+/// What the program draws to `framebuffers`.
+pub fn off_screen(ctx: &Context, framebuffers: &[Framebuffer]) -> OffScreen {
+    let holds_scene = |framebuffer: &&Framebuffer| {
+        framebuffer.colours().filter_map(|name| ctx.view_copies.image(name)).any(|image| image.scene)
+    };
+    match framebuffers.iter().find(holds_scene) {
+        Some(framebuffer) => {
+            OffScreen::Scene(obstacle(ctx, framebuffer).and_then(|why| why.reason().map(str::to_owned)))
+        }
+        None if framebuffers.is_empty() => OffScreen::Nothing,
+        None => OffScreen::Flat,
+    }
 }
 
 /// How many draws to the program's framebuffers were issued once per view.

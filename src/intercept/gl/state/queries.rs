@@ -103,13 +103,7 @@ impl Queries {
             return self.own.swap_remove(index).1;
         }
         if self.fresh.is_empty() {
-            let mut names = [0; PROGRAM_NAMES + OWN_NAMES];
-            // SAFETY: writes as many names as there is room for, and gives back those that are not for us.
-            unsafe {
-                gl.gen_queries(names.len() as i32, names.as_mut_ptr());
-                gl.delete_queries(PROGRAM_NAMES as i32, names.as_ptr());
-            }
-            self.fresh.extend_from_slice(&names[PROGRAM_NAMES..]);
+            self.fresh = own_names(gl, OWN_NAMES);
         }
         self.fresh.pop().unwrap_or_default()
     }
@@ -142,6 +136,17 @@ impl Queries {
             running.before.parts = kept;
         }
     }
+}
+
+/// Names of `count` objects of ours, which are not deleted.
+pub(in crate::intercept::gl) fn own_names(gl: &Gl, count: usize) -> Vec<u32> {
+    let mut names = vec![0; PROGRAM_NAMES + count];
+    // SAFETY: writes as many names as there is room for, and gives back those that are not for us.
+    unsafe {
+        gl.gen_queries(names.len() as i32, names.as_mut_ptr());
+        gl.delete_queries(PROGRAM_NAMES as i32, names.as_ptr());
+    }
+    names.split_off(PROGRAM_NAMES)
 }
 
 impl Running {

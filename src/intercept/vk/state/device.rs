@@ -18,6 +18,7 @@ use crate::intercept::vk::state::swapchains::Swapchains;
 use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
 use crate::intercept::vk::state::views::view_constants::ConstantPool;
 use crate::lock::{Lock, SharedLock};
+use crate::runtime::frame_times::FrameTimes;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
@@ -82,6 +83,8 @@ pub struct Presented {
     pub(in crate::intercept::vk) frames: AtomicU64,
     /// Number of the last report.
     pub(in crate::intercept::vk) report: AtomicU64,
+    /// Their times, if statistics are asked for.
+    pub(in crate::intercept::vk) times: Mutex<FrameTimes>,
 }
 
 pub(in crate::intercept::vk) static DEVICES: RwLock<Option<HashMap<usize, Arc<Device>>>> = RwLock::new(None);

@@ -6,6 +6,7 @@
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::lens::{self, Candidate, Told};
+use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
@@ -26,11 +27,11 @@ const OUT_OF_SIGHT: ReprojectionMatrix =
     ReprojectionMatrix::from_array([0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
 
 impl Frame {
-    /// A frame ended. `in_views`: draws of scenes are drawn for each view. `off_screen`: some image may hold a scene.
-    pub fn end(&mut self, in_views: bool, off_screen: bool) {
+    /// A frame ended. `in_views`: draws of scenes are drawn for each view. `off_screen` is asked for what is drawn off screen.
+    pub fn end(&mut self, in_views: bool, off_screen: impl FnOnce() -> OffScreen) {
         if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
             let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
-            self.flat_program.look(self.counts.seen, has_scene, off_screen, &layout.session);
+            self.flat_program.look(self.counts.seen, has_scene, &layout.session, off_screen);
         }
         self.order.end_frame();
         self.cameras.end_frame();

@@ -1,10 +1,10 @@
 //! The end of a frame: the picture is corrected, counted, captured and presented.
 
-use crate::backend::vk::Timing;
 use crate::correct::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::ending;
 use crate::intercept::last_frame::{self, LastFrame};
+use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::report;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
@@ -14,8 +14,9 @@ use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::read_back;
 use crate::intercept::{log, settings};
 use crate::lock::Lock;
-use crate::rig::Rig;
+use crate::rig::{Duplicate, Rig};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use crate::system::thread_time;
 use ash::vk;
 use std::sync::atomic::Ordering;
 
@@ -87,11 +88,15 @@ unsafe fn prepare(
     last: bool,
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) -> bool {
-    device.frame.locked().end(device.draws_views(), device.images.has_candidates());
+    device.frame.locked().end(device.draws_views(), || off_screen(device));
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
     let mut complete = true;
     let pictures = settings.capture.is_some() || settings.capture_views.is_some();
+    let timed = settings.stats.is_some();
+    if timed {
+        device.presented.times.locked().end_frame();
+    }
     let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
     // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
     let (swapchains, indices, mut waits) = unsafe {
@@ -105,8 +110,13 @@ unsafe fn prepare(
     for (handle, &index) in swapchains.iter().zip(indices) {
         let Some(managed) = device.swapchains.managed(*handle) else { continue };
         let mut managed = managed.locked();
+        let before = timed.then(thread_time);
         // SAFETY: as above.
-        match unsafe { make(device, queue, &mut managed, index as usize, waits) } {
+        let made = unsafe { make(device, queue, &mut managed, index as usize, waits) };
+        if let Some(before) = before {
+            device.presented.times.locked().correction.add(thread_time().saturating_sub(before));
+        }
+        match made {
             Made::Submitted(signal) => {
                 ready.get_or_insert_default().push(signal);
                 // The first submission waits for everything; what follows on the queue comes after it.
@@ -139,6 +149,16 @@ unsafe fn prepare(
         device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
     complete
+}
+
+/// What the program draws to images.
+fn off_screen(device: &Device) -> OffScreen {
+    let rule = settings::settings().map_or(Duplicate::Auto, |settings| settings.rig.views.duplicate);
+    match device.scene_graph.single(rule).into_keys().next() {
+        Some(reason) => OffScreen::Scene(Some(reason)),
+        None if device.images.has_candidates() => OffScreen::Flat,
+        None => OffScreen::Nothing,
+    }
 }
 
 /// The picture of a window.
@@ -235,11 +255,6 @@ unsafe fn captured(
     Ok((outputs, views))
 }
 
-/// Mean time of a correction in milliseconds, if any was measured.
-fn mean(timing: Timing) -> Option<f64> {
-    (timing.corrections > 0).then(|| timing.total * 1e-6 / timing.corrections as f64)
-}
-
 /// Number of primitives that were not divided enough so far, if they are counted.
 fn coarse(device: &Device) -> Option<u64> {
     let counts = device.pipelines.divided.uncounted().is_none();
@@ -269,6 +284,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         single_framebuffers: device.scene_graph.single(rig.views.duplicate),
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
+        milliseconds: (&*device.presented.times.locked()).into(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
         ..report::begin(frames, &rig.name, device.driver.name.clone())
     };
@@ -284,7 +300,6 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
             let session = &stand_in.layout.session;
             report::add_plan(&mut statistics, session);
             let views = session.views().iter();
-            statistics.correction_milliseconds = mean(stand_in.timing());
             statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
         }
         _ => statistics.views = vec![view("program", managed.extent.width, managed.extent.height, 0)],

@@ -1,7 +1,7 @@
 //! Stand-in images for a swapchain, an atlas for each, and the command buffers that make the
 //! window's picture of them.
 
-use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
+use crate::backend::vk::{COLOR, SourceImage, TargetImage, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
@@ -12,9 +12,11 @@ use crate::intercept::vk::state::swapchains::{PictureSource, Slot, StandIn};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::intercept::vk::state::views::view_target::{ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
+use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 impl PictureSource {
     /// Whether it needs the correction, not only copies.
@@ -230,11 +232,6 @@ impl StandIn {
         images.zip(&self.targets).map(target).collect()
     }
 
-    /// Time that the device took for the corrections so far.
-    pub fn timing(&self) -> Timing {
-        self.backend.timing()
-    }
-
     /// The image that the program has as number `index`.
     pub fn given(&self, index: usize) -> Option<vk::Image> {
         self.slots.get(index).map(|slot| slot.given.image)
@@ -284,7 +281,13 @@ impl StandIn {
             if slot.pending {
                 functions.wait_for_fences(&[slot.done], true, LONGEST_WAIT).map_err(refused("to wait"))?;
                 if let Some(source) = slot.timed.take() {
+                    let before = self.backend.timing().corrections;
                     self.backend.read_timing(source);
+                    let timing = self.backend.timing();
+                    if timing.corrections > before {
+                        let time = Duration::from_nanos(timing.last as u64);
+                        device.presented.times.locked().device_correction.add(time);
+                    }
                 }
                 functions.reset_fences(&[slot.done]).map_err(refused("to wait"))?;
                 slot.pending = false;

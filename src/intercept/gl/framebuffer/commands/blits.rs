@@ -18,7 +18,7 @@ pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: 
     if transfers::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
             ctx.note_drawn();
-            ctx.frame.background.note_scene();
+            ctx.frame.note_scene();
             if let Some(target) = ctx.drawable.target_mut() {
                 target.content.forget();
             }

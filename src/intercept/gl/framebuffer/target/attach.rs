@@ -10,6 +10,7 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
+
 use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
 
@@ -71,6 +72,9 @@ pub fn follow_rig(ctx: &mut Context) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
+/// How often a window that the program gives another size gets the size that was asked for.
+const MOST_RESIZED: u32 = 3;
+
 /// Looks at the window, and plans anew where it has another size than the plan. Only between frames. A window that keeps
 /// its own picture is not looked at: that would be a question to the display in each frame.
 pub fn follow_size(ctx: &mut Context) {
@@ -79,8 +83,16 @@ pub fn follow_size(ctx: &mut Context) {
         return;
     }
     let Some(window) = ctx.drawable.window.clone() else { return };
-    let Look { size, occluded } = window.look();
+    let Look { mut size, occluded } = window.look();
     ctx.drawable.occluded = occluded;
+    if let Some(wanted) = settings::settings().and_then(|settings| settings.window_size)
+        && size != wanted
+        && ctx.drawable.resized < MOST_RESIZED
+    {
+        ctx.drawable.resized += 1;
+        window.resize(wanted);
+        size = window.size();
+    }
     if ctx.drawable.target().is_some_and(|t| t.size() != size) {
         let mut extras = Extras::default();
         if let Some(old) = ctx.drawable.take_target() {

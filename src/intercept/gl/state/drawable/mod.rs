@@ -32,6 +32,8 @@ pub struct Drawable {
     pub(in crate::intercept::gl) reads_elsewhere: bool,
     /// Nothing of the window could be seen after its last swap.
     pub(in crate::intercept::gl) occluded: bool,
+    /// How often the window got the size that was asked for after the program had given it another.
+    pub(in crate::intercept::gl) resized: u32,
     /// The accumulation buffer, once the program used it.
     pub(in crate::intercept::gl) accumulation: Option<Accumulation>,
 }

@@ -1,9 +1,11 @@
 //! The frame that is drawn, and what is known from those before it.
 //!
 //! [`background`] tells flat drawing before the scene from what is on the panel, [`draw_count`]
-//! tells the number of draws, [`front_buffer`] limits flushes, [`statistics`] counts for `--stats`.
+//! tells the number of draws, [`front_buffer`] limits flushes, [`statistics`] counts for `--stats`,
+//! [`device_times`] measures for it.
 
 pub mod background;
+pub mod device_times;
 pub mod draw_count;
 pub mod front_buffer;
 pub mod statistics;
@@ -11,10 +13,12 @@ pub mod statistics;
 use crate::correct::LowerLeftRect;
 use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::frame::background::Background;
+use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::scene::flat_program::FlatProgram;
+use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::Intrinsics;
 
 /// What is known of a window's frames.
@@ -38,8 +42,12 @@ pub struct Frame {
     pub(in crate::intercept::gl) failed_corrections: u32,
     /// Whether nothing is a scene.
     pub(in crate::intercept::gl) flat_program: FlatProgram,
+    /// Something of a scene was ever shown in the window.
+    shows_scene: bool,
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
+    /// Times for `--stats`; `None` if they are not asked for.
+    pub(in crate::intercept::gl) times: Option<Box<(FrameTimes, DeviceTimes)>>,
 }
 
 impl Frame {
@@ -47,6 +55,17 @@ impl Frame {
     pub fn note_viewport(&mut self, LowerLeftRect { width, height, .. }: LowerLeftRect) {
         let area = i64::from(width) * i64::from(height);
         self.viewport_area[0] = self.viewport_area[0].max(area);
+    }
+
+    /// Notes that something of a scene is shown in the window.
+    pub fn note_scene(&mut self) {
+        self.background.note_scene();
+        self.shows_scene = true;
+    }
+
+    /// Whether something of a scene was ever shown in the window.
+    pub fn shows_scene(&self) -> bool {
+        self.shows_scene
     }
 
     /// The window may have got another size.

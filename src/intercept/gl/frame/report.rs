@@ -1,0 +1,142 @@
+//! What is kept of a frame: statistics and pictures.
+
+use crate::backend::gl::driver::api;
+use crate::correct::LowerLeftRect;
+use crate::intercept::gl::context::errors::take_own_errors;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::read_pixels::read_back;
+use crate::intercept::gl::context::registry;
+use crate::intercept::gl::frame::capture;
+use crate::intercept::gl::offscreen::report as off_screen_report;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::last_frame::{self, LastFrame};
+use crate::intercept::scene::flat_program::OffScreen;
+use crate::intercept::scene::report;
+use crate::intercept::settings;
+use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use std::sync::Arc;
+
+/// Keeps the pictures and the statistics that were asked for.
+pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
+    if !settings.has_report() {
+        return;
+    }
+    ctx.driver.take_errors();
+    let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
+    let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
+    let views = if settings.capture_views.is_some() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    last_frame::store(LastFrame { statistics, pictures, views });
+}
+
+/// What the program draws to images, in this context and in those that are current on no thread.
+pub fn off_screen(ctx: &Context) -> OffScreen {
+    let mut found = off_screen_report::off_screen(ctx, &ctx.view_copies.framebuffers);
+    registry::each_idle(|other| {
+        let other = off_screen_report::off_screen(knowing(ctx, other), &other.view_copies.framebuffers);
+        if found == OffScreen::Nothing || (found == OffScreen::Flat && other != OffScreen::Nothing) {
+            found = other;
+        }
+    });
+    found
+}
+
+/// The context that knows the images of `other`, when `ctx` is current.
+fn knowing<'a>(ctx: &'a Context, other: &'a Context) -> &'a Context {
+    if Arc::ptr_eq(&ctx.share, &other.share) { ctx } else { other }
+}
+
+/// Adds what is counted in `counted`, a context whose images `ctx` knows. Toolkits draw in one context, and show it in another.
+fn add_counts(statistics: &mut Statistics, ctx: &Context, counted: &Context) {
+    let counts = &counted.frame.counts;
+    statistics.draws_seen += counts.draws_seen;
+    statistics.panel_draws += counts.panel_draws;
+    statistics.primary_draws += counts.primary_draws;
+    statistics.bounded_draws += counts.bounded_draws;
+    statistics.ranges_read += counted.vertex_input.ranges.reads;
+    statistics.closings += counts.closings;
+    statistics.shaders_linked += counts.linked;
+    statistics.own_errors += counts.errors;
+    statistics.duplicated_draws += off_screen_report::draws(&counted.view_copies);
+    let (duplicated, single) = off_screen_report::status(ctx, &counted.view_copies.framebuffers);
+    statistics.duplicated_framebuffers += duplicated;
+    for (reason, framebuffers) in single {
+        *statistics.single_framebuffers.entry(reason).or_default() += framebuffers;
+    }
+    for (how, draws) in counts.found.iter() {
+        *statistics.projection_found.entry(how.to_owned()).or_default() += draws;
+    }
+    for (view, [issued, left_out]) in statistics.views.iter_mut().zip(off_screen_report::counts(counted)) {
+        view.duplicated_draws_issued += issued;
+        view.duplicated_draws_culled += left_out;
+    }
+}
+
+fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
+    let driver = format!("{}, {}", ctx.driver.gl.text(api::GL_VERSION), ctx.driver.gl.text(api::GL_RENDERER));
+    let target = ctx.drawable.target();
+    let mut statistics = Statistics {
+        hidden_frames: ctx.frame.counts.hidden_frames,
+        batches_left_out: target.map_or(0, |t| t.backend().left_out()),
+        coarse_primitives: (!ctx.projected.uncounted).then(|| {
+            ctx.projected.fixed_function.coarse
+                + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
+        }),
+        outputs_narrowed: target.map_or(0, |t| t.backend().narrowed()),
+        milliseconds: ctx.frame.times.as_ref().map(|times| (&times.0).into()).unwrap_or_default(),
+        ..report::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
+    };
+    if let Some(target) = target {
+        statistics.own_errors += target.backend().errors();
+        report::add_plan(&mut statistics, &target.session);
+        let views = target.session.views().iter().zip(target.counts()).enumerate();
+        statistics.views = views
+            .map(|(index, (view, (draws_issued, draws_culled)))| ViewStatistics {
+                name: view.name.clone(),
+                width: view.tile.width,
+                height: view.tile.height,
+                closed_texels: target.closed().get(index).copied().unwrap_or(0),
+                draws_issued,
+                draws_culled,
+                ..ViewStatistics::default()
+            })
+            .collect();
+    }
+    add_counts(&mut statistics, ctx, ctx);
+    registry::each_idle(|other| add_counts(&mut statistics, knowing(ctx, other), other));
+    statistics
+}
+
+/// The outputs of the frame that was just corrected.
+fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
+    let gl = ctx.driver.gl;
+    let Some(target) = ctx.drawable.target() else {
+        let Some(window) = &ctx.drawable.window else { return Vec::new() };
+        return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
+    };
+    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
+    if settings.offscreen {
+        return names
+            .enumerate()
+            .filter_map(|(i, name)| capture::picture(&ctx.driver, &ctx.drawable, i, name))
+            .collect();
+    }
+    names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
+}
+
+/// Every view, the panel and the program's own picture.
+fn view_pictures(driver: &Driver, drawable: &Drawable) -> Vec<Picture> {
+    let Some(target) = drawable.target() else { return Vec::new() };
+    let session = &target.session;
+    let mut pictures = Vec::new();
+    for (i, view) in session.views().iter().enumerate() {
+        pictures.push(read_back(driver.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
+    }
+    for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
+        if let Some(tile) = tile {
+            pictures.push(read_back(driver.gl, target.readable_framebuffer(), name, tile));
+        }
+    }
+    pictures
+}
