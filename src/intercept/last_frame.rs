@@ -1,7 +1,8 @@
 //! The most recent frame's statistics and pictures, which are written when the program ends.
 
+use super::inspection::page::{self, Page};
 use super::settings::{self, Settings};
-use super::{log, signals};
+use super::{inspection, log, signals};
 use crate::lock::Lock;
 use crate::runtime::report::{self, Picture, Statistics};
 use std::sync::{Mutex, Once};
@@ -24,7 +25,18 @@ pub fn is_last(settings: &Settings, number: u64) -> bool {
     if settings.has_report() {
         signals::watch(is_kept, write);
     }
-    settings.frames == Some(number) || settings.is_time_over() || signals::received().is_some()
+    // A frame that is described is known to be the last one when it begins.
+    settings.frames == Some(number) || (is_over(settings) && (settings.inspect.is_none() || inspection::is_recording()))
+}
+
+/// The time that was asked for is over, or a signal ends the program.
+fn is_over(settings: &Settings) -> bool {
+    settings.is_time_over() || signals::received().is_some()
+}
+
+/// The frame with this number begins.
+pub fn begin(settings: &Settings, number: u64) {
+    inspection::begin_frame(settings, settings.frames == Some(number) || is_over(settings));
 }
 
 /// Whether a frame is stored that is not written yet.
@@ -85,6 +97,17 @@ fn write() {
     };
     if let (Some(path), Some(statistics)) = (&settings.stats, &frame.statistics) {
         say(report::write_statistics(path, statistics));
+    }
+    if let Some(path) = &settings.inspect {
+        let arguments: Vec<String> = std::env::args_os().map(|text| text.to_string_lossy().into_owned()).collect();
+        let page = Page {
+            command: arguments.join(" "),
+            passes: &inspection::take(),
+            statistics: frame.statistics.as_ref(),
+            outputs: &frame.pictures,
+            views: &frame.views,
+        };
+        say(report::write_text(path, &page::html(&page)));
     }
     if let Some(path) = &settings.capture {
         let several = frame.pictures.len() > 1;

@@ -114,6 +114,20 @@ impl Candidate<'_> {
         (told.certainty != Certainty::Depth).then_some(told.intrinsics)
     }
 
+    /// What its numbers say, in words.
+    pub fn description(&self) -> String {
+        match self.found().map(|found| (found.told.certainty, found.told.intrinsics)) {
+            Some((Certainty::Projection, lens)) => format!("projection, {}", field_of_view(&lens)),
+            Some((Certainty::Product, lens)) => format!("perspective with a model, {}", field_of_view(&lens)),
+            Some((Certainty::Depth, _)) => "perspective with a stretched model".to_owned(),
+            None => match classify(self.value) {
+                MatrixClass::Affine => "no perspective".to_owned(),
+                MatrixClass::Perspective(_) => "inverse of a projection".to_owned(),
+                MatrixClass::Stretched { .. } | MatrixClass::Other => "no projection".to_owned(),
+            },
+        }
+    }
+
     fn found(&self) -> Option<Found> {
         let turned = transposed(self.value);
         let found = |value: &[f64; 16], pure: bool, guessed: bool| {
@@ -160,6 +174,17 @@ pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Told
         }
     }
     best.map(|(found, number)| (found.told, number))
+}
+
+/// The field of view of a lens, in degrees.
+pub fn field_of_view(lens: &Intrinsics) -> String {
+    // The edges of the picture are where x, or y, is w or −w.
+    let angle = |scale: f64, offset: f64| {
+        let edge = |sign: f64| ((sign + offset) / scale).atan();
+        (edge(1.0) - edge(-1.0)).to_degrees().abs()
+    };
+    let off_centre = if lens.b.abs().max(lens.d.abs()) > 1e-6 { ", off centre" } else { "" };
+    format!("{:.2}° × {:.2}°{off_centre}", angle(lens.a, lens.b), angle(lens.c, lens.d))
 }
 
 /// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.

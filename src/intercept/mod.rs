@@ -7,6 +7,7 @@ pub mod camera;
 pub mod ending;
 pub mod file_stamp;
 pub mod gl;
+pub mod inspection;
 pub mod last_frame;
 pub mod lens;
 pub mod live;

@@ -33,6 +33,8 @@ pub struct Settings {
     pub capture: Option<PathBuf>,
     /// `CUPOLA_CAPTURE_VIEWS=DIR`: every view of the last frame.
     pub capture_views: Option<PathBuf>,
+    /// `CUPOLA_INSPECT=FILE.html`: a page that describes the last frame.
+    pub inspect: Option<PathBuf>,
     /// `CUPOLA_STATS=FILE.json`.
     pub stats: Option<PathBuf>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
@@ -123,6 +125,7 @@ fn read() -> crate::Result<Settings> {
         end,
         capture: path("CUPOLA_CAPTURE"),
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
+        inspect: path("CUPOLA_INSPECT"),
         stats: path("CUPOLA_STATS"),
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
         mask,
@@ -139,7 +142,22 @@ impl Settings {
 
     /// Whether something is written when the program ends.
     pub fn has_report(&self) -> bool {
-        self.stats.is_some() || self.capture.is_some() || self.capture_views.is_some()
+        self.needs_statistics() || self.needs_outputs() || self.needs_views()
+    }
+
+    /// Whether statistics are written.
+    pub fn needs_statistics(&self) -> bool {
+        self.stats.is_some() || self.inspect.is_some()
+    }
+
+    /// Whether pictures of the outputs are written.
+    pub fn needs_outputs(&self) -> bool {
+        self.capture.is_some() || self.inspect.is_some()
+    }
+
+    /// Whether pictures of the views are written.
+    pub fn needs_views(&self) -> bool {
+        self.capture_views.is_some() || self.inspect.is_some()
     }
 
     /// Reads the rig's file again, with what the environment said at the start.

@@ -20,12 +20,18 @@ pub struct Milliseconds {
     pub most: f64,
 }
 
-/// Durations that were measured.
-#[derive(Clone, Debug, Default)]
+/// Durations that were measured. Adding one allocates nothing.
+#[derive(Clone, Debug)]
 pub struct Durations {
     count: u64,
     sum: f64,
     last: Vec<f32>,
+}
+
+impl Default for Durations {
+    fn default() -> Self {
+        Self { count: 0, sum: 0.0, last: Vec::with_capacity(KEPT) }
+    }
 }
 
 impl Durations {

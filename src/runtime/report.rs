@@ -139,6 +139,14 @@ pub struct ViewStatistics {
     pub duplicated_draws_culled: u64,
 }
 
+/// Writes text to a file.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write(path, text.as_bytes())
+}
+
 /// Writes `statistics` as JSON.
 ///
 /// # Errors
@@ -169,18 +177,40 @@ pub fn capture_path(path: &Path, name: &str, several: bool) -> PathBuf {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
+    let failed = |error| Error::new(ErrorKind::Internal, format!("{}: {error}", path.display()));
+    write(path, &png(picture.width, picture.height, &upright_rgb(picture)).map_err(failed)?)
+}
+
+/// A picture as a PNG file, reduced to no more than `width` pixels across.
+///
+/// # Errors
+/// When it cannot be encoded.
+pub fn reduced_png(picture: &Picture, width: u32) -> Result<Vec<u8>> {
+    let failed = |error: String| Error::new(ErrorKind::Internal, format!("{}: {error}", picture.name));
+    let rgb = image::RgbImage::from_raw(picture.width, picture.height, upright_rgb(picture))
+        .ok_or_else(|| failed("its pixels are missing".to_owned()))?;
+    let width = width.min(picture.width);
+    let height = (u64::from(picture.height) * u64::from(width) / u64::from(picture.width.max(1))).max(1) as u32;
+    let rgb = if width < picture.width { image::imageops::thumbnail(&rgb, width, height) } else { rgb };
+    png(rgb.width(), rgb.height(), &rgb).map_err(|error| failed(error.to_string()))
+}
+
+/// The pixels as RGB, the first row at the top.
+fn upright_rgb(picture: &Picture) -> Vec<u8> {
     let row = picture.width as usize * 4;
-    let rgb: Vec<u8> = picture
+    picture
         .rgba
         .chunks_exact(row.max(1))
         .rev()
         .flat_map(|line| line.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]))
-        .collect();
+        .collect()
+}
+
+fn png(width: u32, height: u32, rgb: &[u8]) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    let (size, format) = ((picture.width, picture.height), image::ImageFormat::Png);
-    image::write_buffer_with_format(&mut bytes, &rgb, size.0, size.1, image::ExtendedColorType::Rgb8, format)
-        .map_err(|error| Error::new(ErrorKind::Internal, format!("{}: {error}", path.display())))?;
-    write(path, bytes.get_ref())
+    let format = image::ImageFormat::Png;
+    image::write_buffer_with_format(&mut bytes, rgb, width, height, image::ExtendedColorType::Rgb8, format)?;
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ mod frag_coord;
 mod harness;
 mod hidden;
 mod injection;
+mod inspection;
 mod live;
 mod load;
 mod matrix_forms;
@@ -62,6 +63,7 @@ harness::tests! {
     faults,
     hidden,
     injection,
+    inspection,
     live,
     load,
     frag_coord,

@@ -20,6 +20,7 @@ mod terminal;
 mod check;
 mod convert;
 mod doctor;
+mod inspect;
 mod launch;
 mod map;
 mod plan;
@@ -41,6 +42,7 @@ struct Arguments {
 #[derive(clap::Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Inspect(inspect::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
     Plan(plan::Arguments),
@@ -55,6 +57,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Inspect(arguments) => inspect::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),

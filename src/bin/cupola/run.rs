@@ -13,6 +13,9 @@ use std::time::{Duration, SystemTime};
 /// Time in which a program whose time is over may present one more frame.
 const FOR_THE_LAST_FRAME: Duration = Duration::from_secs(2);
 
+/// Time after which a frame is inspected, if nothing else is asked for.
+const UNTIL_INSPECTED: Duration = Duration::from_secs(10);
+
 /// Run an OpenGL or Vulkan program on a dome.
 #[derive(clap::Args)]
 #[command(
@@ -80,8 +83,22 @@ pub struct Arguments {
     program: Vec<OsString>,
 }
 
+/// What `cupola inspect` asks for beside the options of `run`.
+pub struct Inspection {
+    /// The page.
+    pub output: PathBuf,
+}
+
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    run_and_inspect(arguments, None)
+}
+
+/// Runs the subcommand, and lets the library write a page about the last frame. Returns the exit code of the program.
+pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
+    if inspection.is_some() && arguments.frames.is_none() {
+        arguments.seconds = arguments.seconds.or(Some(UNTIL_INSPECTED));
+    }
     let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
     let name = arguments.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into());
     let rig = cupola::rig::load(&name)?;
@@ -95,6 +112,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         rig.with_method_override(method)?;
     }
     let mut environment = settings(&arguments, &name)?;
+    if let Some(Inspection { output }) = &inspection {
+        environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));
+    }
     if arguments.print_environment {
         let loader = loader::Loader::persistent()?;
         environment.extend(loader.environment(&Vec::new())?);
@@ -130,13 +150,13 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
     };
     if code == 0 && !switched_off {
-        expect_files(&arguments, started)?;
+        expect_files(&arguments, inspection.as_ref(), started)?;
     }
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
 }
 
 /// Fails if a file that was asked for is not written. Of several outputs one picture is enough.
-fn expect_files(arguments: &Arguments, started: SystemTime) -> Result<(), Failure> {
+fn expect_files(arguments: &Arguments, inspection: Option<&Inspection>, started: SystemTime) -> Result<(), Failure> {
     // Clocks of file systems are coarse.
     let since = started - Duration::from_secs(2);
     let is_new =
@@ -150,7 +170,8 @@ fn expect_files(arguments: &Arguments, started: SystemTime) -> Result<(), Failur
         is_new(file) || entries.into_iter().any(|entry| one_of_several(entry.file_name()) && is_new(&entry.path()))
     };
     let missing = arguments.capture.as_deref().filter(|file| !pictures(file));
-    match missing.or(arguments.stats.as_deref().filter(|file| !is_new(file))) {
+    let others = [arguments.stats.as_deref(), inspection.map(|inspection| &*inspection.output)];
+    match missing.or(others.into_iter().flatten().find(|file| !is_new(file))) {
         None => Ok(()),
         Some(file) => {
             let frames = arguments.frames.map_or_else(|| "no frame".to_owned(), |n| format!("fewer than {n} frames"));

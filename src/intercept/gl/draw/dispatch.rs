@@ -17,6 +17,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::offscreen::displayed::{self, Shows};
+use crate::intercept::gl::offscreen::inspected::{self, Seen};
 use crate::intercept::gl::offscreen::{coverage, draws, sampling};
 use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_viewports};
 use crate::intercept::gl::per_view::culling::select;
@@ -77,11 +78,13 @@ fn draw_to_window(
         // Where nothing reaches the window, what the draw computes (transform feedback, say) it
         // computes once.
         ctx.set_viewport(ctx.app.viewport);
+        inspect(ctx, DrawClass::Flat, None);
         once(ctx, issue);
         return;
     }
     ctx.note_drawn();
     let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
+    inspect(ctx, class, None);
     let shown = match ctx.queries.primitives() {
         true => Views::ALL,
         false => select::views(ctx, class, bounds, changes),
@@ -108,6 +111,8 @@ fn perspective_or_flat(
         let main = main_viewport(&ctx.app, &ctx.frame);
         let measure = match displayed::look(ctx, main) {
             Shows::Pictures(sampled) => {
+                let why = Some("it shows images of the scene over the whole window");
+                inspected::note(ctx, &Seen { class: DrawClass::Screen, sampled, why });
                 displayed::show(ctx, changes, sampled, issue);
                 return None;
             }
@@ -122,6 +127,12 @@ fn perspective_or_flat(
         }
         ctx.frame.background.note_flat();
         if measure.is_some() || several_viewports(ctx) || !background::is_behind(ctx) {
+            let why = if several_viewports(ctx) {
+                Some("its viewports differ")
+            } else {
+                (!main).then_some("its viewport is smaller than that of the scene")
+            };
+            inspect(ctx, DrawClass::Flat, why);
             flat(ctx, changes, measure, issue);
             return None;
         }
@@ -130,6 +141,11 @@ fn perspective_or_flat(
         ctx.frame.note_scene();
     }
     Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
+}
+
+/// Describes a draw to the window.
+fn inspect(ctx: &mut Context, class: DrawClass, why: Option<&str>) {
+    inspected::note(ctx, &Seen { class, sampled: 0, why });
 }
 
 /// Whether a flat draw computes places of the scene from its pixels, of which it has no image.

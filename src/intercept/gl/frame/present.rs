@@ -7,7 +7,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::frame::{frame_number, front_buffer, report};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
-use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::offscreen::{inspected, view_copies};
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
@@ -173,7 +173,7 @@ fn frame(ctx: &mut Context) {
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
     let last = last_frame::is_last(settings, number);
     let kept = last || settings.frames.is_none();
-    if is_occluded(&ctx.drawable) && !(kept && settings.capture.is_some()) {
+    if is_occluded(&ctx.drawable) && !(kept && settings.needs_outputs()) {
         ctx.frame.counts.hidden_frames += 1;
     } else {
         measure(ctx, |gl, _, device| device.drawn(gl));
@@ -185,6 +185,7 @@ fn frame(ctx: &mut Context) {
         });
     }
     if kept {
+        inspected::end_frame(ctx);
         report::keep(ctx, settings);
     }
     if last {
@@ -206,7 +207,10 @@ fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut Device
 }
 
 fn next_frame(ctx: &mut Context) {
-    if ctx.frame.times.is_none() && settings::settings().is_some_and(|settings| settings.stats.is_some()) {
+    if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window) {
+        last_frame::begin(settings, frame_number::next(window.handle()));
+    }
+    if ctx.frame.times.is_none() && settings::settings().is_some_and(settings::Settings::needs_statistics) {
         ctx.frame.times = Some(Box::new((FrameTimes::default(), DeviceTimes::new(ctx.driver.gl, &ctx.driver.profile))));
     }
     measure(ctx, |gl, times, device| {

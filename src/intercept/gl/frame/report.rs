@@ -23,9 +23,9 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
         return;
     }
     ctx.driver.take_errors();
-    let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
-    let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
-    let views = if settings.capture_views.is_some() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
+    let statistics = settings.needs_statistics().then(|| statistics(ctx, settings));
+    let pictures = if settings.needs_outputs() { output_pictures(ctx, settings) } else { Vec::new() };
+    let views = if settings.needs_views() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
     last_frame::store(LastFrame { statistics, pictures, views });
 }

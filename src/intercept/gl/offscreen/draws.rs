@@ -2,6 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::inspected::{self, Seen};
 use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{
     copy_count, duplicate_mode, enter, leave, look, own_tile, possible, supply, views, without_scissor,
@@ -33,6 +34,8 @@ pub fn draw(
 ) -> bool {
     if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback || !possible(ctx) {
         leave(ctx);
+        let why = Some("nothing is drawn once per view here");
+        inspected::note(ctx, &Seen { class: DrawClass::Flat, sampled: 0, why });
         return false;
     }
     let index = look(ctx);
@@ -48,6 +51,7 @@ pub fn draw(
     let screen = class == DrawClass::Flat && sampled == 0 && upload::holds_inverse(ctx);
     let class = if screen { DrawClass::Screen } else { class };
     note(ctx, index, class, sampled);
+    inspected::note(ctx, &Seen { class, sampled, why: None });
     if !enter(ctx, index) {
         supply(ctx, sampled, own_tile(ctx));
         return false;

@@ -36,9 +36,7 @@ pub fn off_screen(ctx: &Context, framebuffers: &[Framebuffer]) -> OffScreen {
         framebuffer.colours().filter_map(|name| ctx.view_copies.image(name)).any(|image| image.scene)
     };
     match framebuffers.iter().find(holds_scene) {
-        Some(framebuffer) => {
-            OffScreen::Scene(obstacle(ctx, framebuffer).and_then(|why| why.reason().map(str::to_owned)))
-        }
+        Some(framebuffer) => OffScreen::Scene(reason(ctx, framebuffer)),
         None if framebuffers.is_empty() => OffScreen::Nothing,
         None => OffScreen::Flat,
     }
@@ -52,6 +50,12 @@ pub fn draws(view_copies: &ViewCopies) -> u64 {
 /// For each view, without end: how many of them it got, and how many were left out of it.
 pub fn counts(ctx: &Context) -> impl Iterator<Item = [u64; 2]> + '_ {
     (0..).map(|index| ctx.view_copies.issued.of_view(index))
+}
+
+/// Why a framebuffer is drawn once only; `None`: it is drawn once per view.
+pub fn reason(ctx: &Context, framebuffer: &Framebuffer) -> Option<String> {
+    let obstacle = obstacle(ctx, framebuffer)?;
+    Some(obstacle.reason().unwrap_or("everything is shown flat").to_owned())
 }
 
 /// Why a framebuffer is drawn once only.

@@ -5,6 +5,7 @@
 //! moved out of it.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
+use crate::intercept::inspection;
 use crate::intercept::lens::{self, Candidate, Told};
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::to_window::ToWindow;
@@ -15,6 +16,7 @@ use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, 
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
+use crate::intercept::vk::submit::inspected;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
 use std::sync::Arc;
@@ -170,6 +172,9 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
             if behind { DrawClass::Behind } else { DrawClass::Flat }
         }
     };
+    if inspection::is_recording() {
+        inspected::note(group, outcome, settled.map(|(_, how)| how), in_views, |source| matrix(device, source));
+    }
     frame.counts.in_views += if outcome == DrawClass::Flat { 0 } else { group.draws };
     frame.counts.duplicated += if facts.off_screen { group.draws } else { 0 };
     if group.last != Some(outcome) {

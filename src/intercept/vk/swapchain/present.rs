@@ -54,6 +54,9 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     if last {
         last_frame::end_program();
     }
+    if let Some(settings) = settings {
+        last_frame::begin(settings, frames + 1);
+    }
     if result == vk::Result::SUCCESS && outdated { vk::Result::SUBOPTIMAL_KHR } else { result }
 }
 
@@ -92,12 +95,12 @@ unsafe fn prepare(
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
     let mut complete = true;
-    let pictures = settings.capture.is_some() || settings.capture_views.is_some();
-    let timed = settings.stats.is_some();
+    let pictures = settings.needs_outputs() || settings.needs_views();
+    let timed = settings.needs_statistics();
     if timed {
         device.presented.times.locked().end_frame();
     }
-    let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
+    let keep = (last || settings.frames.is_none()) && settings.has_report();
     // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
     let (swapchains, indices, mut waits) = unsafe {
         (
@@ -145,7 +148,7 @@ unsafe fn prepare(
             // SAFETY: the device is live.
             unsafe { stand_in.wait(device) };
         }
-        kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
+        kept.statistics = timed.then(|| statistics(device, &managed, &settings.rig, frames));
         device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
     complete
@@ -236,7 +239,7 @@ unsafe fn captured(
             vec![cut(&corrected, names.into_iter().next().unwrap_or("window"), PixelRect::new(0, 0, width, height))]
         }
     };
-    if settings.capture_views.is_none() {
+    if !settings.needs_views() {
         return Ok((outputs, Vec::new()));
     }
     let views = match &managed.stand_in {

@@ -27,6 +27,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
+    /// The framebuffer of the last draw that was described.
+    pub(in crate::intercept::gl) inspected: u32,
     /// View copies deleted so far: framebuffers that stand for the program's may have had them.
     pub(in crate::intercept::gl) deleted: u64,
     /// Framebuffers of other contexts that they are to delete.

@@ -77,7 +77,8 @@ pub(in crate::intercept::gl) enum IndexLocation {
 }
 
 impl Matrix {
-    fn candidate(&self) -> Candidate<'_> {
+    /// For the search for the lens.
+    pub fn candidate(&self) -> Candidate<'_> {
         Candidate { rank: self.rank, value: &self.value, order: self.order }
     }
 }

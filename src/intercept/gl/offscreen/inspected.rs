@@ -1,0 +1,277 @@
+//! Describes draws for `cupola inspect`.
+
+use crate::backend::gl::driver::api;
+use crate::correct::LowerLeftRect;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::read_pixels::read_back;
+use crate::intercept::gl::offscreen::report;
+use crate::intercept::gl::offscreen::view_copies::views;
+use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
+use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
+use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
+use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation};
+use crate::intercept::inspection::{self, DrawNote, MatrixNote};
+use crate::intercept::lens::{Candidate, field_of_view};
+use crate::lock::Lock;
+
+/// What of a draw is not in the state.
+pub struct Seen<'a> {
+    /// Its class.
+    pub class: DrawClass,
+    /// Followed images that its shaders read.
+    pub sampled: Set,
+    /// What decided, where the class does not tell.
+    pub why: Option<&'a str>,
+}
+
+/// Describes a draw to the program's framebuffer, or to the window if none of its own is bound.
+pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
+    if !inspection::is_recording() {
+        return;
+    }
+    let target = target(ctx);
+    if !inspection::wants_picture(&target) {
+        // What was drawn to before is complete.
+        note_last_picture(ctx);
+    }
+    ctx.view_copies.inspected = ctx.app.draw_framebuffer;
+    let draw = DrawNote {
+        class: class_name(seen),
+        why: why(ctx, seen),
+        lens: match seen.class {
+            DrawClass::Scene(index) => ctx.frame.cameras.get(index).map(|camera| camera.intrinsics),
+            DrawClass::FixedScene => ctx.frame.lens,
+            _ => None,
+        },
+        shaders: shaders(ctx),
+        state: state(ctx),
+        matrices: matrices(ctx),
+    };
+    inspection::note_draw(&target, || how(ctx), draw, 1);
+}
+
+/// The frame is complete.
+pub fn end_frame(ctx: &mut Context) {
+    if inspection::is_recording() {
+        note_last_picture(ctx);
+    }
+}
+
+fn class_name(seen: &Seen<'_>) -> &'static str {
+    match seen.class {
+        DrawClass::FixedScene | DrawClass::Scene(_) => "scene",
+        DrawClass::Flat if seen.sampled != 0 => "pass over the screen",
+        DrawClass::Flat => "flat",
+        DrawClass::Background => "flat, behind the scene",
+        DrawClass::Screen => "pass over the screen",
+    }
+}
+
+fn why(ctx: &Context, seen: &Seen<'_>) -> String {
+    let mut why = match (seen.why, seen.class) {
+        (Some(why), _) => why.to_owned(),
+        (None, DrawClass::FixedScene) => "fixed-function projection with a perspective".to_owned(),
+        (None, DrawClass::Scene(_)) => "a matrix with a perspective flows into its positions".to_owned(),
+        (None, DrawClass::Screen) => "a shader has the inverse of a camera matrix".to_owned(),
+        (None, DrawClass::Background) => "flat, and drawn before the scene".to_owned(),
+        (None, DrawClass::Flat) => match &ctx.shaders.program {
+            Some(program) if !program.uniforms.locked().any() => "no 4×4 matrix flows into its positions".to_owned(),
+            _ => "no matrix with a perspective".to_owned(),
+        },
+    };
+    if ctx.app.picking || ctx.app.discard {
+        why = "nothing is rasterised, or it is drawn for picking".to_owned();
+    }
+    let images = ctx.view_copies.images.iter().enumerate().take(64).filter(|(i, _)| seen.sampled >> i & 1 != 0);
+    for (number, (_, image)) in images.enumerate() {
+        why.push_str(if number == 0 { "; reads " } else { ", " });
+        why.push_str(&name_of(image));
+    }
+    why
+}
+
+fn target(ctx: &Context) -> String {
+    let window = ctx.drawable.target().map_or((0, 0), |target| target.size());
+    if ctx.app.draw_framebuffer == 0 {
+        return format!("window, {} × {}", window.0, window.1);
+    }
+    let mut text = format!("framebuffer {}", ctx.app.draw_framebuffer);
+    if let Some(framebuffer) = bound(ctx) {
+        for (number, name) in framebuffer.images().enumerate() {
+            text.push_str(if number == 0 { ": " } else { ", " });
+            text.push_str(&ctx.view_copies.image(name).map_or_else(|| "an image".to_owned(), name_of));
+        }
+    }
+    text
+}
+
+/// The framebuffer of the program that is bound for drawing.
+fn bound(ctx: &Context) -> Option<&Framebuffer> {
+    let index = ctx.view_copies.position(ctx.app.draw_framebuffer)?;
+    ctx.view_copies.framebuffers.get(index)
+}
+
+fn name_of(image: &Image) -> String {
+    let what = if image.mask & api::GL_COLOR_BUFFER_BIT != 0 { "colour" } else { "depth" };
+    let [width, height] = image.size;
+    let name = match image.name {
+        Name::Texture { name, level: 0, .. } => format!("texture {name}"),
+        Name::Texture { name, level, .. } => format!("texture {name} level {level}"),
+        Name::Renderbuffer(name) => format!("renderbuffer {name}"),
+    };
+    let samples = if image.samples > 1 { format!(", {} samples", image.samples) } else { String::new() };
+    format!("{what} {name} ({}, {width} × {height}{samples})", format_name(image.format))
+}
+
+fn format_name(format: u32) -> String {
+    let name = match format {
+        api::GL_R8 => "R8",
+        api::GL_RG8 => "RG8",
+        api::GL_RGB8 => "RGB8",
+        api::GL_RGBA8 => "RGBA8",
+        api::GL_SRGB8_ALPHA8 => "SRGB8_ALPHA8",
+        api::GL_RGB10_A2 => "RGB10_A2",
+        api::GL_R11F_G11F_B10F => "R11F_G11F_B10F",
+        api::GL_R16F => "R16F",
+        api::GL_RG16F => "RG16F",
+        api::GL_RGB16F => "RGB16F",
+        api::GL_RGBA16F => "RGBA16F",
+        api::GL_RGBA16 => "RGBA16",
+        api::GL_R32F => "R32F",
+        api::GL_RGBA32F => "RGBA32F",
+        api::GL_DEPTH_COMPONENT16 => "DEPTH_COMPONENT16",
+        api::GL_DEPTH_COMPONENT24 => "DEPTH_COMPONENT24",
+        api::GL_DEPTH_COMPONENT32F => "DEPTH_COMPONENT32F",
+        api::GL_DEPTH24_STENCIL8 => "DEPTH24_STENCIL8",
+        api::GL_DEPTH32F_STENCIL8 => "DEPTH32F_STENCIL8",
+        other => return format!("format 0x{other:04X}"),
+    };
+    name.to_owned()
+}
+
+/// How draws to the target are issued.
+fn how(ctx: &Context) -> String {
+    if ctx.app.draw_framebuffer == 0 {
+        return match ctx.drawable.target() {
+            Some(target) => {
+                format!("Draws of the scene are issued to {} views, flat ones once.", target.session.views().len())
+            }
+            None => "The window keeps its own picture.".to_owned(),
+        };
+    }
+    let Some(framebuffer) = bound(ctx) else {
+        return "Draws are issued once: the framebuffer is not followed.".to_owned();
+    };
+    match report::reason(ctx, framebuffer) {
+        None => format!("Draws are issued once for each of {} views.", views(ctx)),
+        Some(reason) => format!("Draws are issued once: {reason}."),
+    }
+}
+
+fn shaders(ctx: &Context) -> String {
+    match (&ctx.shaders.program, &ctx.shaders.assembly) {
+        (Some(program), _) => {
+            let stages = [
+                (api::GL_VERTEX_SHADER_BIT, "vertex"),
+                (api::GL_TESS_CONTROL_SHADER_BIT, "tessellation control"),
+                (api::GL_TESS_EVALUATION_SHADER_BIT, "tessellation evaluation"),
+                (api::GL_GEOMETRY_SHADER_BIT, "geometry"),
+            ];
+            let present = stages.iter().filter(|(bit, _)| program.stages() & bit != 0).map(|(_, name)| *name);
+            let changed = if program.location >= 0 { "" } else { "; its positions cannot be changed" };
+            format!("program {} ({}){changed}", program.name, present.collect::<Vec<_>>().join(", "))
+        }
+        (None, Some(_)) => "vertex program in assembly language".to_owned(),
+        (None, None) => "fixed function".to_owned(),
+    }
+}
+
+fn state(ctx: &Context) -> String {
+    let mut parts = Vec::new();
+    let gl = ctx.driver.gl;
+    for (name, text) in [
+        (api::GL_DEPTH_TEST, "depth test"),
+        (api::GL_BLEND, "blending"),
+        (api::GL_STENCIL_TEST, "stencil test"),
+        (api::GL_SCISSOR_TEST, "scissor test"),
+    ] {
+        // SAFETY: a capability of every version.
+        if unsafe { gl.is_enabled(name) } != 0 {
+            parts.push(text.to_owned());
+        }
+    }
+    let LowerLeftRect { x, y, width, height } = ctx.app.viewport;
+    parts.push(format!("viewport {x}, {y}, {width} × {height}"));
+    parts.join(", ")
+}
+
+fn matrices(ctx: &Context) -> Vec<MatrixNote> {
+    let describe = |matrix: &Matrix| MatrixNote::new(&*matrix.name, form(matrix), &matrix.candidate());
+    match &ctx.shaders.program {
+        Some(program) => {
+            let mut notes: Vec<_> = program.uniforms.locked().matrices.iter().map(describe).collect();
+            notes.extend(camera_matrices(program));
+            notes
+        }
+        None if ctx.shaders.assembly.is_none() && ctx.driver.profile.compatibility() => {
+            let projection = Candidate::either(0, &ctx.compat.projection.matrix);
+            vec![MatrixNote::new("GL_PROJECTION", "fixed function", &projection)]
+        }
+        None => Vec::new(),
+    }
+}
+
+/// The matrices that shaders have beside their positions, of which each view gets its own.
+fn camera_matrices(program: &Program) -> Vec<MatrixNote> {
+    let camera = program.camera_matrices.locked();
+    let substitutes = camera.substitutes.iter().filter_map(|substitute| {
+        let name = camera.uniforms.name(substitute.matrix)?.to_owned();
+        let form = match substitute.stage {
+            MatrixStage::Vertex => "in the vertex shader",
+            MatrixStage::Fragment => "in the fragment shader",
+        };
+        let says = match &substitute.function {
+            Some((_, lens)) => format!("a matrix of the camera with {}: each view has its own", field_of_view(lens)),
+            None => "no matrix of the camera: it stays".to_owned(),
+        };
+        Some(MatrixNote { name, form, says })
+    });
+    substitutes.collect()
+}
+
+fn form(matrix: &Matrix) -> &'static str {
+    match matrix.place {
+        MatrixLocation::Uniform(_) => "uniform",
+        MatrixLocation::Vectors(_) => "uniform, four vectors",
+        MatrixLocation::Block { block, .. } if block.storage => "in a storage block",
+        MatrixLocation::Block { .. } => "in a uniform block",
+    }
+}
+
+/// Gives the last pass a picture of what it drew to.
+fn note_last_picture(ctx: &mut Context) {
+    let framebuffer = std::mem::take(&mut ctx.view_copies.inspected);
+    let Some(index) = ctx.view_copies.position(framebuffer).filter(|_| framebuffer != 0) else { return };
+    let Some(framebuffer) = ctx.view_copies.framebuffers.get(index) else { return };
+    let Some(image) = framebuffer.colours().find_map(|name| ctx.view_copies.image(name)) else { return };
+    let [width, height] = image.size;
+    let own = LowerLeftRect::new(0, 0, width, height);
+    let (source, rect, name) = match &image.view_copy {
+        Some(copy) if framebuffer.view_copy != 0 => {
+            let [width, height] = copy.grid.extent(views(ctx));
+            (framebuffer.view_copy, LowerLeftRect::new(0, 0, width, height), "afterwards, each view")
+        }
+        _ if image.samples > 1 => return,
+        _ => (framebuffer.name, own, "afterwards"),
+    };
+    let gl = ctx.driver.gl;
+    ctx.driver.take_errors();
+    let picture = read_back(gl, source, name, rect);
+    // Integers, and pictures with samples, cannot be read so.
+    // SAFETY: asks for the error flag.
+    if unsafe { gl.get_error() } == api::GL_NO_ERROR {
+        inspection::note_picture(picture);
+    }
+}

@@ -1,0 +1,130 @@
+//! What was seen in one frame, for `cupola inspect`: each pass, each draw, the matrices, the pictures.
+//!
+//! The rooms of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]). The end of the program
+//! writes all of it as a page ([`page`]). Nothing is done unless a page was asked for.
+
+pub mod page;
+
+use crate::intercept::lens;
+use crate::intercept::settings::{Settings, settings};
+use crate::lock::Lock;
+use crate::runtime::report::Picture;
+use crate::runtime::session::Intrinsics;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// A 4×4 matrix that a draw may have its lens from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatrixNote {
+    /// Its name in the shader.
+    pub name: String,
+    /// How the program gives it.
+    pub form: &'static str,
+    /// What its numbers say.
+    pub says: String,
+}
+
+impl MatrixNote {
+    /// For a candidate of the search for the lens.
+    pub fn new(name: impl Into<String>, form: &'static str, candidate: &lens::Candidate<'_>) -> Self {
+        Self { name: name.into(), form, says: candidate.description() }
+    }
+}
+
+/// What is known of a draw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DrawNote {
+    /// What it was taken for.
+    pub class: &'static str,
+    /// The reason for that.
+    pub why: String,
+    /// The lens that it is drawn with.
+    pub lens: Option<Intrinsics>,
+    /// What draws it: its shaders.
+    pub shaders: String,
+    /// State that matters: depth test, blending and the like.
+    pub state: String,
+    /// Its matrices.
+    pub matrices: Vec<MatrixNote>,
+}
+
+/// Draws to one target that follow each other.
+pub struct PassNote {
+    /// What is drawn to.
+    pub target: String,
+    /// How: once, or once for each view, and why.
+    pub how: String,
+    /// Its draws, each with the number of those that are alike.
+    pub draws: Vec<(DrawNote, u64)>,
+    /// What the target holds afterwards.
+    pub picture: Option<Picture>,
+}
+
+/// So many different draws in a pass are described; more are only counted.
+const MOST_DRAWS: usize = 400;
+
+/// So many passes of a frame are described.
+const MOST_PASSES: usize = 400;
+
+static PASSES: Mutex<Vec<PassNote>> = Mutex::new(Vec::new());
+
+/// Whether draws are noted: not known yet, no, yes.
+static RECORDING: AtomicU8 = AtomicU8::new(UNKNOWN);
+const UNKNOWN: u8 = 0;
+const OFF: u8 = 1;
+const ON: u8 = 2;
+
+/// Whether the frame that is drawn is the one to be described.
+#[inline]
+pub fn is_recording() -> bool {
+    match RECORDING.load(Ordering::Relaxed) {
+        ON => true,
+        OFF => false,
+        _ => {
+            let first = settings().is_some_and(|settings| settings.inspect.is_some() && settings.frames == Some(1));
+            RECORDING.store(if first { ON } else { OFF }, Ordering::Relaxed);
+            first
+        }
+    }
+}
+
+/// A frame begins. `last`: the program ends after it.
+pub fn begin_frame(settings: &Settings, last: bool) {
+    if settings.inspect.is_some() && last && RECORDING.swap(ON, Ordering::Relaxed) != ON {
+        PASSES.locked().clear();
+    }
+}
+
+/// Notes a draw to `target`. `how` says for a new pass how its draws are issued.
+pub fn note_draw(target: &str, how: impl FnOnce() -> String, draw: DrawNote, number: u64) {
+    let mut passes = PASSES.locked();
+    if passes.last().is_none_or(|pass| pass.target != target) {
+        if passes.len() >= MOST_PASSES {
+            return;
+        }
+        passes.push(PassNote { target: target.to_owned(), how: how(), draws: Vec::new(), picture: None });
+    }
+    let Some(pass) = passes.last_mut() else { return };
+    let full = pass.draws.len() >= MOST_DRAWS;
+    match pass.draws.last_mut() {
+        Some((known, count)) if full || *known == draw => *count += number,
+        _ => pass.draws.push((draw, number)),
+    }
+}
+
+/// Whether the last pass draws to `target` and has no picture.
+pub fn wants_picture(target: &str) -> bool {
+    PASSES.locked().last().is_some_and(|pass| pass.target == target && pass.picture.is_none())
+}
+
+/// Gives the last pass its picture.
+pub fn note_picture(picture: Picture) {
+    if let Some(pass) = PASSES.locked().last_mut() {
+        pass.picture = Some(picture);
+    }
+}
+
+/// Takes what was noted.
+pub fn take() -> Vec<PassNote> {
+    std::mem::take(&mut *PASSES.locked())
+}
