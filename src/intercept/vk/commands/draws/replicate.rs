@@ -20,6 +20,7 @@ use crate::intercept::vk::commands::draws::tiles::{
 use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
 use crate::intercept::vk::offscreen::scene_graph;
 use crate::intercept::vk::pipelines::matrix_sources::source;
+use crate::intercept::vk::spirv::DescriptorPlace;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
@@ -139,9 +140,10 @@ fn classify(
     let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
     note_pictures(device, recording, main && (covers || !sources.is_empty()));
+    let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_size(device, recording, *place)).collect();
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
-    if screen && variants.asks_place {
+    if !sets.is_empty() && main && variants.loses_place {
         device.show_flat("a shader that reads a picture of its scene asks for its place on the screen");
     }
     let deep = variants.deep && main && layout.session.given_lens().is_some();
@@ -152,8 +154,16 @@ fn classify(
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     let viewport = variants.moves_place.then(|| area(&program.viewport));
-    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, screen };
+    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen };
     Some(Classified { facts, program, sets })
+}
+
+/// The size of the program's image that a descriptor shows, if draws to views get another in its place.
+fn shown_size(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<(u32, u32)> {
+    let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
+    let image = device.images.of(device.descriptors.picture(bound.set, (binding, 0))?)?;
+    device.images.scene(image).filter(|scene| !scene.view_copies.is_empty())?;
+    device.images.size(image)
 }
 
 /// What a viewport covers, whichever way up it is.
