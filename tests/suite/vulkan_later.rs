@@ -8,6 +8,7 @@ use crate::reference::Fisheye;
 
 tests! {
     passes_that_read_the_scene_by_places_on_the_screen,
+    passes_that_read_the_depth_of_the_scene,
 }
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -39,4 +40,10 @@ fn right(modes: &[&str]) {
 fn passes_that_read_the_scene_by_places_on_the_screen() {
     right(&["fetch", "divided", "given", "handed"]);
     planetarium_of("vk_later_passes", &["--mode", "fetch"], Run::vulkan_under);
+}
+
+/// The depth of the scene is drawn for each view where a later pass reads it, alone or with two images of the colour.
+fn passes_that_read_the_depth_of_the_scene() {
+    right(&["deferred", "depths", "prepass"]);
+    planetarium_of("vk_later_passes", &["--mode", "deferred"], Run::vulkan_under);
 }
