@@ -2,7 +2,7 @@
 #![no_main]
 
 use cupola::correct::projected::division::Input;
-use cupola::intercept::vk::spirv::{Limits, asks_place, divide, frag_coord, matrices, splice, stage_outputs};
+use cupola::intercept::vk::spirv::{Limits, asks_place, divide, frag_coord, matrices, splice, stage_outputs, texels};
 use spirv::ExecutionModel;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
@@ -18,6 +18,10 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     }
     if let Ok(Some(placed)) = frag_coord(&words, "main", 3, 64) {
         assert!(placed.len() >= words.len() && placed.len() < words.len() + (1 << 14), "what is added is bounded");
+    }
+    if let Ok(Some(followed)) = texels(&words, "main", 3, 64) {
+        // Each place gets a few words.
+        assert!(followed.words.len() >= words.len() && followed.words.len() < 12 * words.len() + (1 << 14));
     }
     let fragment = (kind & 8 != 0).then_some((&words[..], ExecutionModel::Fragment, "main"));
     if let Ok(outputs) = stage_outputs((&words, ExecutionModel::Vertex, "main"), fragment) {

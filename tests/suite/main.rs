@@ -42,6 +42,7 @@ mod vertices;
 mod vkcube;
 mod vulkan;
 mod vulkan_faults;
+mod vulkan_later;
 mod vulkan_others;
 mod vulkan_primitives;
 mod vulkan_queries;
@@ -76,6 +77,7 @@ harness::tests! {
     vertices,
     vulkan,
     vulkan_faults,
+    vulkan_later,
     vulkan_others,
     vulkan_primitives,
     vulkan_queries,

@@ -9,8 +9,8 @@ use std::process::ExitCode;
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(after_help = "\
-The page is one file that every browser shows. It describes the first frame after --seconds (10 if nothing is given), or
-the frame --frames; then the program ends. Ctrl-C, or another signal, describes the frame that follows it.")]
+The page is one file that every browser shows. It describes the first frame after --seconds (10 if nothing is given),
+or the frame --frames; then the program ends. Ctrl-C, or another signal, describes the frame that follows it.")]
 pub struct Arguments {
     /// The page to write
     #[arg(long, short, value_name = "FILE.html", default_value = "inspect.html")]
@@ -21,10 +21,5 @@ pub struct Arguments {
 
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    let output = arguments.output;
-    let ended = run::run_and_inspect(arguments.run, Some(Inspection { output: output.clone() }));
-    if ended.is_ok() && output.is_file() {
-        eprintln!("cupola: the page is in {}", output.display());
-    }
-    ended
+    run::run_and_inspect(arguments.run, Some(Inspection { output: arguments.output }))
 }

@@ -152,15 +152,15 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
     if code == 0 && !switched_off {
         expect_files(&arguments, inspection.as_ref(), started)?;
     }
+    if let Some(Inspection { output }) = inspection.filter(|inspection| is_new(&inspection.output, started)) {
+        eprintln!("cupola: the page is in {}", output.display());
+    }
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
 }
 
 /// Fails if a file that was asked for is not written. Of several outputs one picture is enough.
 fn expect_files(arguments: &Arguments, inspection: Option<&Inspection>, started: SystemTime) -> Result<(), Failure> {
-    // Clocks of file systems are coarse.
-    let since = started - Duration::from_secs(2);
-    let is_new =
-        |file: &Path| std::fs::metadata(file).and_then(|data| data.modified()).is_ok_and(|modified| modified >= since);
+    let is_new = |file: &Path| is_new(file, started);
     let pictures = |file: &Path| {
         let (Some(folder), Some(stem)) = (file.parent(), file.file_stem()) else { return false };
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -182,6 +182,13 @@ fn expect_files(arguments: &Arguments, inspection: Option<&Inspection>, started:
             )))
         }
     }
+}
+
+/// Whether a file was written since `started`.
+fn is_new(file: &Path, started: SystemTime) -> bool {
+    // Clocks of file systems are coarse.
+    let since = started - Duration::from_secs(2);
+    std::fs::metadata(file).and_then(|data| data.modified()).is_ok_and(|modified| modified >= since)
 }
 
 /// Environment variables that configure the library.

@@ -107,10 +107,12 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
         .depthTestEnable = description->deep,
         .depthWriteEnable = description->deep && !description->silent,
         .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-    const uint32_t colors = description->colorless ? 0 : 1;
+    const uint32_t colors = description->colorless ? 0 : description->second == VK_FORMAT_UNDEFINED ? 1 : 2;
+    const VkFormat formats[] = {description->color, description->second};
     const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = description->silent ? 0 : 0xf};
+    const VkPipelineColorBlendAttachmentState all_blends[] = {blend, blend};
     const VkPipelineColorBlendStateCreateInfo blends = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = colors, .pAttachments = &blend};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = colors, .pAttachments = all_blends};
     const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
                                      VK_DYNAMIC_STATE_PRIMITIVE_TOPOLOGY};
     const VkPipelineDynamicStateCreateInfo dynamic = {.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
@@ -119,7 +121,7 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
     const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                      .viewMask = description->view_mask,
                                                      .colorAttachmentCount = colors,
-                                                     .pColorAttachmentFormats = &description->color,
+                                                     .pColorAttachmentFormats = formats,
                                                      .depthAttachmentFormat = description->depth};
     const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                .pNext = description->pass == VK_NULL_HANDLE ? &rendering : NULL,

@@ -21,7 +21,7 @@ typedef struct {
     VkPipelineLayout layout;
     VkRenderPass pass; /* null: for dynamic rendering, with these attachments */
     uint32_t subpass;
-    VkFormat color, depth;
+    VkFormat color, second, depth; /* `second`: of another colour, if there is one */
     bool colorless;             /* the pass has no colour */
     uint32_t view_mask;
     VkSampleCountFlagBits samples;

@@ -116,9 +116,9 @@ hooks! {
     ) { |state, next| {
         for write in slice(writes, write_count) {
             let count = write.descriptor_count;
-            if is_buffer(write.descriptor_type) && write.dst_array_element == 0 {
-                if let Some(info) = slice(write.p_buffer_info, count).first() {
-                    state.descriptors.describe(write.dst_set, write.dst_binding, info);
+            if is_buffer(write.descriptor_type) {
+                for (element, info) in (write.dst_array_element..).zip(slice(write.p_buffer_info, count)) {
+                    state.descriptors.describe(write.dst_set, (write.dst_binding, element), info);
                 }
             } else if is_picture(write.descriptor_type) {
                 slice(write.p_image_info, count).iter().for_each(|info| state.images.described(&state, info.image_view, write.descriptor_type));
@@ -164,9 +164,11 @@ hooks! {
         let template = state.descriptors.template(handle);
         for entry in template.iter().flat_map(|template| &template.entries) {
             let place = data.cast::<u8>().add(entry.offset);
-            if is_buffer(entry.kind) && entry.first == 0 && entry.count > 0 {
-                let info = std::ptr::read_unaligned(place.cast::<vk::DescriptorBufferInfo>());
-                state.descriptors.describe(set, entry.binding, &info);
+            if is_buffer(entry.kind) {
+                for index in 0..entry.count {
+                    let info = std::ptr::read_unaligned(place.add(index as usize * entry.stride).cast::<vk::DescriptorBufferInfo>());
+                    state.descriptors.describe(set, (entry.binding, entry.first + index), &info);
+                }
             } else if is_picture(entry.kind) {
                 for index in 0..entry.count as usize {
                     let info = std::ptr::read_unaligned(place.add(index * entry.stride).cast::<vk::DescriptorImageInfo>());

@@ -12,10 +12,13 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, View, aspects};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
-use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;
+
+/// Why what a shader reads of the program's own image would be missing there.
+pub const READ_TOGETHER: &str = "its shaders read what it draws together with the window";
 
 impl Images {
     /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
@@ -35,8 +38,9 @@ impl Images {
         let together = !state.atlas_copies.is_empty() && (state.drawn_together || !state.drawn_alone);
         let drawn = state.target.as_ref().map_or(!attachment && together, |target| target.window);
         drop(images);
-        if drawn {
-            device.show_flat("its shaders read what it draws together with the window");
+        // What is sampled may be followed from the next frame on.
+        if drawn && !(descriptors::is_sampled(kind) && self.is_candidate(image)) {
+            device.show_flat(READ_TOGETHER);
         }
     }
 
@@ -108,10 +112,13 @@ impl Images {
     }
 
     /// A pass draws to the window or to a scene, and to the images of these views with it.
-    pub fn draws_together(&self, views: impl IntoIterator<Item = vk::ImageView>) {
+    pub fn draws_together(&self, device: &Device, views: impl IntoIterator<Item = vk::ImageView>) {
         for image in views.into_iter().filter_map(|view| self.of(view)) {
             if let Some(state) = self.images.locked().get_mut(&image) {
                 state.drawn_together = true;
+            }
+            if self.is_candidate(image) {
+                device.scene_graph.note_scene(image);
             }
         }
     }
@@ -135,6 +142,7 @@ impl Images {
         scene: bool,
     ) -> Result<vk::Image, Obstacle> {
         let size = layout.atlas;
+        let candidate = scene || self.is_candidate(image);
         let (info, format, believed) = {
             let images = self.images.locked();
             let state = images.get(&image).ok_or("it draws to an image that is not known")?;
@@ -145,8 +153,8 @@ impl Images {
             if let Some((_, atlas_copy)) = state.atlas_copies.iter().find(|(of, _)| *of == size) {
                 return Ok(atlas_copy.image);
             }
-            if state.described && !scene {
-                return Err("its shaders read what it draws together with the window".into());
+            if state.described && !candidate {
+                return Err(READ_TOGETHER.into());
             }
             if state.kind != vk::ImageType::TYPE_2D || state.mip_levels != 1 || state.layers != 1 {
                 return Err("it draws to layers or levels of images together with the window".into());
@@ -159,7 +167,7 @@ impl Images {
                 .mip_levels(1)
                 .array_layers(1)
                 .samples(state.samples)
-                .usage(state.usage | if scene { ATLAS_COPY_USAGE } else { vk::ImageUsageFlags::empty() });
+                .usage(state.atlas_copy_usage());
             (info, state.format, state.layout)
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.

@@ -6,6 +6,7 @@
 
 use crate::intercept::lens::{self, Candidate};
 use crate::intercept::settings;
+use crate::intercept::vk::offscreen::images::READ_TOGETHER;
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
@@ -31,6 +32,9 @@ pub fn decide(device: &Device) {
     if device.images.duplicated().any(|image| device.scene_graph.is_lost(image)) {
         device.show_flat("a picture of its scene is used in a way that was not seen before");
     }
+    if device.scene_graph.lost().into_iter().any(|image| device.images.is_read_and_drawn_together(image)) {
+        device.show_flat(READ_TOGETHER);
+    }
 }
 
 /// Area that a draw covers.
@@ -40,6 +44,18 @@ pub struct Cover {
     pub main_picture: bool,
     /// It has so few vertices that it may be one triangle or square over its viewport.
     pub few_vertices: bool,
+    /// It has matrices that may be a camera's.
+    pub has_matrices: bool,
+    /// Its fragments are told their place in the program's window.
+    pub told_place: bool,
+}
+
+impl Cover {
+    /// Whether what it makes of an image covers all that the image shows. Depths that are read elsewhere than at the
+    /// fragment's place are a shadow map's.
+    pub fn follows(&self, depths: bool) -> bool {
+        self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !depths))
+    }
 }
 
 /// What a draw in a pass that is not drawn for each view says of the images that it draws to. The
@@ -51,8 +67,8 @@ pub fn note_draw(
     cover: Cover,
 ) {
     let Some(targets) = recording.plain.clone() else { return };
-    let follows = cover.main_picture && (cover.few_vertices || !matrices.is_empty()) && !targets.is_empty();
     for picture in pictures(device, recording) {
+        let follows = cover.follows(device.images.is_depth(picture)) && !targets.is_empty();
         let made = targets.iter().map(|target| Made::Image(*target)).filter(|_| follows);
         let elsewhere = (!follows).then_some(Made::Elsewhere);
         made.chain(elsewhere).for_each(|made| device.scene_graph.note_made(picture, made));

@@ -5,7 +5,7 @@ use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
-use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies};
+use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies, aspects};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
@@ -73,7 +73,7 @@ impl Images {
         let sampled = |view_copy: &OwnImage| PendingLayout {
             image: view_copy.image,
             layout: view_copies::SAMPLED,
-            aspects: vk::ImageAspectFlags::COLOR,
+            aspects: aspects(kind.0),
         };
         self.pending.locked().extend(view_copies.iter().map(sampled));
         let target = ViewTarget {
@@ -81,6 +81,7 @@ impl Images {
             given: image,
             atlas,
             window: false,
+            aspects: aspects(kind.0),
             copied_to: kind.1.contains(vk::ImageUsageFlags::TRANSFER_DST),
             in_views: false.into(),
             view_copies,

@@ -4,9 +4,10 @@
 //! sample the image get the view's copy: coordinates, filter and wrapping are as the program has
 //! them.
 
+use crate::backend::vk::Use;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::own_image::{
-    ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier, left_in, ready_in,
+    ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier_of, left_in, ready_in,
 };
 use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
@@ -27,17 +28,22 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
         return;
     }
     let own = target.layout.own().filter(|_| target.copied_to);
+    let layer = vk::ImageSubresourceLayers { aspect_mask: target.aspects, ..COLOR_LAYER };
+    // SAFETY: as promised below.
+    let barrier = |image: vk::Image, from: Use, to: Use| unsafe {
+        barrier_of(&device.driver, buffer, (image, target.aspects), from, to);
+    };
     // SAFETY: as promised; tiles lie in the atlas, and view copies are as large as tiles.
     unsafe {
         if own.is_none() && target.view_copies.is_empty() {
-            return barrier(&device.driver, buffer, target.given, ANYTHING, ready_in(layout));
+            return barrier(target.given, ANYTHING, ready_in(layout));
         }
-        barrier(&device.driver, buffer, target.atlas, left_in(layout), COPIED_FROM);
+        barrier(target.atlas, left_in(layout), COPIED_FROM);
         let copy = |to: vk::Image, tile: AtlasRect| {
             let region = vk::ImageCopy::default()
-                .src_subresource(COLOR_LAYER)
+                .src_subresource(layer)
                 .src_offset(tile.offset())
-                .dst_subresource(COLOR_LAYER)
+                .dst_subresource(layer)
                 .extent(tile.extent());
             device.driver.functions.cmd_copy_image(
                 buffer,
@@ -49,18 +55,18 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
             );
         };
         for (view_copy, view) in target.view_copies.iter().zip(&target.layout.views) {
-            barrier(&device.driver, buffer, view_copy.image, ANYTHING, COPIED_TO);
+            barrier(view_copy.image, ANYTHING, COPIED_TO);
             copy(view_copy.image, view.rect);
-            barrier(&device.driver, buffer, view_copy.image, COPIED_TO, ready_in(SAMPLED));
+            barrier(view_copy.image, COPIED_TO, ready_in(SAMPLED));
         }
         match own {
             Some(tile) => {
-                barrier(&device.driver, buffer, target.given, ANYTHING, COPIED_TO);
+                barrier(target.given, ANYTHING, COPIED_TO);
                 copy(target.given, tile);
-                barrier(&device.driver, buffer, target.given, COPIED_TO, ready_in(layout));
+                barrier(target.given, COPIED_TO, ready_in(layout));
             }
-            None => barrier(&device.driver, buffer, target.given, ANYTHING, ready_in(layout)),
+            None => barrier(target.given, ANYTHING, ready_in(layout)),
         }
-        barrier(&device.driver, buffer, target.atlas, COPIED_FROM, ready_in(layout));
+        barrier(target.atlas, COPIED_FROM, ready_in(layout));
     }
 }

@@ -78,12 +78,13 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     }
     let (linked, layout) = linked_libraries(device, parts)?;
     let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
-    let fragments = parts.stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
+    let fragment = parts.stages.iter().position(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
     let mut matrices: Vec<_> = libraries().flat_map(|library| library.matrices.iter().copied()).collect();
     // SAFETY: as promised; shaders of ours are destroyed when the pipelines are made.
     unsafe {
-        let asks_place = fragments.filter_map(|s| words_of(device, s)).any(|words| spirv::asks_place(&words));
         let mut moves_place = libraries().any(|library| library.moves_place);
+        let mut loses_place = libraries().any(|library| library.loses_place);
+        let mut pictures: Vec<_> = libraries().flat_map(|library| library.pictures.iter().copied()).collect();
         let before = || parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
         // The stages' bits are in their order.
         let last = before().map(|stage| stage.stage).max();
@@ -96,14 +97,19 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         let mut divided = None;
         let mut modules = Modules { device, made: Vec::new() };
         let mut follows = libraries().any(|library| library.follows);
-        if let Some(layout) = layout.as_ref().filter(|_| asks_place) {
-            match placed(device, &stages, layout.ours) {
-                Ok((index, words)) => {
-                    stages[index].module = modules.make(&words)?;
+        if let Some((layout, index)) = layout.as_ref().zip(fragment) {
+            match placed(device, &stages[index], layout.ours) {
+                Ok(Some(followed)) => {
+                    stages[index].module = modules.make(&followed.words)?;
                     stages[index].p_next = std::ptr::null();
                     moves_place = true;
+                    pictures = followed.pictures;
                 }
-                Err(why) => log::once(&format!("Vulkan: FragCoord is the place in a view, not in the window: {why}")),
+                Ok(None) => {}
+                Err(why) => {
+                    loses_place = true;
+                    log::once(&format!("Vulkan: FragCoord is the place in a view, not in the window: {why}"));
+                }
             }
         }
         // What divides has the program's own fragment shader, too.
@@ -138,7 +144,8 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
             panel,
             matrices,
             moves_place,
-            asks_place: asks_place || libraries().any(|library| library.asks_place),
+            loses_place,
+            pictures,
             deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
                 || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
                 || libraries().any(|library| library.deep),
@@ -213,25 +220,29 @@ unsafe fn spliced(
     Ok((index, spirv::splice(&words, model, &entry, ours, device.view_constants.have_lenses())?))
 }
 
-/// The fragment stage and its words with window coordinates of the program, which reads the view constants by set `ours`.
+/// A fragment stage with window coordinates and texels of the program, which reads the view constants by set `ours`; `None`
+/// where it asks for neither.
 ///
 /// # Errors
-/// Why there are none.
+/// What cannot be followed.
 ///
 /// # Safety
-/// `stages` must be the program's.
+/// `stage` must be the program's.
 unsafe fn placed(
     device: &Device,
-    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    stage: &vk::PipelineShaderStageCreateInfo<'_>,
     ours: u32,
-) -> Result<(usize, Vec<u32>), &'static str> {
-    let index = stages.iter().position(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
-    let index = index.ok_or("a pipeline without a fragment shader")?;
+) -> Result<Option<spirv::Followed>, &'static str> {
     // SAFETY: as promised.
-    let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };
-    let words = words.ok_or("a shader whose words are not known")?;
-    let changed = spirv::frag_coord(&words, &entry, ours, device.view_constants.to_window_offset())?;
-    Ok((index, changed.ok_or("another entry point asks for it")?))
+    let (words, entry) = unsafe { (words_of(device, stage), name_of(stage)) };
+    let Some(words) = words else { return Ok(None) };
+    let offset = device.view_constants.to_window_offset();
+    let moved = match spirv::asks_place(&words) {
+        true => spirv::frag_coord(&words, &entry, ours, offset)?,
+        false => None,
+    };
+    let followed = spirv::texels(moved.as_deref().unwrap_or(&words), &entry, ours, offset)?;
+    Ok(followed.or_else(|| moved.map(|words| spirv::Followed { words, pictures: Vec::new() })))
 }
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.

@@ -37,7 +37,8 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
     let ours = variables(&mut additions, vector, (set, offset));
     let pointers = private_pointers(&mut additions, &declared, &chains)?;
     let wrapper = wrapper(&mut additions, given, main, vector, &ours);
-    let entry = Entry { point, main, wrapper: Some(wrapper), variables: vec![ours.block, ours.place] };
+    let entry =
+        Entry { point, main, wrapper: Some(wrapper), variables: vec![ours.block, ours.place], inputs: Vec::new() };
     let change = |_: &mut Additions<'_>, i: &Instruction<'_>, _: &mut Vec<u32>| {
         let mut operands = i.operands.to_vec();
         let chain = i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain);

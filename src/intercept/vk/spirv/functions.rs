@@ -110,20 +110,22 @@ impl<'a> Additions<'a> {
         id
     }
 
+    /// The import of GLSL's own functions: the module's, or a new one.
+    pub fn glsl(&mut self) -> u32 {
+        self.declared.imported("GLSL.std.450").unwrap_or_else(|| {
+            let import = self.id();
+            let name = [0x4c53_4c47, 0x6474_732e, 0x3035_342e, 0];
+            push(&mut self.imports, Op::ExtInstImport, &[&[import], &name[..]].concat());
+            import
+        })
+    }
+
     /// Puts `functions` in. Their block is in set `set`.
     pub fn link(&mut self, functions: &Functions, set: u32) -> Linked {
         let mut ids = vec![0; functions.bound as usize];
         let calls = functions.bodies.instructions().iter().any(|i| i.is(Op::ExtInst));
         if let Some(place) = ids.get_mut(functions.import as usize).filter(|_| calls) {
-            *place = match self.declared.imported("GLSL.std.450") {
-                Some(import) => import,
-                None => {
-                    let import = self.id();
-                    let name = [0x4c53_4c47, 0x6474_732e, 0x3035_342e, 0];
-                    push(&mut self.imports, Op::ExtInstImport, &[&[import], &name[..]].concat());
-                    import
-                }
-            };
+            *place = self.glsl();
         }
         for instruction in functions.globals.instructions() {
             let operands = self.renumbered(&functions.globals, &instruction, &mut ids);

@@ -9,12 +9,14 @@ mod module;
 mod reflect;
 mod splice;
 mod stage_outputs;
+mod texels;
 
 pub use divide::{ENTRY, Limits, divide};
 pub use frag_coord::frag_coord;
 pub use reflect::{Matrix, Memory, asks_place, matrices};
 pub use splice::splice;
 pub use stage_outputs::stage_outputs;
+pub use texels::{DescriptorPlace, Followed, MOST_PICTURES, texels};
 
 #[cfg(test)]
 mod tests;

@@ -49,7 +49,13 @@ pub fn splice(
     let emits = model == ExecutionModel::Geometry;
     let void = additions.kind(Op::TypeVoid, &[]);
     let epilogue = epilogue(&mut additions, position, (linked.fix, linked.vector), (!emits).then_some(main));
-    let entry = Entry { point, main, wrapper: (!emits).then_some(epilogue), variables: vec![linked.variable] };
+    let entry = Entry {
+        point,
+        main,
+        wrapper: (!emits).then_some(epilogue),
+        variables: vec![linked.variable],
+        inputs: Vec::new(),
+    };
     let at_vertices = emits.then_some(AtVertices { epilogue, void });
     Ok(put_into(additions, words, &all, &entry, |additions, instruction, out| {
         let emitted = instruction.is(Op::EmitVertex) || instruction.is(Op::EmitStreamVertex);
@@ -118,6 +124,8 @@ pub struct Entry<'a> {
     pub wrapper: Option<u32>,
     /// Variables of ours that the entry point names.
     pub variables: Vec<u32>,
+    /// Those of them that come from the stage before: each version names them.
+    pub inputs: Vec<u32>,
 }
 
 /// A call of our function at each vertex that is emitted.
@@ -211,6 +219,7 @@ pub fn put_into(
         let mut operands = change(&mut additions, instruction, &mut out);
         if instruction.offset == entry.point.offset {
             operands[1] = entry.wrapper.unwrap_or(entry.main);
+            operands.extend(&entry.inputs);
             if words[1] >= NAMES_ALL {
                 operands.extend(&entry.variables);
             }

@@ -2,6 +2,7 @@
 
 mod division;
 mod frag_coord;
+mod texels;
 
 use crate::correct::Arrangement;
 use crate::correct::shaders::constants::Constants;

@@ -110,8 +110,8 @@ impl Role {
 impl Device {
     /// From one slot of view constants to the next, bytes.
     pub fn slot_stride(&self) -> u32 {
-        (self.view_constants.slot() as u32)
-            .max(self.driver.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
+        let alignment = self.driver.limits.min_uniform_buffer_offset_alignment.clamp(1, 1 << 12) as u32;
+        (self.view_constants.slot() as u32).next_multiple_of(alignment)
     }
 
     /// Whether draws are issued for each view.

@@ -1,7 +1,7 @@
 //! Pipelines of the program and their layouts, with what is drawn by in their place.
 
 use crate::intercept::log;
-use crate::intercept::vk::spirv::Matrix;
+use crate::intercept::vk::spirv::{DescriptorPlace, Matrix};
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
@@ -77,10 +77,12 @@ pub struct Variants {
     pub(in crate::intercept::vk) panel: vk::Pipeline,
     /// Where its shaders' matrices are.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
-    /// Its fragment shader asks where on the screen it is.
-    pub(in crate::intercept::vk) asks_place: bool,
-    /// It is told its place in the program's window.
+    /// Its fragment shader is told its place in the program's window, and the texels of the program's images.
     pub(in crate::intercept::vk) moves_place: bool,
+    /// It should be, and cannot.
+    pub(in crate::intercept::vk) loses_place: bool,
+    /// Descriptors of the images that it reads by texels, or asks for their size.
+    pub(in crate::intercept::vk) pictures: Vec<DescriptorPlace>,
     /// It tests depth.
     pub(in crate::intercept::vk) deep: bool,
 }

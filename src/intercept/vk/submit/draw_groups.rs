@@ -5,6 +5,7 @@
 //! moved out of it.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
+use crate::correct::single;
 use crate::intercept::inspection;
 use crate::intercept::lens::{self, Candidate, Told};
 use crate::intercept::scene::flat_program::OffScreen;
@@ -241,16 +242,32 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     let (Some(viewport), Some(chunk)) = (group.facts.viewport, chunks.get(group.constants.chunk)) else { return };
     let window = group.layout.window.1 as i32;
     let own = |rect: AtlasRect| ToWindow::of_tile(rect.into(), 0);
-    let write = |slot: u32, to_window: &ToWindow| {
-        let start = group.constants.offset + slot * device.slot_stride();
-        chunk.write_to_window(start + device.view_constants.to_window_offset(), to_window);
+    let pictures = &group.facts.pictures;
+    let write = |slot: u32, to_window: &ToWindow, factors: &[[f32; 4]]| {
+        let place = group.constants.offset + slot * device.slot_stride() + device.view_constants.to_window_offset();
+        chunk.write_to_window(place, to_window);
+        chunk.write_factors(place, factors);
     };
+    let same = vec![[1.0; 4]; pictures.len()];
     for (slot, view) in (0..).zip(&group.layout.views).take(group.slots() as usize - 2) {
         let in_view = || ToWindow::of_view(view.rect.into(), viewport, window, 0);
-        write(slot, &if view.own_lens { own(view.rect) } else { in_view() });
+        match view.own_lens {
+            true => write(slot, &own(view.rect), &same),
+            false => {
+                write(slot, &in_view(), &pictures.iter().map(|size| factors(view.rect, *size)).collect::<Vec<_>>())
+            }
+        }
     }
-    write(group.slots() - 2, &own(group.layout.panel));
-    write(group.slots() - 1, &own(group.layout.primary.unwrap_or(group.layout.panel)));
+    write(group.slots() - 2, &own(group.layout.panel), &same);
+    write(group.slots() - 1, &own(group.layout.primary.unwrap_or(group.layout.panel)), &same);
+}
+
+/// Factors from texels of the program's image to those of a view's, which is as large as its tile, and back.
+fn factors(tile: AtlasRect, size: Option<(u32, u32)>) -> [f32; 4] {
+    let Some((width, height)) = size else { return [1.0; 4] };
+    let [across, down] = [(tile.width, width), (tile.height, height)]
+        .map(|(texels, own)| f64::from(texels.max(1)) / f64::from(own.max(1)));
+    single::values([across, down, 1.0 / across, 1.0 / down])
 }
 
 #[cfg(test)]

@@ -51,7 +51,12 @@ fn note_candidate(device: &Device, recording: &mut Recording, pipeline: &Pipelin
         device,
         recording,
         matrices,
-        Cover { main_picture, few_vertices: size.may_cover_viewport() },
+        Cover {
+            main_picture,
+            few_vertices: size.may_cover_viewport(),
+            has_matrices: !matrices.is_empty(),
+            told_place: pipeline.variants.as_ref().is_some_and(|variants| variants.moves_place),
+        },
     );
 }
 

@@ -18,8 +18,9 @@ use crate::intercept::vk::commands::draws::tiles::{
     PerViewSet, ProgramWindow, TileDraws, cut_to_tile, is_main, move_to_tile,
 };
 use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
-use crate::intercept::vk::offscreen::scene_graph;
+use crate::intercept::vk::offscreen::scene_graph::{self, Cover};
 use crate::intercept::vk::pipelines::matrix_sources::source;
+use crate::intercept::vk::spirv::DescriptorPlace;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
@@ -138,10 +139,12 @@ fn classify(
     };
     let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
-    note_pictures(device, recording, main && (covers || !sources.is_empty()));
+    let (has_matrices, told_place) = (!sources.is_empty(), variants.moves_place);
+    note_pictures(device, recording, Cover { main_picture: main, few_vertices: covers, has_matrices, told_place });
+    let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_size(device, recording, *place)).collect();
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
-    if screen && variants.asks_place {
+    if !sets.is_empty() && main && variants.loses_place {
         device.show_flat("a shader that reads a picture of its scene asks for its place on the screen");
     }
     let deep = variants.deep && main && layout.session.given_lens().is_some();
@@ -152,8 +155,16 @@ fn classify(
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     let viewport = variants.moves_place.then(|| area(&program.viewport));
-    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, screen };
+    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen };
     Some(Classified { facts, program, sets })
+}
+
+/// The size of the program's image that a descriptor shows, if draws to views get another in its place.
+fn shown_size(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<(u32, u32)> {
+    let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
+    let image = device.images.of(device.descriptors.picture(bound.set, (binding, 0))?)?;
+    device.images.scene(image).filter(|scene| !scene.view_copies.is_empty())?;
+    device.images.size(image)
 }
 
 /// What a viewport covers, whichever way up it is.
@@ -163,16 +174,17 @@ fn area(viewport: &vk::Viewport) -> Area {
 }
 
 /// Notes what the pass makes of images that may hold a scene and that the draw's shaders can
-/// sample. `follows`: it shows all of them.
-fn note_pictures(device: &Device, recording: &mut Recording, follows: bool) {
+/// sample.
+fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
     let pictures = scene_graph::pictures(device, recording);
     let Some(pass) = &recording.pass else { return };
-    let made = match pass.target.window {
-        _ if !follows => Made::Elsewhere,
-        true => Made::Window,
-        false => Made::Image(pass.target.given),
-    };
+    let (window, given) = (pass.target.window, pass.target.given);
     for picture in pictures {
+        let made = match window {
+            _ if !cover.follows(device.images.is_depth(picture)) => Made::Elsewhere,
+            true => Made::Window,
+            false => Made::Image(given),
+        };
         device.scene_graph.note_made(picture, made);
         device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
     }

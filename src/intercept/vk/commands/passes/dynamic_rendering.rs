@@ -41,12 +41,17 @@ impl<'a> Given<'a> {
         views.filter(|view| *view != vk::ImageView::null()).collect()
     }
 
+    /// Views of depth and stencil.
+    fn depths(&self) -> Vec<vk::ImageView> {
+        let deep = self.depth.iter().chain(&self.stencil);
+        deep.map(|attachment| attachment.image_view).filter(|view| *view != vk::ImageView::null()).collect()
+    }
+
     /// Views of depth and stencil, if there are no colours. Secondary command buffers do not name them, so that those
     /// stay the program's own.
     fn depth_alone(&self) -> Vec<vk::ImageView> {
         let inline = !self.has(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
-        let deep = self.depth.iter().chain(&self.stencil).filter(|_| inline && self.views().is_empty());
-        deep.map(|attachment| attachment.image_view).filter(|view| *view != vk::ImageView::null()).collect()
+        if inline && self.views().is_empty() { self.depths() } else { Vec::new() }
     }
 
     fn has(&self, flag: vk::RenderingFlags) -> bool {
@@ -73,8 +78,12 @@ impl<'a> Given<'a> {
             let ends = self.colors.iter().flat_map(|color| {
                 [(color.image_view, color.image_layout), (color.resolve_image_view, color.resolve_image_layout)]
             });
-            let scenes = ends.filter_map(|(view, layout)| Some((device.images.target(view)?, layout)));
-            pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
+            let deep = self.depth.iter().chain(&self.stencil).map(|given| (given.image_view, given.image_layout));
+            for (view, layout) in ends.chain(deep) {
+                let scene = device.images.target(view).filter(|scene| !scene.window);
+                let known = |scene: &Arc<ViewTarget>| pass.scenes.iter().any(|(known, _)| Arc::ptr_eq(known, scene));
+                pass.scenes.extend(scene.filter(|scene| !known(scene)).map(|scene| (scene, layout)));
+            }
         }
         pass
     }
@@ -93,13 +102,14 @@ pub unsafe fn begin(
     // SAFETY: as promised.
     let given = unsafe { Given::of(info) };
     let views = given.views();
-    let colored = views.iter().find_map(|view| device.images.target(*view));
+    let deep = given.depths();
+    let colored = views.iter().chain(&deep).find_map(|view| device.images.target(*view));
     let is_colored = colored.is_some();
     let Some(target) = colored.or_else(|| device.images.window_of_depth(device, &given.depth_alone())) else {
         for attachment in given.depth.iter().chain(&given.stencil).filter(|a| a.load_op == vk::AttachmentLoadOp::LOAD) {
             device.images.goes_on_with(device, attachment.image_view);
         }
-        plain(device, buffer, None, &views);
+        plain(device, buffer, None, &[views, deep].concat());
         return next(info);
     };
     let layout = &target.layout;
@@ -107,7 +117,7 @@ pub unsafe fn begin(
         Ok(replaced) => replaced,
         Err(why) => {
             device.show_flat(why);
-            plain(device, buffer, Some(Arc::clone(&target)), &views);
+            plain(device, buffer, Some(Arc::clone(&target)), &[views, deep].concat());
             return next(info);
         }
     };
@@ -121,7 +131,7 @@ pub unsafe fn begin(
     let mut pass = given.pass(device, &target);
     pass.colored = is_colored;
     if is_colored {
-        device.images.draws_together(given.depth.iter().chain(&given.stencil).map(|attachment| attachment.image_view));
+        device.images.draws_together(device, views.iter().chain(&deep).copied());
     }
     // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
     // attachments.

@@ -5,7 +5,7 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::{in_chain, slice};
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::framebuffers::{Framebuffer, Framebuffers, LaterAttachment, RenderPass};
-use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
+use crate::intercept::vk::state::views::view_target::{ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
 use crate::lock::Lock;
 use ash::vk;
 use std::sync::{Arc, Mutex};
@@ -73,8 +73,10 @@ impl Framebuffer {
                     let target = given.get(index).and_then(|view| device.images.target(*view));
                     let (flags, usage) = match target {
                         Some(target) if target.window => (ATLAS_FLAGS, ATLAS_USAGE),
-                        Some(_) => (later.flags, later.usage | ATLAS_COPY_USAGE),
-                        None => (later.flags, later.usage),
+                        _ => {
+                            let usage = given.get(index).and_then(|view| device.images.atlas_copy_usage(*view));
+                            (later.flags, usage.unwrap_or(later.usage))
+                        }
                     };
                     let info = vk::FramebufferAttachmentImageInfo::default().flags(flags).usage(usage);
                     info.width(size.0).height(size.1).layer_count(1)

@@ -5,7 +5,7 @@
 
 pub mod set_contents;
 
-use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies, Picture};
+use crate::intercept::vk::state::descriptors::set_contents::{Contents, Copies, DescriptorSlot, Picture};
 use crate::lock::Lock;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
@@ -33,6 +33,18 @@ pub(in crate::intercept::vk) fn is_buffer(kind: vk::DescriptorType) -> bool {
 }
 
 impl SetLayout {
+    /// The descriptor that `place` names: updates of more elements than a binding has go on in the next one.
+    fn slot(&self, (binding, element): DescriptorSlot) -> DescriptorSlot {
+        let mut rest = element;
+        for (binding, (_, count)) in self.bindings.range(binding..) {
+            if rest < *count {
+                return (*binding, rest);
+            }
+            rest -= count;
+        }
+        (binding, element)
+    }
+
     /// Number of dynamic offsets that are given when such a set is bound.
     pub fn dynamic_offsets(&self) -> u32 {
         self.bindings.values().filter(|(kind, _)| is_dynamic(*kind)).map(|(_, count)| count).sum()
@@ -120,10 +132,12 @@ impl Descriptors {
     pub(in crate::intercept::vk) fn describe(
         &self,
         set: vk::DescriptorSet,
-        binding: u32,
+        place: DescriptorSlot,
         buffer: &vk::DescriptorBufferInfo,
     ) {
-        if let Some(set) = self.sets.locked().get_mut(&set) {
+        if let Some(set) = self.sets.locked().get_mut(&set)
+            && let (binding, 0) = set.layout.slot(place)
+        {
             set.buffers.insert(binding, (buffer.buffer, buffer.offset));
         }
     }
@@ -132,6 +146,13 @@ impl Descriptors {
     pub fn pictures(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
         let sets = self.sets.locked();
         sets.get(&set).map_or(Vec::new(), |set| set.contents.views().collect())
+    }
+
+    /// The view of the image that shaders can sample by a descriptor.
+    pub fn picture(&self, set: vk::DescriptorSet, place: DescriptorSlot) -> Option<vk::ImageView> {
+        let sets = self.sets.locked();
+        let picture = sets.get(&set)?.contents.pictures.get(&place)?;
+        picture.attachment.is_none().then_some(picture.view)
     }
 
     /// Whether shaders can read attachments by a set.
@@ -150,6 +171,7 @@ impl Descriptors {
             self.attachments.store(true, Ordering::Relaxed);
         }
         if let Some(set) = self.sets.locked().get_mut(&set) {
+            let place = set.layout.slot(place);
             set.contents.write(place, picture);
         }
     }
@@ -158,10 +180,12 @@ impl Descriptors {
         let mut sets = self.sets.locked();
         // Out and in again: both may be one.
         let mut contents = sets.get_mut(&copy.dst_set).map(|set| std::mem::take(&mut set.contents)).unwrap_or_default();
+        let layout = sets.get(&copy.dst_set).map(|set| Arc::clone(&set.layout)).unwrap_or_default();
         if let Some(from) = sets.get(&copy.src_set).filter(|_| copy.src_set != copy.dst_set) {
             for index in 0..copy.descriptor_count {
-                let source = (copy.src_binding, copy.src_array_element + index);
-                contents.copy(&from.contents, source, (copy.dst_binding, copy.dst_array_element + index));
+                let source = from.layout.slot((copy.src_binding, copy.src_array_element + index));
+                let target = layout.slot((copy.dst_binding, copy.dst_array_element + index));
+                contents.copy(&from.contents, source, target);
             }
         }
         if let Some(to) = sets.get_mut(&copy.dst_set) {
@@ -210,5 +234,7 @@ mod tests {
         assert_eq!(layout.dynamic_index(1), Some(0));
         assert_eq!(layout.dynamic_index(5), Some(2));
         assert_eq!(layout.dynamic_index(3), None);
+        let places = [(1, 0), (1, 1), (1, 2), (1, 3), (1, 4)].map(|place| layout.slot(place));
+        assert_eq!(places, [(1, 0), (1, 1), (3, 0), (5, 0), (1, 4)], "updates go on in the next binding");
     }
 }

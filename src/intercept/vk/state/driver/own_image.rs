@@ -121,6 +121,31 @@ pub const fn ready_in(layout: vk::ImageLayout) -> Use {
     at_any_time(layout, vk::AccessFlags::from_raw(access))
 }
 
+/// Takes these aspects of an image from a use to another.
+///
+/// # Safety
+/// As for [`barrier`].
+pub unsafe fn barrier_of(
+    driver: &Driver,
+    buffer: vk::CommandBuffer,
+    (image, aspects): (vk::Image, vk::ImageAspectFlags),
+    from: Use,
+    to: Use,
+) {
+    let change = vk::ImageMemoryBarrier::default()
+        .image(image)
+        .old_layout(from.layout)
+        .new_layout(to.layout)
+        .src_access_mask(from.access)
+        .dst_access_mask(to.access)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .subresource_range(vk::ImageSubresourceRange { aspect_mask: aspects, ..COLOR });
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: as promised.
+    unsafe { driver.functions.cmd_pipeline_barrier(buffer, from.stages, to.stages, flags, &[], &[], &[change]) };
+}
+
 /// Takes an image's colour from a use to another.
 ///
 /// # Safety

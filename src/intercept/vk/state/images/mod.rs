@@ -8,7 +8,7 @@ pub mod scene_graph;
 
 use crate::intercept::settings;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
-use crate::intercept::vk::state::views::view_target::ViewTarget;
+use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
@@ -108,11 +108,16 @@ impl Image {
     /// Whether it may hold a scene on its way to the window.
     pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
         use vk::ImageUsageFlags as U;
-        self.usage.contains(U::COLOR_ATTACHMENT)
+        self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
             && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC)
             && self.kind == vk::ImageType::TYPE_2D
             && (self.mip_levels, self.layers) == (1, 1)
             && self.target.as_ref().is_none_or(|target| !target.window)
+    }
+
+    /// Usage of a copy of it that passes draw to in its place.
+    pub(in crate::intercept::vk) fn atlas_copy_usage(&self) -> vk::ImageUsageFlags {
+        if self.may_hold_scene() { self.usage | ATLAS_COPY_USAGE } else { self.usage }
     }
 
     /// Whether it has one sample in each pixel: pictures with more cannot be copied into view
@@ -227,11 +232,15 @@ impl Images {
         self.candidates.load(Ordering::Relaxed)
     }
 
-    /// Whether an image may hold a scene: it is as large as the window, and can be shown.
+    /// Whether an image may hold a scene: it is as large as the window, and can be shown. Depths are shown by shaders that
+    /// read them.
     pub fn is_candidate(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
         let images = self.images.locked();
-        let fits = images.get(&image).is_some_and(|state| state.may_hold_scene() && Some(state.size) == window);
+        let fits = images.get(&image).is_some_and(|state| {
+            let shown = state.described || aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
+            shown && state.may_hold_scene() && Some(state.size) == window
+        });
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
@@ -244,6 +253,24 @@ impl Images {
     /// The size of an image.
     pub fn size(&self, image: vk::Image) -> Option<(u32, u32)> {
         self.images.locked().get(&image).map(|state| state.size)
+    }
+
+    /// Usage of what passes draw to in the place of a view's image.
+    pub fn atlas_copy_usage(&self, view: vk::ImageView) -> Option<vk::ImageUsageFlags> {
+        let image = self.of(view)?;
+        self.images.locked().get(&image).map(Image::atlas_copy_usage)
+    }
+
+    /// Whether an image holds depths.
+    pub fn is_depth(&self, image: vk::Image) -> bool {
+        let images = self.images.locked();
+        images.get(&image).is_some_and(|state| !aspects(state.format).contains(vk::ImageAspectFlags::COLOR))
+    }
+
+    /// Whether shaders read an image whose atlas copy a pass to the window or to a scene drew to.
+    pub fn is_read_and_drawn_together(&self, image: vk::Image) -> bool {
+        let images = self.images.locked();
+        images.get(&image).is_some_and(|state| state.described && state.drawn_together && state.target.is_none())
     }
 
     /// An image's atlas copy of this size, if it has one.

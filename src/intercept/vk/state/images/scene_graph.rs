@@ -48,6 +48,12 @@ impl SceneGraph {
         seen.graph.makes(image, Made::Elsewhere)
     }
 
+    /// The images of which something is made that cannot be followed.
+    pub(in crate::intercept::vk) fn lost(&self) -> Vec<vk::Image> {
+        let seen = self.seen.locked();
+        seen.graph.scenes().filter(|image| seen.graph.makes(*image, Made::Elsewhere)).collect()
+    }
+
     /// An image is gone.
     pub fn forget(&self, image: vk::Image) {
         let mut seen = self.seen.locked();

@@ -59,6 +59,8 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) deep: bool,
     /// Viewport of the program, where fragments are told their place in its window.
     pub(in crate::intercept::vk) viewport: Option<Area>,
+    /// Of the images that they read by texels: the size of the program's, where a view has its own.
+    pub(in crate::intercept::vk) pictures: Vec<Option<(u32, u32)>>,
     /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,
 }

@@ -2,10 +2,12 @@
 //!
 //! Shaders read it when a recorded command buffer runs, so that command buffers stay valid when the
 //! program's lens changes. A slot holds the reprojection matrix, the lens constants where
-//! vertices are projected to outputs, and what takes fragments to the program's window; a counter of the dividing stage may lie beside it. The
+//! vertices are projected to outputs, what takes fragments to the program's window, and the factors of images that they
+//! read by numbers; a counter of the dividing stage may lie beside it. The
 //! parameters of large draws lie in the same chunks.
 
 use crate::intercept::scene::to_window::ToWindow;
+use crate::intercept::vk::spirv::MOST_PICTURES;
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::lock::Lock;
@@ -75,7 +77,7 @@ impl ConstantPool {
 
     /// Bytes of a slot.
     pub fn slot(&self) -> u64 {
-        u64::from(self.to_window_offset()) + size_of::<[f32; 4]>() as u64
+        u64::from(self.to_window_offset()) + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u64
     }
 
     /// The counter, if this driver can count.
@@ -253,6 +255,12 @@ impl ConstantChunk {
     /// Writes what takes fragments to the program's window, at this place.
     pub fn write_to_window(&self, offset: u32, to_window: &ToWindow) {
         self.write_words(offset, &to_window.vector(false).map(f32::to_bits));
+    }
+
+    /// Writes the factors of images that fragments read by numbers, behind what takes them to the program's window.
+    pub fn write_factors(&self, offset: u32, factors: &[[f32; 4]]) {
+        let place = offset + size_of::<[f32; 4]>() as u32;
+        self.write_words(place, &factors.as_flattened().iter().map(|factor| factor.to_bits()).collect::<Vec<_>>());
     }
 
     /// Writes numbers; nothing where they would not lie in the chunk.

@@ -34,6 +34,8 @@ pub struct ViewTarget {
     pub(in crate::intercept::vk) given: vk::Image,
     /// The atlas.
     pub(in crate::intercept::vk) atlas: vk::Image,
+    /// Aspects of the image.
+    pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
     /// It is a swapchain's.
     pub(in crate::intercept::vk) window: bool,
     /// The program's image can be copied to.
@@ -54,6 +56,7 @@ impl ViewTarget {
             given,
             atlas,
             window: true,
+            aspects: vk::ImageAspectFlags::COLOR,
             copied_to: false,
             in_views: false.into(),
             view_copies: Vec::new(),

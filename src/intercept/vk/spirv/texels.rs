@@ -1,0 +1,371 @@
+//! Texels and sizes of images that a fragment shader reads by numbers: those of the program's images.
+//!
+//! In a view, an image of the scene has as many texels as the view, not as the program gave it. Coordinates of fetches
+//! are scaled to that, sizes are scaled back. With a coordinate goes the part of a pixel of the program by which the
+//! fragment is beside the pixel's corner: where a shader fetches at its own place, it gets its own texel, whichever
+//! image has more.
+
+use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
+use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
+use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
+use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, FunctionControl, Op, StorageClass};
+use std::collections::HashMap;
+
+/// More images of one shader are not followed.
+pub const MOST_PICTURES: usize = 8;
+
+/// Functions of GLSL's own set.
+const FLOOR: u32 = 8;
+const FRACTION: u32 = 10;
+
+/// A descriptor: set and binding.
+pub type DescriptorPlace = (u32, u32);
+
+/// A shader whose fetches are those of the program.
+pub struct Followed {
+    /// Its words.
+    pub words: Vec<u32>,
+    /// Descriptors of the images that it fetches from or asks for their size, in the order of their factors.
+    pub pictures: Vec<DescriptorPlace>,
+}
+
+/// `words` with fetches at texels of the program; `None` where the shader reads by texture coordinates only. Four floats
+/// at `offset` in the uniform block at binding 0 of `set` are those of [`frag_coord`](super::frag_coord); behind them
+/// are four for each image: the factors of coordinates, and of sizes.
+///
+/// # Errors
+/// For people: what the shader does that cannot be followed.
+pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Followed>, &'static str> {
+    let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
+    let declared = Declarations::new(&all);
+    let reads = Reads::of(&all, &declared);
+    if reads.places.is_empty() {
+        return Ok(None);
+    }
+    let (point, main) = entry_point(&all, ExecutionModel::Fragment, entry)?;
+    let interface = point.rest(2 + string(point.rest(2)).1);
+    let asks = |id: &u32| declared.number(*id, None, Decoration::BuiltIn) == Some(BuiltIn::FragCoord as u32);
+    let given = interface.iter().copied().find(asks);
+    let fetches = reads.places.values().any(|place| place.is_fetch);
+    if given.is_none() && !fetches {
+        return Ok(None);
+    }
+    if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
+        return Err("several entry points in a module that reads images by texel numbers");
+    }
+    if reads.unknown || reads.pictures.len() > MOST_PICTURES {
+        return Err("a shader that reads images by texel numbers, in a way that is not followed");
+    }
+    if words[3] > MOST_IDS {
+        return Err("a shader with too many ids");
+    }
+    let mut additions = Additions::new(words[3], &declared);
+    let ours = Ours::new(&mut additions, (set, offset), given);
+    let numbers: Vec<u32> = (0..reads.pictures.len() as u32)
+        .map(|number| {
+            let id = additions.id();
+            push(&mut additions.globals, Op::Constant, &[ours.int, id, number]);
+            id
+        })
+        .collect();
+    let [texel, size] = [ours.texel(&mut additions), ours.size(&mut additions)];
+    let inputs = given.is_none().then_some(ours.place).into_iter().collect();
+    let entry = Entry { point, main, wrapper: None, variables: vec![ours.block], inputs };
+    let pair = ours.int_pair;
+    let change = |to: &mut Additions<'_>, i: &Instruction<'_>, out: &mut Vec<u32>| {
+        let mut operands = i.operands.to_vec();
+        let Some(read) = reads.places.get(&i.offset) else { return operands };
+        let as_signed = |to: &mut Additions<'_>, out: &mut Vec<u32>, id: u32| match read.kind == pair {
+            true => id,
+            false => {
+                let cast = to.id();
+                push(out, Op::Bitcast, &[pair, cast, id]);
+                cast
+            }
+        };
+        let call = |to: &mut Additions<'_>, out: &mut Vec<u32>, function: u32, given: u32, result: u32| {
+            let called = if read.kind == pair { result } else { to.id() };
+            push(out, Op::FunctionCall, &[pair, called, function, given, numbers[read.picture]]);
+            if called != result {
+                push(out, Op::Bitcast, &[read.kind, result, called]);
+            }
+        };
+        if read.is_fetch {
+            let given = as_signed(to, out, operands[3]);
+            let made = to.id();
+            call(to, out, texel, given, made);
+            operands[3] = made;
+        } else {
+            let (asked, unused) = (to.id(), to.id());
+            let mut query = operands.clone();
+            query[1] = asked;
+            push_code(out, i.opcode, &query);
+            let given = as_signed(to, out, asked);
+            call(to, out, size, given, operands[1]);
+            // The program's own instruction follows, for nothing.
+            operands[1] = unused;
+        }
+        operands
+    };
+    let words = put_into(additions, words, &all, &entry, change);
+    Ok(Some(Followed { words, pictures: reads.pictures }))
+}
+
+/// A place where an image is read by numbers.
+struct Read {
+    is_fetch: bool,
+    /// Which of the images.
+    picture: usize,
+    /// The type of the coordinates, or of the size.
+    kind: u32,
+}
+
+/// Where a shader reads two-dimensional images by numbers.
+#[derive(Default)]
+struct Reads {
+    /// By the offset of the instruction.
+    places: HashMap<usize, Read>,
+    pictures: Vec<DescriptorPlace>,
+    /// Some read is of an image that is not known.
+    unknown: bool,
+}
+
+impl Reads {
+    fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Self {
+        let mut reads = Self::default();
+        let is_read =
+            |i: &&Instruction<'_>| i.is(Op::ImageFetch) || i.is(Op::ImageQuerySizeLod) || i.is(Op::ImageQuerySize);
+        if !all.iter().any(|i| is_read(&i)) {
+            return reads;
+        }
+        let pairs: Vec<u32> = declared
+            .by_id
+            .iter()
+            .filter(|(_, i)| i.is(Op::TypeVector) && i.operand(2) == 2)
+            .filter(|(_, i)| declared.get(i.operand(1), Op::TypeInt).is_some_and(|int| int.operand(1) == 32))
+            .map(|(id, _)| *id)
+            .collect();
+        // Results have their type before them.
+        let typed: HashMap<u32, u32> = all
+            .iter()
+            .filter(|i| i.operands.len() > 1 && pairs.contains(&i.operand(0)))
+            .map(|i| (i.operand(1), i.operand(0)))
+            .collect();
+        let sources = Sources::of(all);
+        for i in all.iter().filter(is_read) {
+            let is_fetch = i.is(Op::ImageFetch);
+            let kind =
+                if is_fetch { typed.get(&i.operand(3)) } else { pairs.iter().find(|kind| **kind == i.operand(0)) };
+            // Images of one or three dimensions, and layers, are no views.
+            let Some(kind) = kind.copied() else { continue };
+            let variable = sources.variable(i.operand(2), DEEPEST);
+            let Some(place) = variable.and_then(|variable| place_of(declared, variable)) else {
+                reads.unknown = true;
+                continue;
+            };
+            let Place::Plain(place) = place else { continue };
+            let known = reads.pictures.iter().position(|known| *known == place);
+            let picture = known.unwrap_or(reads.pictures.len());
+            if known.is_none() {
+                reads.pictures.push(place);
+            }
+            reads.places.insert(i.offset, Read { is_fetch, picture, kind });
+        }
+        reads
+    }
+}
+
+/// Descriptor of a variable that holds an image.
+enum Place {
+    Plain(DescriptorPlace),
+    /// No image of a view: several samples, an attachment, one that is written.
+    Other,
+}
+
+fn place_of(declared: &Declarations<'_>, variable: u32) -> Option<Place> {
+    let (class, mut kind) = declared.pointee(variable)?;
+    if class != StorageClass::UniformConstant as u32 {
+        return None;
+    }
+    if let Some(sampled) = declared.get(kind, Op::TypeSampledImage) {
+        kind = sampled.operand(1);
+    }
+    // Type, dimension, depth, layers, samples, whether it is sampled.
+    let image = declared.get(kind, Op::TypeImage)?;
+    let plain =
+        (image.operand(2), image.operand(4), image.operand(5), image.operand(6)) == (Dim::Dim2D as u32, 0, 0, 1);
+    let number = |kind| declared.number(variable, None, kind).unwrap_or(0);
+    Some(if plain {
+        Place::Plain((number(Decoration::DescriptorSet), number(Decoration::Binding)))
+    } else {
+        Place::Other
+    })
+}
+
+/// Deeper calls are not followed.
+const DEEPEST: usize = 4;
+
+/// Where images come from.
+struct Sources {
+    /// From a loaded value, or what is taken of it, to what it is loaded from.
+    from: HashMap<u32, u32>,
+    /// What functions are given for a parameter.
+    arguments: HashMap<u32, Vec<u32>>,
+}
+
+impl Sources {
+    fn of(all: &[Instruction<'_>]) -> Self {
+        let (mut from, mut arguments) = (HashMap::new(), HashMap::<u32, Vec<u32>>::new());
+        let mut parameters: HashMap<u32, Vec<u32>> = HashMap::new();
+        let mut function = 0;
+        for i in all {
+            match Op::from_u32(i.opcode) {
+                Some(Op::Function) => function = i.operand(1),
+                Some(Op::FunctionParameter) => parameters.entry(function).or_default().push(i.operand(1)),
+                Some(Op::Load | Op::Image | Op::CopyObject) => _ = from.insert(i.operand(1), i.operand(2)),
+                _ => {}
+            }
+        }
+        for i in all.iter().filter(|i| i.is(Op::FunctionCall)) {
+            let parameters = parameters.get(&i.operand(2)).into_iter().flatten();
+            for (parameter, argument) in parameters.zip(i.rest(3)) {
+                arguments.entry(*parameter).or_default().push(*argument);
+            }
+        }
+        Self { from, arguments }
+    }
+
+    /// The variable that a value or pointer comes from; of several or a part of one, `None`.
+    fn variable(&self, id: u32, depth: usize) -> Option<u32> {
+        let mut id = id;
+        for _ in 0..DEEPEST {
+            match self.from.get(&id) {
+                Some(from) => id = *from,
+                None => break,
+            }
+        }
+        let Some(arguments) = self.arguments.get(&id) else { return Some(id) };
+        let depth = depth.checked_sub(1)?;
+        let mut all = arguments.iter().map(|argument| self.variable(*argument, depth));
+        let first = all.next()??;
+        all.all(|other| other == Some(first)).then_some(first)
+    }
+}
+
+/// Types and variables of ours.
+struct Ours {
+    int: u32,
+    int_pair: u32,
+    pair: u32,
+    vector: u32,
+    /// Pointer to four floats of the block.
+    member: u32,
+    block: u32,
+    /// Numbers of the block's members.
+    members: [u32; 2],
+    /// What the driver says of the fragment's place.
+    place: u32,
+    half: u32,
+    glsl: u32,
+}
+
+impl Ours {
+    fn new(to: &mut Additions<'_>, (set, offset): (u32, u32), given: Option<u32>) -> Self {
+        let float = to.kind(Op::TypeFloat, &[32]);
+        let int = to.kind(Op::TypeInt, &[32, 1]);
+        let [pair, vector] = [2, 4].map(|count| to.kind(Op::TypeVector, &[float, count]));
+        let int_pair = to.kind(Op::TypeVector, &[int, 2]);
+        let [structure, array, count, of_block, member, block, zero, one, half, half_pair] =
+            std::array::from_fn(|_| to.id());
+        push(&mut to.globals, Op::Constant, &[int, count, MOST_PICTURES as u32]);
+        push(&mut to.globals, Op::TypeArray, &[array, vector, count]);
+        push(&mut to.globals, Op::TypeStruct, &[structure, vector, array]);
+        let uniform = StorageClass::Uniform as u32;
+        push(&mut to.globals, Op::TypePointer, &[of_block, uniform, structure]);
+        push(&mut to.globals, Op::TypePointer, &[member, uniform, vector]);
+        push(&mut to.globals, Op::Constant, &[int, zero, 0]);
+        push(&mut to.globals, Op::Constant, &[int, one, 1]);
+        push(&mut to.globals, Op::Constant, &[float, half, 0.5f32.to_bits()]);
+        push(&mut to.globals, Op::ConstantComposite, &[pair, half_pair, half, half]);
+        push(&mut to.globals, Op::Variable, &[of_block, block, uniform]);
+        push(&mut to.decorations, Op::Decorate, &[array, Decoration::ArrayStride as u32, 16]);
+        push(&mut to.decorations, Op::Decorate, &[structure, Decoration::Block as u32]);
+        for (number, offset) in [(0, offset), (1, offset + 16)] {
+            push(&mut to.decorations, Op::MemberDecorate, &[structure, number, Decoration::Offset as u32, offset]);
+        }
+        push(&mut to.decorations, Op::Decorate, &[block, Decoration::DescriptorSet as u32, set]);
+        push(&mut to.decorations, Op::Decorate, &[block, Decoration::Binding as u32, 0]);
+        let place = given.unwrap_or_else(|| {
+            let [pointer, place] = std::array::from_fn(|_| to.id());
+            let input = StorageClass::Input as u32;
+            push(&mut to.globals, Op::TypePointer, &[pointer, input, vector]);
+            push(&mut to.globals, Op::Variable, &[pointer, place, input]);
+            let builtin = [place, Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];
+            push(&mut to.decorations, Op::Decorate, &builtin);
+            place
+        });
+        let glsl = to.glsl();
+        Self { int, int_pair, pair, vector, member, block, members: [zero, one], place, half: half_pair, glsl }
+    }
+
+    /// Begins a function of a pair of numbers and of an image's; returns it with these.
+    fn begin(&self, to: &mut Additions<'_>) -> (u32, u32, u32) {
+        let function = to.kind(Op::TypeFunction, &[self.int_pair, self.int_pair, self.int]);
+        let [made, given, picture, label] = std::array::from_fn(|_| to.id());
+        push(&mut to.bodies, Op::Function, &[self.int_pair, made, FunctionControl::NONE.bits(), function]);
+        push(&mut to.bodies, Op::FunctionParameter, &[self.int_pair, given]);
+        push(&mut to.bodies, Op::FunctionParameter, &[self.int, picture]);
+        push(&mut to.bodies, Op::Label, &[label]);
+        (made, given, picture)
+    }
+
+    /// An instruction with a result of this type.
+    fn value(to: &mut Additions<'_>, op: Op, kind: u32, operands: &[u32]) -> u32 {
+        let made = to.id();
+        push(&mut to.bodies, op, &[&[kind, made], operands].concat());
+        made
+    }
+
+    /// Two of the four floats at a place in the block: the first, or the last.
+    fn halves(&self, to: &mut Additions<'_>, indices: &[u32]) -> [u32; 2] {
+        let at = Self::value(to, Op::AccessChain, self.member, &[&[self.block], indices].concat());
+        let all = Self::value(to, Op::Load, self.vector, &[at]);
+        [[0, 1], [2, 3]].map(|[x, y]| Self::value(to, Op::VectorShuffle, self.pair, &[all, all, x, y]))
+    }
+
+    fn rounded_down(&self, to: &mut Additions<'_>, value: u32) -> u32 {
+        let down = Self::value(to, Op::ExtInst, self.pair, &[self.glsl, FLOOR, value]);
+        let result = Self::value(to, Op::ConvertFToS, self.int_pair, &[down]);
+        push(&mut to.bodies, Op::ReturnValue, &[result]);
+        push(&mut to.bodies, Op::FunctionEnd, &[]);
+        result
+    }
+
+    /// The function that takes a texel of the program to that of a view.
+    fn texel(&self, to: &mut Additions<'_>) -> u32 {
+        let (made, given, picture) = self.begin(to);
+        let [offset, scale] = self.halves(to, &[self.members[0]]);
+        let of_driver = Self::value(to, Op::Load, self.vector, &[self.place]);
+        let corner = Self::value(to, Op::VectorShuffle, self.pair, &[of_driver, of_driver, 0, 1]);
+        let moved = Self::value(to, Op::FSub, self.pair, &[corner, offset]);
+        let own = Self::value(to, Op::FMul, self.pair, &[moved, scale]);
+        let beside = Self::value(to, Op::ExtInst, self.pair, &[self.glsl, FRACTION, own]);
+        let [factor, _] = self.halves(to, &[self.members[1], picture]);
+        let texel = Self::value(to, Op::ConvertSToF, self.pair, &[given]);
+        let texel = Self::value(to, Op::FAdd, self.pair, &[texel, beside]);
+        let texel = Self::value(to, Op::FMul, self.pair, &[texel, factor]);
+        self.rounded_down(to, texel);
+        made
+    }
+
+    /// The function that takes the size of a view's image to that of the program's.
+    fn size(&self, to: &mut Additions<'_>) -> u32 {
+        let (made, given, picture) = self.begin(to);
+        let [_, factor] = self.halves(to, &[self.members[1], picture]);
+        let size = Self::value(to, Op::ConvertSToF, self.pair, &[given]);
+        let size = Self::value(to, Op::FMul, self.pair, &[size, factor]);
+        let size = Self::value(to, Op::FAdd, self.pair, &[size, self.half]);
+        self.rounded_down(to, size);
+        made
+    }
+}

@@ -1,0 +1,49 @@
+//! Vulkan programs whose later passes read the scene: by places on the screen, its depth, images of other sizes.
+
+use crate::compare::{compare, expect_good, expect_identical};
+use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
+use crate::harness::tests;
+use crate::programs::Run;
+use crate::reference::Fisheye;
+
+tests! {
+    passes_that_read_the_scene_by_places_on_the_screen,
+    passes_that_read_the_depth_of_the_scene,
+}
+
+const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+
+fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
+    let (fov, yaw, pitch) = CAMERAS[1];
+    Run { fov, yaw, pitch, extra, frames: 6, ..Run::new("vk_later_passes") }
+}
+
+/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the program's own lens the same
+/// as without Cupola, to the byte.
+fn right(modes: &[&str]) {
+    for mode in modes {
+        let extra = ["--mode", mode, "--shot", "shot.ppm"];
+        let run = run(&extra);
+        let Some(plain) = run.vulkan_plain() else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_good(&compare(&plain, shown_by_window(run.size, run.fov, camera_of(&run))), &plain, mode);
+        let Some(under) = run.vulkan_under("fisheye") else { return };
+        let picture = under.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        expect_good(&report, &picture, &format!("{mode} fisheye"));
+        let Some(same) = run.vulkan_under("identity-captured") else { return };
+        expect_identical(&same.picture("shot.ppm"), &plain, &format!("{mode} identity-captured"));
+    }
+}
+
+/// A shader that computes from its place on the screen what it reads of the scene gets the same place of a view.
+fn passes_that_read_the_scene_by_places_on_the_screen() {
+    right(&["fetch", "divided", "given", "handed"]);
+    planetarium_of("vk_later_passes", &["--mode", "fetch"], Run::vulkan_under);
+}
+
+/// The depth of the scene is drawn for each view where a later pass reads it, alone or with two images of the colour.
+fn passes_that_read_the_depth_of_the_scene() {
+    right(&["deferred", "depths", "prepass"]);
+    planetarium_of("vk_later_passes", &["--mode", "deferred"], Run::vulkan_under);
+}
