@@ -3,7 +3,8 @@
  * camera; one form for each --mode. Whatever the form, the window shows the colours that the cube around the eye has.
  *
  *   sky_…     a triangle over the window; what it shows in a direction is computed from the pixel
- *   light_…   the cube's depth is drawn to a texture; a triangle computes the place from it, and from that the colour
+ *   light_…   the cube's depth is drawn to a texture, or copied to one; a triangle computes the place from it, and from
+ *             that the colour
  *   place_…   the cube, of which what is not at its own pixel is discarded
  */
 #include "common/app.h"
@@ -89,6 +90,8 @@ static const form forms[] = {
      LIGHT("uniform mat4 inverseP, inverseMV;\n", "p = inverseP * ndc; p = inverseMV * (p / p.w);" SHOW)},
     {"light_texture", TRIANGLE,
      LIGHT("uniform mat4 inverseTDPMV;\n", "p = inverseTDPMV * vec4(at * 0.5 + 0.5, depth, 1.0);" SHOW)},
+    {"light_copied", TRIANGLE, LIGHT("uniform mat4 inversePMV;\n", "p = inversePMV * ndc;" SHOW)},
+    {"light_converted", TRIANGLE, LIGHT("uniform mat4 inversePMV;\n", "p = inversePMV * ndc;" SHOW)},
     {"light_back", TRIANGLE,
      LIGHT("uniform mat4 P, inverseP;\n",
            "p = inverseP * ndc; p /= p.w;\n    p = P * p; vec2 uv = p.xy / p.w * 0.5 + 0.5;\n"
@@ -120,7 +123,7 @@ static const char geometry[] =
 
 static const form *chosen;
 static mesh cube;
-static GLuint program, scene, empty, buffer, framebuffer, textures[2], show;
+static GLuint program, scene, empty, buffer, framebuffer, textures[3], show;
 
 static bool is(const char *kind)
 {
@@ -154,7 +157,7 @@ static void setup(app *a)
     if (is("light") || is("sky_off")) {
         glGenFramebuffers(1, &framebuffer);
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-        glGenTextures(2, textures);
+        glGenTextures(3, textures);
         make_texture(a, 0, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_DEPTH_ATTACHMENT);
         make_texture(a, 1, GL_RGBA8, GL_RGBA, GL_COLOR_ATTACHMENT0);
         scene = build(CUBE, HEAD "in vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n", NULL);
@@ -263,6 +266,17 @@ static void draw_triangle(void)
     glEnable(GL_DEPTH_TEST);
 }
 
+/* Copies the depth to a texture of the same format, or of another. */
+static void copy_depth(const app *a)
+{
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, textures[2]);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glCopyTexImage2D(GL_TEXTURE_2D, 0, is("light_copied") ? GL_DEPTH_COMPONENT24 : GL_DEPTH_COMPONENT32F, 0, 0,
+                     a->window.width, a->window.height, 0);
+}
+
 static void draw(app *a)
 {
     if (is("light") || is("sky_off")) {
@@ -271,6 +285,8 @@ static void draw(app *a)
         if (is("light")) {
             use(a, scene);
             draw_cube();
+            if (is("light_co"))
+                copy_depth(a);
         } else {
             use(a, program);
             draw_triangle();

@@ -46,6 +46,7 @@ fn skies_are_where_they_belong() {
 
 fn places_from_depth_are_those_of_the_scene() {
     right(&["light_all", "light_apart", "light_texture", "light_back"]);
+    right(&["light_copied", "light_converted"]);
 }
 
 fn places_on_the_screen_are_the_view_s() {

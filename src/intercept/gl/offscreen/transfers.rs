@@ -10,6 +10,7 @@ use crate::intercept::gl::offscreen::view_copies::{
 };
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::frame::Frame;
+use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
 use crate::intercept::gl::state::offscreen::framebuffers;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
@@ -112,9 +113,16 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
     }
 }
 
-/// Remembers that an image is a copy of others, or of the window.
+/// Remembers that an image of colours is a copy of others, or of the window.
 fn note_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Name>], from_window: bool) {
-    let Some(image) = view_copies.image_mut(name).filter(|image| image.is_colour()) else { return };
+    if view_copies.image(name).is_some_and(Image::is_colour) {
+        note_any_copy(view_copies, name, sources, from_window);
+    }
+}
+
+/// Remembers that an image is a copy of others, or of the window.
+fn note_any_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Name>], from_window: bool) {
+    let Some(image) = view_copies.image_mut(name) else { return };
     let mut learnt = from_window && !image.copies_window;
     image.copies_window |= from_window;
     for source in sources.iter().flatten() {
@@ -138,6 +146,12 @@ fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
     colours
 }
 
+/// The depth image of the read framebuffer.
+fn depth_of_read(ctx: &Context) -> Option<Name> {
+    let index = ctx.view_copies.position(ctx.app.read_framebuffer).filter(|_| ctx.app.read_framebuffer != 0)?;
+    ctx.view_copies.framebuffers[index].depth()
+}
+
 /// What a side is for a view: its framebuffer, and where its picture is there.
 struct Region {
     framebuffer: u32,
@@ -149,7 +163,8 @@ struct Region {
 }
 
 impl Region {
-    fn of(ctx: &mut Context, side: Side, view: usize, reads: bool) -> Option<Self> {
+    /// `mask`: what of it is copied.
+    fn of(ctx: &mut Context, side: Side, view: usize, mask: u32, reads: bool) -> Option<Self> {
         match side {
             Side::Window => {
                 let target = ctx.drawable.target()?;
@@ -161,7 +176,8 @@ impl Region {
             }
             Side::ViewCopies(index) => {
                 let framebuffer = &ctx.view_copies.framebuffers[index];
-                let image = ctx.view_copies.image(framebuffer.images().next()?)?;
+                let depth = framebuffer.depth().filter(|_| mask & api::GL_COLOR_BUFFER_BIT == 0);
+                let image = ctx.view_copies.image(depth.or(framebuffer.images().next())?)?;
                 let rect = image.view_copy.as_ref()?.grid.tile(view);
                 let (size, samples, format) = (image.size, image.samples, image.format);
                 Some(Self { framebuffer: framebuffer.view_copy, rect, size, samples, format })
@@ -222,8 +238,8 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
     unsafe {
         let bindings = Bindings::save(gl);
         for view in 0..count {
-            let Some(target) = Region::of(ctx, to.0, view, false) else { break };
-            let source = Region::of(ctx, from.0, view, true);
+            let Some(target) = Region::of(ctx, to.0, view, mask, false) else { break };
+            let source = Region::of(ctx, from.0, view, mask, true);
             if let Some(source) = &source {
                 gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, source.framebuffer);
                 if from.0 != Side::Window {
@@ -268,6 +284,11 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
         // SAFETY: the caller bound both framebuffers.
         unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, filter) };
     };
+    let is_depth = mask & api::GL_COLOR_BUFFER_BIT == 0;
+    if is_depth && from.format != to.format && here == there && from.samples == 0 && to.samples == 0 {
+        convert_depth(ctx, from, to, mask);
+        return;
+    }
     // Samples are resolved, or given, in their own format only.
     let alike = from.format == to.format || (from.samples == 0 && to.samples == 0);
     if here == there && alike {
@@ -305,6 +326,20 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
             Some(_) => issue([0, 0, across, up], to.corners, colour, api::GL_NEAREST),
         }
         bindings.restore(gl);
+    }
+}
+
+/// Copies depth to another format, which only a copy into a texture can do.
+fn convert_depth(ctx: &mut Context, from: End, to: End, mask: u32) {
+    let ([x0, y0, x1, y1], gl) = (from.corners, ctx.driver.gl);
+    let size = [(x1 - x0).abs(), (y1 - y0).abs()];
+    let is_fit = |converter: &&DepthConverter| converter.is(size, to.format);
+    if !ctx.view_copies.depth_converters.iter().any(|converter| is_fit(&converter)) {
+        let new = DepthConverter::new(gl, size, to.format);
+        ctx.view_copies.depth_converters.extend(new);
+    }
+    if let Some(converter) = ctx.view_copies.depth_converters.iter().find(is_fit) {
+        converter.convert(gl, [x0.min(x1), y0.min(y1)], to.corners, mask & api::GL_DEPTH_BUFFER_BIT);
     }
 }
 
@@ -346,8 +381,8 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
 pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: LowerLeftRect) {
     let whole = fills_window(&ctx.drawable, source.corners());
     let from_window = ctx.reads_redirected() && whole && window_has_scene(&ctx.frame, &ctx.view_copies);
-    let sources = colours_of_read(ctx);
-    if !possible(ctx) || (!from_window && sources.iter().all(Option::is_none)) {
+    let (sources, depth) = (colours_of_read(ctx), depth_of_read(ctx));
+    if !possible(ctx) || (!from_window && depth.is_none() && sources.iter().all(Option::is_none)) {
         return;
     }
     let index = match image_of(&ctx.view_copies, texture, level) {
@@ -361,8 +396,13 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: L
             ctx.view_copies.images.len() - 1
         }
     };
-    let name = ctx.view_copies.images[index].name;
-    note_copy(&mut ctx.view_copies, name, &sources, from_window);
+    let image = &ctx.view_copies.images[index];
+    let (name, is_colour) = (image.name, image.is_colour());
+    if is_colour {
+        note_any_copy(&mut ctx.view_copies, name, &sources, from_window);
+    } else {
+        note_any_copy(&mut ctx.view_copies, name, &[depth], false);
+    }
     if copy_count(ctx) > views(ctx) {
         let own = own_tile(ctx);
         view_copies::without_scissor(ctx, |ctx| ctx.view_copies.images[index].store(ctx.driver.gl, ctx.driver.id, own));

@@ -221,6 +221,9 @@ pub fn clear(ctx: &mut Context) {
         destroy_view_copy(&mut image, gl, ctx.driver.id, left, deleted);
     }
     ctx.view_copies.coverage.clear(gl);
+    for converter in std::mem::take(&mut ctx.view_copies.depth_converters) {
+        converter.destroy(ctx.driver.gl);
+    }
     for canvas in std::mem::take(&mut ctx.view_copies.canvases) {
         canvas.destroy(gl);
     }

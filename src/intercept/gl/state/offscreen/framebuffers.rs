@@ -40,6 +40,11 @@ impl Framebuffer {
         self.attachments.iter().flatten().copied()
     }
 
+    /// The depth image that is attached.
+    pub fn depth(&self) -> Option<Name> {
+        self.attachments[DEPTH]
+    }
+
     /// The colour images that are attached.
     pub fn colours(&self) -> impl Iterator<Item = Name> + '_ {
         self.attachments[..COLOURS].iter().flatten().copied()

@@ -417,7 +417,7 @@ impl Bindings {
 
 /// Runs `run` with a texture bound; `false`, and nothing is run, if it is none of `target`. The program's binding
 /// is put back.
-fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run: impl FnOnce()) -> bool {
+pub(super) fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run: impl FnOnce()) -> bool {
     let (mut before, mut bound) = (0, 0);
     // SAFETY: the binding is put back.
     unsafe {

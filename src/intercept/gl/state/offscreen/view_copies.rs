@@ -1,6 +1,7 @@
 //! What is known of the program's framebuffers and of the images in them.
 
 use crate::intercept::gl::state::offscreen::coverage::Coverage;
+use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
 use crate::intercept::gl::state::offscreen::displayed::DisplayedPictures;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
@@ -23,6 +24,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) own_picture: bool,
     /// Canvases for copies to another size, each of another size or format.
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
+    /// Converters of depth, each of another size or format.
+    pub(in crate::intercept::gl) depth_converters: Vec<DepthConverter>,
     /// What was shown last.
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
     /// Off-screen draws that were issued once per view.

@@ -1,0 +1,75 @@
+//! Copies of depth from one format to another.
+
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
+use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name, with_texture};
+
+/// A depth texture of ours, and a framebuffer of it alone: `glBlitFramebuffer` copies depth between equal formats only, and
+/// `glCopyTexSubImage2D` converts.
+pub struct DepthConverter {
+    framebuffer: u32,
+    texture: u32,
+    size: [i32; 2],
+    format: u32,
+}
+
+impl DepthConverter {
+    /// One for rectangles of this size (width, height) of the read framebuffer that become this sized format. Bindings are put
+    /// back; errors may be left. `None` where the driver gives none.
+    pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
+        let mut converter = Self { framebuffer: 0, texture: own_names::texture(gl), size, format };
+        let level = Name::Texture { name: converter.texture, target: api::GL_TEXTURE_2D, level: 0 };
+        with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, converter.texture, || {
+            // SAFETY: gives our texture storage. A copy reads no memory of the program, whatever is bound there.
+            unsafe { gl.copy_tex_image2_d(api::GL_TEXTURE_2D, 0, format, 0, 0, size[0], size[1], 0) };
+        });
+        // SAFETY: makes an object of ours; the bindings are put back.
+        let complete = unsafe {
+            let bindings = Bindings::save(gl);
+            converter.framebuffer = own_names::framebuffer(gl);
+            gl.bind_framebuffer(api::GL_FRAMEBUFFER, converter.framebuffer);
+            images::attach(gl, api::GL_DEPTH_ATTACHMENT, level);
+            gl.draw_buffers(1, &api::GL_NONE);
+            gl.read_buffer(api::GL_NONE);
+            let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
+            bindings.restore(gl);
+            status == api::GL_FRAMEBUFFER_COMPLETE
+        };
+        if complete {
+            return Some(converter);
+        }
+        converter.destroy(gl);
+        None
+    }
+
+    /// Whether it is for this size and format.
+    pub fn is(&self, size: [i32; 2], format: u32) -> bool {
+        self.size == size && self.format == format
+    }
+
+    /// Copies the rectangle with this lower left corner from the read framebuffer to `to` in the draw framebuffer. Bindings are
+    /// put back.
+    pub fn convert(&self, gl: &Gl, [x, y]: [i32; 2], to: [i32; 4], mask: u32) {
+        let [width, height] = self.size;
+        with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, self.texture, || {
+            // SAFETY: our texture is bound.
+            unsafe { gl.copy_tex_sub_image2_d(api::GL_TEXTURE_2D, 0, 0, 0, x, y, width, height) };
+        });
+        // SAFETY: a framebuffer of ours; the binding is put back.
+        unsafe {
+            let bindings = Bindings::save(gl);
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.framebuffer);
+            gl.blit_framebuffer(0, 0, width, height, to[0], to[1], to[2], to[3], mask, api::GL_NEAREST);
+            bindings.restore(gl);
+        }
+    }
+
+    /// Deletes it.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_framebuffers(1, &self.framebuffer);
+            gl.delete_textures(1, &self.texture);
+        }
+    }
+}
