@@ -24,7 +24,7 @@ use crate::intercept::vk::spirv::DescriptorPlace;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
-use crate::intercept::vk::state::recording::draw_groups::{DrawFacts, DrawGroup, MatrixSource};
+use crate::intercept::vk::state::recording::draw_groups::{DrawFacts, DrawGroup, MatrixSource, ShownLayout};
 use crate::intercept::vk::state::recording::draw_parameters::{DrawSize, IndirectDraw};
 use crate::intercept::vk::state::recording::{Event, Recording, count_draw};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, ViewTile};
@@ -141,7 +141,7 @@ fn classify(
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
     let (has_matrices, told_place) = (!sources.is_empty(), variants.moves_place);
     note_pictures(device, recording, Cover { main_picture: main, few_vertices: covers, has_matrices, told_place });
-    let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_size(device, recording, *place)).collect();
+    let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_layout(device, recording, *place)).collect();
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
     if !sets.is_empty() && main && variants.loses_place {
@@ -159,12 +159,12 @@ fn classify(
     Some(Classified { facts, program, sets })
 }
 
-/// The size of the program's image that a descriptor shows, if draws to views get another in its place.
-fn shown_size(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<(u32, u32)> {
+/// The layout of the image that a descriptor shows, if draws to views get another in its place.
+fn shown_layout(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<ShownLayout> {
     let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
     let image = device.images.of(device.descriptors.picture(bound.set, (binding, 0))?)?;
-    device.images.scene(image).filter(|scene| !scene.view_copies.is_empty())?;
-    device.images.size(image)
+    let scene = device.images.scene(image).filter(|scene| !scene.view_copies.is_empty())?;
+    Some(ShownLayout(Arc::clone(&scene.layout)))
 }
 
 /// What a viewport covers, whichever way up it is.
@@ -180,12 +180,8 @@ fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
     let Some(pass) = &recording.pass else { return };
     let (window, given) = (pass.target.window, pass.target.given);
     for picture in pictures {
-        let made = match window {
-            _ if !cover.follows(device.images.is_depth(picture)) => Made::Elsewhere,
-            true => Made::Window,
-            false => Made::Image(given),
-        };
-        device.scene_graph.note_made(picture, made);
+        let made = if window { Made::Window } else { Made::Image(given) };
+        cover.made(device, picture, made).into_iter().for_each(|made| device.scene_graph.note_made(picture, made));
         device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
     }
 }

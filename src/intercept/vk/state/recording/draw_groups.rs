@@ -43,6 +43,22 @@ pub(in crate::intercept::vk) enum DrawClass {
     Screen,
 }
 
+/// The layout of an image that shaders read.
+#[derive(Clone)]
+pub struct ShownLayout(pub(in crate::intercept::vk) Arc<AtlasLayout>);
+
+impl PartialEq for ShownLayout {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl std::fmt::Debug for ShownLayout {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{:?}", self.0.window)
+    }
+}
+
 /// Facts that draws of a group have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawFacts {
@@ -59,8 +75,8 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) deep: bool,
     /// Viewport of the program, where fragments are told their place in its window.
     pub(in crate::intercept::vk) viewport: Option<Area>,
-    /// Of the images that they read by texels: the size of the program's, where a view has its own.
-    pub(in crate::intercept::vk) pictures: Vec<Option<(u32, u32)>>,
+    /// Of the images that they read by texels: places of the views, where a view has its own.
+    pub(in crate::intercept::vk) pictures: Vec<Option<ShownLayout>>,
     /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,
 }
