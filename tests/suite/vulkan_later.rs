@@ -11,6 +11,8 @@ tests! {
     passes_that_read_the_scene_by_places_on_the_screen,
     passes_that_read_the_depth_of_the_scene,
     images_of_other_sizes,
+    skies_are_where_they_belong,
+    places_from_depth_are_those_of_the_scene,
 }
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -57,4 +59,16 @@ fn images_of_other_sizes() {
     // One more image is rounded to bytes, and a filter reads across edges of the cube.
     right(&["double", "double_fetch", "double_blit", "chain"], Limits { tolerance: 3.0, edge: 2.5, rim: false });
     right(&["half", "half_fetch", "half_blit"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+}
+
+/// A triangle over the window that computes what it shows in a direction, by an inverse of the camera's matrix in a block.
+fn skies_are_where_they_belong() {
+    right(&["sky", "sky_rows", "sky_inverted", "sky_columns", "sky_vertices"], EDGE);
+    planetarium_of("vk_later_passes", &["--mode", "sky"], Run::vulkan_under);
+}
+
+/// Places computed from pixels and depth, and pixels from places, are those of the view.
+fn places_from_depth_are_those_of_the_scene() {
+    right(&["light", "light_back", "place"], EDGE);
+    planetarium_of("vk_later_passes", &["--mode", "light"], Run::vulkan_under);
 }

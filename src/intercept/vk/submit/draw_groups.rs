@@ -17,6 +17,7 @@ use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, 
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
+use crate::intercept::vk::submit::camera_matrices;
 use crate::intercept::vk::submit::inspected;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
@@ -137,6 +138,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
 fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.locked();
     frame.follow(&group.layout);
+    let functions_changed = camera_matrices::look(device, group, &frame);
     let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
     let facts = &group.facts;
     let matrices: Vec<_> = facts.sources.iter().filter_map(ranked).collect();
@@ -165,6 +167,11 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
             frame.order.note_scene();
             DrawClass::Screen
         }
+        None if facts.sky && in_views && group.cameras.holds_inverse(facts) => {
+            frame.order.note_scene();
+            *frame.counts.found.entry("inverse of a camera matrix").or_default() += group.draws;
+            DrawClass::Screen
+        }
         // What is flat in a picture of the scene has no other place than the views.
         None if facts.off_screen => DrawClass::Behind,
         None => {
@@ -179,12 +186,14 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     }
     frame.counts.in_views += if outcome == DrawClass::Flat { 0 } else { group.draws };
     frame.counts.duplicated += if facts.off_screen { group.draws } else { 0 };
-    if group.last != Some(outcome) {
+    let camera = match outcome {
+        DrawClass::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &group.layout.session)),
+        _ => None,
+    };
+    camera.into_iter().for_each(|index| frame.cameras.show(index));
+    if group.last != Some(outcome) || functions_changed {
         group.last = Some(outcome);
-        let camera = match outcome {
-            DrawClass::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &group.layout.session)),
-            _ => None,
-        };
+        camera_matrices::write(device, group, outcome, &mut frame, chunks);
         let rows = match camera {
             Some(index) => frame.cameras.get(index).map(|camera| &camera.rows),
             None => (outcome == DrawClass::Behind).then_some(&frame.behind),
@@ -212,11 +221,7 @@ fn write(
             in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
         if let Some(chunk) = chunks.get(group.constants.chunk) {
-            chunk.write(
-                group.constants.offset + index * device.slot_stride(),
-                &rows.to_array(),
-                lens.map(LensConstants::to_array).as_ref(),
-            );
+            chunk.write(group.constants.slot(index), &rows.to_array(), lens.map(LensConstants::to_array).as_ref());
         }
     };
     let views = &group.layout.views;
@@ -245,7 +250,7 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     let own = |rect: AtlasRect| ToWindow::of_tile(rect.into(), 0);
     let pictures = &group.facts.pictures;
     let write = |slot: u32, to_window: &ToWindow, factors: &[[f32; 4]]| {
-        let place = group.constants.offset + slot * device.slot_stride() + device.view_constants.to_window_offset();
+        let place = group.constants.slot(slot) + device.view_constants.to_window_offset();
         chunk.write_to_window(place, to_window);
         chunk.write_factors(place, factors);
     };

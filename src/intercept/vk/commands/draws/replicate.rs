@@ -23,8 +23,10 @@ use crate::intercept::vk::pipelines::matrix_sources::source;
 use crate::intercept::vk::spirv::DescriptorPlace;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
-use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
-use crate::intercept::vk::state::recording::draw_groups::{DrawFacts, DrawGroup, MatrixSource, ShownLayout};
+use crate::intercept::vk::state::pipelines::{CameraMatrix, Pipeline, Variants};
+use crate::intercept::vk::state::recording::draw_groups::{
+    CameraSource, DrawFacts, DrawGroup, MatrixSource, ShownLayout,
+};
 use crate::intercept::vk::state::recording::draw_parameters::{DrawSize, IndirectDraw};
 use crate::intercept::vk::state::recording::{Event, Recording, count_draw};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, ViewTile};
@@ -142,6 +144,13 @@ fn classify(
     let (has_matrices, told_place) = (!sources.is_empty(), variants.moves_place);
     note_pictures(device, recording, Cover { main_picture: main, few_vertices: covers, has_matrices, told_place });
     let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_layout(device, recording, *place)).collect();
+    let of_camera = |camera: &CameraMatrix| {
+        let CameraMatrix { matrix, stage, inverted } = camera;
+        CameraSource { source: source(device, recording, matrix).filter(|_| main), stage: *stage, inverted: *inverted }
+    };
+    let cameras: Vec<_> = variants.cameras.iter().map(of_camera).collect();
+    // What is flat may be a sky, or another picture that is computed from its pixels.
+    let sky = main && sets.is_empty() && !cameras.is_empty();
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
     if !sets.is_empty() && main && variants.loses_place {
@@ -151,11 +160,11 @@ fn classify(
     // A flat draw may have to go behind the scene, if none was drawn yet.
     let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
     let own_lens = layout.views.iter().any(|view| view.own_lens);
-    let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
+    let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     let viewport = variants.moves_place.then(|| area(&program.viewport));
-    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen };
+    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen, cameras, sky };
     Some(Classified { facts, program, sets })
 }
 
@@ -224,7 +233,7 @@ fn select(
     let slots = 2 + views;
     let same = recording.draw_groups.last_mut().filter(|group| group.takes(layout, &facts));
     if same.is_none() {
-        let stride = device.slot_stride();
+        let stride = device.slot_stride(facts.slot_parts());
         let taken = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride);
         let constants = taken
             .inspect_err(|error| {
