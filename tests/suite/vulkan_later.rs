@@ -44,7 +44,7 @@ fn right(modes: &[&str], limits: impl Into<Limits> + Copy) {
 
 /// A shader that computes from its place on the screen what it reads of the scene gets the same place of a view.
 fn passes_that_read_the_scene_by_places_on_the_screen() {
-    right(&["fetch", "divided", "given", "handed"], EDGE);
+    right(&["fetch", "divided", "given", "handed", "late"], EDGE);
     planetarium_of("vk_later_passes", &["--mode", "fetch"], Run::vulkan_under);
 }
 

@@ -1,6 +1,7 @@
 /*
  * The direction test's cube, drawn to images that a later pass reads (--mode): by the place of a fragment on the screen
- * (fetch, divided, given), or in a function that is given the image (handed); its colour in two images and its depth (deferred), or
+ * (fetch, divided, given), or in a function that is given the image (handed), or with commands that are submitted in
+ * another order than they are recorded in (late); its colour in two images and its depth (deferred), or
  * the colour and the depth (depths), the latter also after a pass that draws depth alone (prepass) or with the colour
  * in the window (window). In images of half or twice the window's size that are sampled (half, double), fetched from
  * (half_fetch, double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain).
@@ -51,10 +52,12 @@ typedef struct {
     bool alone;          /* the last pass is all there is */
     bool vertices;       /* its vertices have directions */
     bool cube;           /* it draws the cube */
+    bool late;           /* what comes first is recorded last */
 } mode;
 
 static const mode modes[] = {
     {.name = "fetch", .shader = SHADER(later_fetch)},
+    {.name = "late", .shader = SHADER(later_fetch), .late = true},
     {.name = "divided", .shader = SHADER(later_divided)},
     {.name = "given", .shader = SHADER(later_given)},
     {.name = "handed", .shader = SHADER(later_handed)},
@@ -92,7 +95,7 @@ static VkDescriptorSet sets[2];
 static VkPipelineLayout layout;
 static linked_pipeline cube, early, screen, copy;
 static frame_objects objects;
-static VkCommandBuffer commands;
+static VkCommandBuffer commands, late;
 static block camera;
 
 static const VkImageLayout NEW = VK_IMAGE_LAYOUT_UNDEFINED, COLOR = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
@@ -292,7 +295,7 @@ static void record_scene(void)
         change_layout(commands, depth.image, OF_DEPTH, DEEP, DEEP);
         load = VK_ATTACHMENT_LOAD_OP_LOAD;
     }
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count && !chosen->late; i++)
         change_layout(commands, colors[i].image, OF_COLOR, NEW, COLOR);
     begin(count, views, size, &load);
     draw_cube(&cube);
@@ -317,6 +320,18 @@ static void blit(VkImage to)
     change_layout(commands, to, OF_COLOR, WRITTEN, COLOR);
 }
 
+/* Submits what the other commands need first. */
+static void submit_late(const VkCommandBufferBeginInfo *info)
+{
+    static bool again;
+    const VkSubmitInfo work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &late};
+    expect(vkBeginCommandBuffer(late, info), "vkBeginCommandBuffer");
+    change_layout(late, colors[0].image, OF_COLOR, again ? SAMPLED : NEW, COLOR);
+    again = true;
+    expect(vkEndCommandBuffer(late), "vkEndCommandBuffer");
+    expect(vkQueueSubmit(w.queue, 1, &work, VK_NULL_HANDLE), "vkQueueSubmit");
+}
+
 static void record(uint32_t index)
 {
     const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
@@ -329,6 +344,8 @@ static void record(uint32_t index)
         blit(w.images[index]);
     change_layout(commands, w.images[index], OF_COLOR, COLOR, SHOWN);
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+    if (chosen->late)
+        submit_late(&info);
 }
 
 int main(int argc, char **argv)
@@ -341,6 +358,7 @@ int main(int argc, char **argv)
     make_pipelines();
     objects = make_frame_objects(&w);
     make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1, &commands);
+    make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1, &late);
     run_frames(&w, &objects, commands, options.frames, options.shot, record);
     expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
     linked_pipeline *const all[] = {&cube, &early, &screen, &copy};

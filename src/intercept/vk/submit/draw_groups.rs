@@ -83,6 +83,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             }
             Event::Copy(from, to, region) => device.host_memory.copied(*from, *to, region),
             Event::Update(buffer, offset, bytes) => device.host_memory.written(*buffer, *offset, bytes.clone()),
+            Event::Layout(image, layout) => device.images.submitted(*image, *layout),
             Event::Execute(other) => {
                 device.recordings.with(*other, |other| run_events(device, other, queries));
             }

@@ -29,6 +29,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
     /// The layout that was recorded last.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
+    /// That in which the commands leave it that were submitted last: they need not have been recorded last.
+    pub(in crate::intercept::vk) submitted_layout: vk::ImageLayout,
     /// Shaders read it.
     pub(in crate::intercept::vk) described: bool,
     /// A pass with depth only drew to its atlas copy in its place.
@@ -162,6 +164,7 @@ impl Images {
             samples: vk::SampleCountFlags::TYPE_1,
             usage: vk::ImageUsageFlags::empty(),
             layout: vk::ImageLayout::UNDEFINED,
+            submitted_layout: vk::ImageLayout::UNDEFINED,
             described: false,
             drawn_alone: false,
             drawn_together: false,
@@ -207,10 +210,17 @@ impl Images {
         window.map(|target| target.atlas).chain(atlas_copies).collect()
     }
 
-    /// The program recorded that an image changes its layout.
-    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) {
+    /// The program recorded that an image changes its layout. Whether the image is known.
+    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) -> bool {
+        let mut images = self.images.locked();
+        let state = images.get_mut(&image);
+        state.map(|state| state.layout = layout).is_some()
+    }
+
+    /// Commands that take an image to a layout were submitted.
+    pub fn submitted(&self, image: vk::Image, layout: vk::ImageLayout) {
         if let Some(state) = self.images.locked().get_mut(&image) {
-            state.layout = layout;
+            state.submitted_layout = layout;
         }
     }
 
