@@ -2,7 +2,9 @@
 #![no_main]
 
 use cupola::correct::projected::division::Input;
-use cupola::intercept::vk::spirv::{Limits, asks_place, divide, frag_coord, matrices, splice, stage_outputs, texels};
+use cupola::intercept::vk::spirv::{
+    Limits, asks_place, camera_matrices, divide, frag_coord, matrices, splice, stage_outputs, texels,
+};
 use spirv::ExecutionModel;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
@@ -22,6 +24,10 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(Some(followed)) = texels(&words, "main", 3, 64) {
         // Each place gets a few words.
         assert!(followed.words.len() >= words.len() && followed.words.len() < 12 * words.len() + (1 << 14));
+    }
+    let stage = if kind & 8 != 0 { ExecutionModel::Fragment } else { ExecutionModel::Vertex };
+    if let Ok(Some(chosen)) = camera_matrices(&words, stage, "main", 3, 208) {
+        assert!(chosen.words.len() >= words.len() && chosen.words.len() < words.len() + (1 << 14));
     }
     let fragment = (kind & 8 != 0).then_some((&words[..], ExecutionModel::Fragment, "main"));
     if let Ok(outputs) = stage_outputs((&words, ExecutionModel::Vertex, "main"), fragment) {

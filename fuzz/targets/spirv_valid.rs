@@ -3,7 +3,7 @@
 #![no_main]
 
 use cupola::correct::projected::division::Input;
-use cupola::intercept::vk::spirv::{Limits, divide, frag_coord, splice, stage_outputs, texels};
+use cupola::intercept::vk::spirv::{Limits, camera_matrices, divide, frag_coord, splice, stage_outputs, texels};
 use spirv::ExecutionModel;
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -34,6 +34,9 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     made.extend(splice(&words, models[usize::from(kind & 3) % 3], "main", 3, kind & 4 != 0));
     made.extend(frag_coord(&words, "main", 3, 64).ok().flatten());
     made.extend(texels(&words, "main", 3, 64).ok().flatten().map(|followed| followed.words));
+    for stage in [ExecutionModel::Fragment, ExecutionModel::Vertex] {
+        made.extend(camera_matrices(&words, stage, "main", 3, 208).ok().flatten().map(|chosen| chosen.words));
+    }
     if let Ok(outputs) = stage_outputs((&words, ExecutionModel::Vertex, "main"), None) {
         let limits = Limits { vertices: 256, all_components: 1024, components: [64, 128], runs: 32 };
         made.extend(divide(Input::Triangles, &outputs, u32::from(kind >> 4 & 1), 3, kind & 32 != 0, &limits));

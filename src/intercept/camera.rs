@@ -3,7 +3,7 @@
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::lens::same;
 use crate::runtime::Session;
-use crate::runtime::session::Intrinsics;
+use crate::runtime::session::{CameraFunction, Intrinsics, MatrixClass, classify};
 
 /// A lens of the program and the rows that take it to each view.
 pub struct Camera {
@@ -80,6 +80,19 @@ impl Cameras {
     pub fn shown(&self) -> impl Iterator<Item = &Intrinsics> {
         let list = self.list.iter().filter(|camera| camera.shown > 0).map(|camera| &camera.intrinsics);
         list.chain(self.fixed.iter().map(|(lens, _)| lens))
+    }
+
+    /// What a matrix is of one of the cameras that are shown, or, where there is none, of one that it tells itself.
+    /// `inverted`: the shader computes its inverse.
+    pub fn function_of(&self, matrix: &[f64; 16], inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
+        let mut known = self.shown().peekable();
+        if known.peek().is_none() {
+            return match classify(matrix) {
+                MatrixClass::Perspective(lens) if inverted => Some((CameraFunction::of(matrix, &lens)?, lens)),
+                _ => CameraFunction::of_inverse(matrix),
+            };
+        }
+        known.find_map(|lens| Some((CameraFunction::of(matrix, lens)?, *lens)))
     }
 
     /// Number of times that [`Cameras::shown`] changed.

@@ -166,41 +166,6 @@ static void setup(app *a)
     }
 }
 
-/* The inverse of a 4x4 matrix, by Gauss and Jordan in 64 bits. */
-static matrix4 inverse(matrix4 m)
-{
-    double a[4][8];
-    matrix4 result;
-    for (int row = 0; row < 4; row++) {
-        for (int column = 0; column < 4; column++) {
-            a[row][column] = m.m[4 * column + row];
-            a[row][4 + column] = row == column;
-        }
-    }
-    for (int pivot = 0; pivot < 4; pivot++) {
-        int best = pivot;
-        for (int row = pivot; row < 4; row++) {
-            if (a[row][pivot] * a[row][pivot] > a[best][pivot] * a[best][pivot])
-                best = row;
-        }
-        for (int column = 0; column < 8; column++) {
-            const double other = a[best][column];
-            a[best][column] = a[pivot][column];
-            a[pivot][column] = other;
-        }
-        for (int column = 7; column >= 0; column--)
-            a[pivot][column] /= a[pivot][pivot];
-        for (int row = 0; row < 4; row++) {
-            const double factor = a[row][pivot];
-            for (int column = 0; row != pivot && column < 8; column++)
-                a[row][column] -= factor * a[pivot][column];
-        }
-    }
-    for (int i = 0; i < 16; i++)
-        result.m[i] = (float)a[i % 4][4 + i / 4];
-    return result;
-}
-
 static void set(GLuint of, const char *name, matrix4 m)
 {
     glUniformMatrix4fv(glGetUniformLocation(of, name), 1, GL_FALSE, m.m);
@@ -226,13 +191,13 @@ static void use(const app *a, GLuint of)
     set(of, "MV", mv);
     set(of, "view", a->view);
     set(of, "PMV", pmv);
-    set(of, "inverseP", inverse(p));
-    set(of, "inverseMV", inverse(mv));
-    set(of, "inversePMV", inverse(pmv));
-    set(of, "rowsPMV", matrix_transposed(inverse(pmv)));
+    set(of, "inverseP", matrix_inverse(p));
+    set(of, "inverseMV", matrix_inverse(mv));
+    set(of, "inversePMV", matrix_inverse(pmv));
+    set(of, "rowsPMV", matrix_transposed(matrix_inverse(pmv)));
     set(of, "TPMV", matrix_multiply(texture, pmv));
-    set(of, "inverseTPMV", inverse(matrix_multiply(texture, pmv)));
-    set(of, "inverseTDPMV", inverse(matrix_multiply(with_depth, pmv)));
+    set(of, "inverseTPMV", matrix_inverse(matrix_multiply(texture, pmv)));
+    set(of, "inverseTDPMV", matrix_inverse(matrix_multiply(with_depth, pmv)));
     set(of, "lamp", lamp);
     glUniform4fv(glGetUniformLocation(of, "lamps"), 4, lamp.m);
     glUniform2f(glGetUniformLocation(of, "size"), (float)a->window.width, (float)a->window.height);

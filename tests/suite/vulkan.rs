@@ -252,7 +252,7 @@ fn scenes<'a>(extra: &'a [&'a str]) -> Run<'a> {
 
 /// A scene that reaches the window through pictures of the program's own is drawn for each view, however it is shown.
 fn scenes_that_are_drawn_off_screen() {
-    for way in ["post", "matrices", "chain", "place", "passes", "blit", "resolve", "depths"] {
+    for way in ["post", "matrices", "chain", "place", "passes", "blit", "resolve", "half", "depths"] {
         let extra = ["--way", way];
         let run = scenes(&extra);
         let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -260,7 +260,7 @@ fn scenes_that_are_drawn_off_screen() {
         let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
         expect_good(&report, &picture, &format!("vk_scenes {way}"));
         let statistics = finished.statistics();
-        let pictures = if ["chain", "depths"].contains(&way) { 2 } else { 1 };
+        let pictures = if ["chain", "half", "depths"].contains(&way) { 2 } else { 1 };
         assert_eq!(statistics["duplicated_framebuffers"], pictures, "{way}: {statistics:#}");
         assert!(statistics["duplicated_draws"].as_u64() > Some(0), "{way}: {statistics:#}");
     }
@@ -364,7 +364,6 @@ fn programs_that_stay_flat_say_why() {
     let reasons = [
         ("multiview", "notes", "multiview or layers"),
         ("independent", "notes", "no room for a descriptor set"),
-        ("half", "single_framebuffers", "by passes of another size"),
         ("compute", "single_framebuffers", "it is read by compute shaders"),
     ];
     for (way, told, why) in reasons {

@@ -1,14 +1,18 @@
 //! Vulkan programs whose later passes read the scene: by places on the screen, its depth, images of other sizes.
 
-use crate::compare::{compare, expect_good, expect_identical};
+use crate::compare::{EDGE, Limits, Shown, compare_with, expect_good, expect_identical};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
+use crate::picture::Picture;
 use crate::programs::Run;
-use crate::reference::Fisheye;
+use crate::reference::{Fisheye, cube_colour, cube_face};
 
 tests! {
     passes_that_read_the_scene_by_places_on_the_screen,
     passes_that_read_the_depth_of_the_scene,
+    images_of_other_sizes,
+    skies_are_where_they_belong,
+    places_from_depth_are_those_of_the_scene,
 }
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -20,30 +24,51 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
 
 /// Each mode shows what the reference predicts, without Cupola and on a dome, and with the program's own lens the same
 /// as without Cupola, to the byte.
-fn right(modes: &[&str]) {
+fn right(modes: &[&str], limits: impl Into<Limits> + Copy) {
     for mode in modes {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
         let run = run(&extra);
+        let compare = |picture: &Picture, shown: &dyn Fn(f64, f64) -> Shown, rig: &str| {
+            let report = compare_with(picture, limits, shown, cube_colour, cube_face);
+            expect_good(&report, picture, &format!("vk_later_passes {mode} {rig}"));
+        };
         let Some(plain) = run.vulkan_plain() else { return };
         let plain = plain.expect_success().picture("shot.ppm");
-        expect_good(&compare(&plain, shown_by_window(run.size, run.fov, camera_of(&run))), &plain, mode);
+        compare(&plain, &shown_by_window(run.size, run.fov, camera_of(&run)), "plain");
         let Some(under) = run.vulkan_under("fisheye") else { return };
-        let picture = under.picture("capture.png");
-        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
-        expect_good(&report, &picture, &format!("{mode} fisheye"));
+        compare(&under.picture("capture.png"), &shown_by_fisheye(CIRCLE, camera_of(&run)), "fisheye");
         let Some(same) = run.vulkan_under("identity-captured") else { return };
-        expect_identical(&same.picture("shot.ppm"), &plain, &format!("{mode} identity-captured"));
+        expect_identical(&same.picture("shot.ppm"), &plain, &format!("vk_later_passes {mode} identity-captured"));
     }
 }
 
 /// A shader that computes from its place on the screen what it reads of the scene gets the same place of a view.
 fn passes_that_read_the_scene_by_places_on_the_screen() {
-    right(&["fetch", "divided", "given", "handed"]);
+    right(&["fetch", "divided", "given", "handed", "late"], EDGE);
     planetarium_of("vk_later_passes", &["--mode", "fetch"], Run::vulkan_under);
 }
 
 /// The depth of the scene is drawn for each view where a later pass reads it, alone or with two images of the colour.
 fn passes_that_read_the_depth_of_the_scene() {
-    right(&["deferred", "depths", "prepass"]);
+    right(&["deferred", "depths", "prepass"], EDGE);
     planetarium_of("vk_later_passes", &["--mode", "deferred"], Run::vulkan_under);
+}
+
+/// Images of half or twice the window's size are drawn for each view in half or twice the view's size.
+fn images_of_other_sizes() {
+    // One more image is rounded to bytes, and a filter reads across edges of the cube.
+    right(&["double", "double_fetch", "double_blit", "chain"], Limits { tolerance: 3.0, edge: 2.5, rim: false });
+    right(&["half", "half_fetch", "half_blit"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+}
+
+/// A triangle over the window that computes what it shows in a direction, by an inverse of the camera's matrix in a block.
+fn skies_are_where_they_belong() {
+    right(&["sky", "sky_rows", "sky_inverted", "sky_columns", "sky_vertices"], EDGE);
+    planetarium_of("vk_later_passes", &["--mode", "sky"], Run::vulkan_under);
+}
+
+/// Places computed from pixels and depth, and pixels from places, are those of the view.
+fn places_from_depth_are_those_of_the_scene() {
+    right(&["light", "light_back", "place"], EDGE);
+    planetarium_of("vk_later_passes", &["--mode", "light"], Run::vulkan_under);
 }

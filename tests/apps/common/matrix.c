@@ -75,3 +75,37 @@ matrix4 matrix_translate(double x, double y, double z)
     r.m[14] = (float)z;
     return r;
 }
+
+matrix4 matrix_inverse(matrix4 m)
+{
+    double a[4][8];
+    matrix4 result;
+    for (int row = 0; row < 4; row++) {
+        for (int column = 0; column < 4; column++) {
+            a[row][column] = m.m[4 * column + row];
+            a[row][4 + column] = row == column;
+        }
+    }
+    for (int pivot = 0; pivot < 4; pivot++) {
+        int best = pivot;
+        for (int row = pivot; row < 4; row++) {
+            if (a[row][pivot] * a[row][pivot] > a[best][pivot] * a[best][pivot])
+                best = row;
+        }
+        for (int column = 0; column < 8; column++) {
+            const double other = a[best][column];
+            a[best][column] = a[pivot][column];
+            a[pivot][column] = other;
+        }
+        for (int column = 7; column >= 0; column--)
+            a[pivot][column] /= a[pivot][pivot];
+        for (int row = 0; row < 4; row++) {
+            const double factor = a[row][pivot];
+            for (int column = 0; row != pivot && column < 8; column++)
+                a[row][column] -= factor * a[pivot][column];
+        }
+    }
+    for (int i = 0; i < 16; i++)
+        result.m[i] = (float)a[i % 4][4 + i / 4];
+    return result;
+}

@@ -21,6 +21,9 @@ matrix4 matrix_camera(double yaw, double pitch);
 matrix4 matrix_scale(double factor);
 matrix4 matrix_transposed(matrix4 m);
 
+/* The inverse, by Gauss and Jordan in 64 bits. */
+matrix4 matrix_inverse(matrix4 m);
+
 matrix4 matrix_translate(double x, double y, double z);
 
 #endif

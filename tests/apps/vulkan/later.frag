@@ -4,7 +4,20 @@ layout(set = 0, binding = 0) uniform sampler2D picture;
 layout(set = 0, binding = 1) uniform sampler2D second;
 layout(set = 0, binding = 2) uniform sampler2D depths;
 layout(push_constant) uniform Screen { layout(offset = 64) vec2 size; } screen;
+/* Matrices of the camera, from and to places on the cube. */
+layout(set = 0, binding = 3) uniform Camera {
+    vec4 tint;
+    mat4 inverse_all, all, lamp;
+    layout(row_major) mat4 inverse_rows;
+    mat4 several[2];
+} camera;
+#if defined(PLACE)
+layout(location = 0) in vec3 shade;
+#elif defined(DIRECTION)
+layout(location = 0) in vec3 direction;
+#else
 layout(location = 0) in vec2 at;
+#endif
 layout(location = 0) out vec4 result;
 
 #if defined(HANDED)
@@ -14,9 +27,54 @@ vec4 texel(sampler2D of, ivec2 place)
 }
 #endif
 
+/* The colour that the cube has in a direction. */
+vec4 colour(vec3 d)
+{
+    d /= max(max(abs(d.x), abs(d.y)), abs(d.z));
+    return vec4(0.5 + 0.5 * d, 1.0);
+}
+
+/* That of a place that is on the cube, which that of another view is not. */
+vec4 on_cube(vec4 p)
+{
+    p /= p.w;
+    float far = max(max(abs(p.x), abs(p.y)), abs(p.z));
+    return abs(far - 1.0) < 0.01 ? colour(p.xyz) : vec4(0.0);
+}
+
 void main()
 {
-#if defined(FETCH)
+#if defined(SKY)
+    result = colour((camera.inverse_all * vec4(2.0 * at - 1.0, 1.0, 1.0)).xyz);
+#elif defined(SKY_ROWS)
+    result = colour((camera.inverse_rows * vec4(2.0 * at - 1.0, 1.0, 1.0)).xyz);
+#elif defined(SKY_INVERTED)
+    result = colour((inverse(camera.several[1]) * vec4(2.0 * at - 1.0, 1.0, 1.0)).xyz);
+#elif defined(SKY_COLUMNS)
+    vec2 c = 2.0 * at - 1.0;
+    vec4 d = camera.inverse_all[0] * c.x + camera.inverse_all[1] * c.y + camera.inverse_all[2] + camera.inverse_all[3];
+    result = colour(vec3(d.xy, camera.inverse_all[0][2] * c.x + camera.inverse_all[1].z * c.y +
+                                   camera.inverse_all[2].z + camera.inverse_all[3][2]));
+#elif defined(DIRECTION)
+    result = colour(direction);
+#elif defined(LIGHT)
+    float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
+    result = on_cube(camera.inverse_all * vec4(2.0 * at - 1.0, depth, 1.0));
+#elif defined(LIGHT_BACK)
+    /* From the pixel to the place, and from there to the pixel. */
+    float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
+    vec4 p = camera.inverse_rows * vec4(2.0 * at - 1.0, depth, 1.0);
+    vec4 c = camera.all * (p / p.w);
+    vec2 back = 0.5 + 0.5 * c.xy / c.w;
+    result = distance(back, at) * screen.size.x < 0.05 ? texture(picture, back) : vec4(0.0);
+#elif defined(PLACE)
+    /* What is not at its own pixel is discarded. What a lamp sees is not looked at. */
+    vec4 c = camera.all * vec4(2.0 * shade - 1.0, 1.0), d = camera.lamp * vec4(2.0 * shade - 1.0, 1.0);
+    vec2 seen = screen.size * (0.5 + 0.5 * c.xy / c.w);
+    if (distance(seen, gl_FragCoord.xy) > 0.02 || d.x == 1e9)
+        discard;
+    result = vec4(shade, 1.0);
+#elif defined(FETCH)
     result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #elif defined(DIVIDED)
     result = texture(picture, gl_FragCoord.xy / vec2(textureSize(picture, 0)));

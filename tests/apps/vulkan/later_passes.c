@@ -1,9 +1,14 @@
 /*
  * The direction test's cube, drawn to images that a later pass reads (--mode): by the place of a fragment on the screen
- * (fetch, divided, given), or in a function that is given the image (handed); its colour in two images and its depth (deferred), or
+ * (fetch, divided, given), or in a function that is given the image (handed), or with commands that are submitted in
+ * another order than they are recorded in (late); its colour in two images and its depth (deferred), or
  * the colour and the depth (depths), the latter also after a pass that draws depth alone (prepass) or with the colour
  * in the window (window). In images of half or twice the window's size that are sampled (half, double), fetched from
  * (half_fetch, double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain).
+ *
+ * Or with matrices of the camera in a block: a sky as a triangle over the window (sky, sky_rows, sky_inverted,
+ * sky_columns, sky_vertices), the cube's colours from its depth (light, light_back), the cube where each fragment is at
+ * the place that it computes (place).
  */
 #include "direction.h"
 #include "frames.h"
@@ -14,13 +19,22 @@
 #include "cube_push.h"
 #include "later_deferred.h"
 #include "later_depths.h"
+#include "later_direction.h"
 #include "later_divided.h"
 #include "later_fetch.h"
 #include "later_given.h"
 #include "later_handed.h"
+#include "later_light.h"
+#include "later_light_back.h"
 #include "later_parts.h"
+#include "later_place.h"
 #include "later_sampled.h"
 #include "later_scaled.h"
+#include "later_sky.h"
+#include "later_sky_columns.h"
+#include "later_sky_inverted.h"
+#include "later_sky_rows.h"
+#include "later_vertices.h"
 #include "screen_vert.h"
 
 #include <stdio.h>
@@ -35,10 +49,15 @@ typedef struct {
     bool depths;         /* the last pass reads the depth */
     bool depth_first;    /* after a pass for it alone */
     bool chain;          /* through an image of the window's size */
+    bool alone;          /* the last pass is all there is */
+    bool vertices;       /* its vertices have directions */
+    bool cube;           /* it draws the cube */
+    bool late;           /* what comes first is recorded last */
 } mode;
 
 static const mode modes[] = {
     {.name = "fetch", .shader = SHADER(later_fetch)},
+    {.name = "late", .shader = SHADER(later_fetch), .late = true},
     {.name = "divided", .shader = SHADER(later_divided)},
     {.name = "given", .shader = SHADER(later_given)},
     {.name = "handed", .shader = SHADER(later_handed)},
@@ -52,6 +71,14 @@ static const mode modes[] = {
     {.name = "half_blit", .halves = 1},
     {.name = "double_blit", .halves = 4},
     {.name = "chain", .shader = SHADER(later_sampled), .halves = 4, .chain = true},
+    {.name = "sky", .shader = SHADER(later_sky), .alone = true},
+    {.name = "sky_rows", .shader = SHADER(later_sky_rows), .alone = true},
+    {.name = "sky_inverted", .shader = SHADER(later_sky_inverted), .alone = true},
+    {.name = "sky_columns", .shader = SHADER(later_sky_columns), .alone = true},
+    {.name = "sky_vertices", .shader = SHADER(later_direction), .alone = true, .vertices = true},
+    {.name = "light", .shader = SHADER(later_light), .depths = true},
+    {.name = "light_back", .shader = SHADER(later_light_back), .depths = true},
+    {.name = "place", .shader = SHADER(later_place), .alone = true, .cube = true},
     {.name = "half_deferred", .shader = SHADER(later_depths), .halves = 1, .depths = true},
 };
 enum { MODES = sizeof modes / sizeof *modes };
@@ -68,7 +95,8 @@ static VkDescriptorSet sets[2];
 static VkPipelineLayout layout;
 static linked_pipeline cube, early, screen, copy;
 static frame_objects objects;
-static VkCommandBuffer commands;
+static VkCommandBuffer commands, late;
+static block camera;
 
 static const VkImageLayout NEW = VK_IMAGE_LAYOUT_UNDEFINED, COLOR = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                            DEEP = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, SHOWN = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR,
@@ -107,19 +135,22 @@ static void make_pictures(void)
 static void make_layouts(void)
 {
     const VkDescriptorType seen = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    VkDescriptorSetLayoutBinding bindings[3];
+    const VkDescriptorType of_camera = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    VkDescriptorSetLayoutBinding bindings[4] = {[3] = {3, of_camera, 1, VK_SHADER_STAGE_ALL_GRAPHICS, NULL}};
     for (uint32_t i = 0; i < 3; i++)
         bindings[i] = (VkDescriptorSetLayoutBinding){i, seen, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
     const VkDescriptorSetLayoutCreateInfo set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 3, .pBindings = bindings};
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 4, .pBindings = bindings};
     expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
-    const VkDescriptorPoolSize sizes = {seen, 6};
+    const VkDescriptorPoolSize sizes[] = {{seen, 6}, {of_camera, 2}};
     const VkDescriptorPoolCreateInfo pool = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 2, .poolSizeCount = 1, .pPoolSizes = &sizes};
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 2, .poolSizeCount = 2, .pPoolSizes = sizes};
     expect(vkCreateDescriptorPool(w.device, &pool, NULL, &descriptors), "vkCreateDescriptorPool");
+    /* Depths need not be filtered. */
+    const VkFilter smooth = chosen->depths || chosen->halves == 0 ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-                                        .magFilter = VK_FILTER_NEAREST,
-                                        .minFilter = VK_FILTER_NEAREST,
+                                        .magFilter = smooth,
+                                        .minFilter = smooth,
                                         .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                         .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     expect(vkCreateSampler(w.device, &filter, NULL, &sampler), "vkCreateSampler");
@@ -134,12 +165,19 @@ static void make_layouts(void)
         const VkDescriptorImageInfo images[] = {{sampler, first, SAMPLED},
                                                 {sampler, chosen->parts ? colors[1].view : first, SAMPLED},
                                                 {sampler, chosen->depths ? depth.view : first, SAMPLED}};
-        const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                            .dstSet = sets[s],
-                                            .descriptorCount = 3,
-                                            .descriptorType = seen,
-                                            .pImageInfo = images};
-        vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+        const VkDescriptorBufferInfo buffer = {camera.buffer, 0, VK_WHOLE_SIZE};
+        const VkWriteDescriptorSet write[] = {{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                               .dstSet = sets[s],
+                                               .descriptorCount = 3,
+                                               .descriptorType = seen,
+                                               .pImageInfo = images},
+                                              {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                               .dstSet = sets[s],
+                                               .dstBinding = 3,
+                                               .descriptorCount = 1,
+                                               .descriptorType = of_camera,
+                                               .pBufferInfo = &buffer}};
+        vkUpdateDescriptorSets(w.device, 2, write, 0, NULL);
     }
     const VkPushConstantRange ranges[] = {{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)},
                                           {VK_SHADER_STAGE_FRAGMENT_BIT, sizeof(matrix4), 2 * sizeof(float)}};
@@ -164,13 +202,16 @@ static void make_pipelines(void)
     cube = make_pipeline(&w, &description);
     description.colorless = true;
     early = make_pipeline(&w, &description);
-    pipeline_description flat = {.vertex = SHADER(screen_vert),
+    pipeline_description flat = {.vertex = chosen->cube       ? SHADER(cube_push)
+                                           : chosen->vertices ? SHADER(later_vertices)
+                                                              : SHADER(screen_vert),
                                  .fragment = chosen->shader,
                                  .layout = layout,
                                  .color = w.format,
                                  .samples = VK_SAMPLE_COUNT_1_BIT};
     if (flat.fragment.words != NULL)
         screen = make_pipeline(&w, &flat);
+    flat.vertex = SHADER(screen_vert);
     flat.fragment = SHADER(later_sampled);
     copy = make_pipeline(&w, &flat);
 }
@@ -222,8 +263,50 @@ static void draw_screen(const linked_pipeline *by, VkDescriptorSet set, VkImage 
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, by->whole);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &set, 0, NULL);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_FRAGMENT_BIT, sizeof(matrix4), sizeof extent, extent);
-    vkCmdDraw(commands, 3, 1, 0, 0);
+    const matrix4 matrix = direction_matrix(&options, w.extent, false);
+    vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
+    vkCmdDraw(commands, chosen->cube ? 36 : 3, 1, 0, 0);
     vkCmdEndRendering(commands);
+}
+
+/* What all shaders with matrices of the camera have: a colour, matrices. */
+static void fill_camera(void)
+{
+    const matrix4 all = direction_matrix(&options, w.extent, false), back = matrix_inverse(all);
+    const matrix4 lamp = matrix_multiply(matrix_perspective(40.0, 1.0, 0.5, 50.0), matrix_camera(40.0, -20.0));
+    const struct {
+        float tint[4];
+        matrix4 inverse_all, all, lamp, inverse_rows, several[2];
+    } values = {{1, 1, 1, 1}, back, all, lamp, matrix_transposed(back), {lamp, all}};
+    camera = make_block(&w, sizeof values, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true);
+    memcpy(camera.bytes, &values, sizeof values);
+}
+
+/* The images that the last pass reads. */
+static void record_scene(void)
+{
+    const VkImageView views[] = {colors[0].view, colors[1].view};
+    const uint32_t count = chosen->parts ? 2 : 1;
+    VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    change_layout(commands, depth.image, OF_DEPTH, NEW, DEEP);
+    if (chosen->depth_first) {
+        begin(0, NULL, size, &load);
+        draw_cube(&early);
+        change_layout(commands, depth.image, OF_DEPTH, DEEP, DEEP);
+        load = VK_ATTACHMENT_LOAD_OP_LOAD;
+    }
+    for (uint32_t i = 0; i < count && !chosen->late; i++)
+        change_layout(commands, colors[i].image, OF_COLOR, NEW, COLOR);
+    begin(count, views, size, &load);
+    draw_cube(&cube);
+    for (uint32_t i = 0; i < count; i++)
+        change_layout(commands, colors[i].image, OF_COLOR, COLOR, SAMPLED);
+    if (chosen->depths)
+        change_layout(commands, depth.image, OF_DEPTH, DEEP, SAMPLED);
+    if (chosen->chain) {
+        draw_screen(&copy, sets[0], between.image, between.view);
+        change_layout(commands, between.image, OF_COLOR, COLOR, SAMPLED);
+    }
 }
 
 static void blit(VkImage to)
@@ -237,38 +320,32 @@ static void blit(VkImage to)
     change_layout(commands, to, OF_COLOR, WRITTEN, COLOR);
 }
 
+/* Submits what the other commands need first. */
+static void submit_late(const VkCommandBufferBeginInfo *info)
+{
+    static bool again;
+    const VkSubmitInfo work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &late};
+    expect(vkBeginCommandBuffer(late, info), "vkBeginCommandBuffer");
+    change_layout(late, colors[0].image, OF_COLOR, again ? SAMPLED : NEW, COLOR);
+    again = true;
+    expect(vkEndCommandBuffer(late), "vkEndCommandBuffer");
+    expect(vkQueueSubmit(w.queue, 1, &work, VK_NULL_HANDLE), "vkQueueSubmit");
+}
+
 static void record(uint32_t index)
 {
     const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    const VkImageView views[] = {colors[0].view, colors[1].view};
-    const uint32_t count = chosen->parts ? 2 : 1;
-    VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_CLEAR;
     expect(vkBeginCommandBuffer(commands, &info), "vkBeginCommandBuffer");
-    change_layout(commands, depth.image, OF_DEPTH, NEW, DEEP);
-    if (chosen->depth_first) {
-        begin(0, NULL, size, &load);
-        draw_cube(&early);
-        change_layout(commands, depth.image, OF_DEPTH, DEEP, DEEP);
-        load = VK_ATTACHMENT_LOAD_OP_LOAD;
-    }
-    for (uint32_t i = 0; i < count; i++)
-        change_layout(commands, colors[i].image, OF_COLOR, NEW, COLOR);
-    begin(count, views, size, &load);
-    draw_cube(&cube);
-    for (uint32_t i = 0; i < count; i++)
-        change_layout(commands, colors[i].image, OF_COLOR, COLOR, SAMPLED);
-    if (chosen->depths)
-        change_layout(commands, depth.image, OF_DEPTH, DEEP, SAMPLED);
-    if (chosen->chain) {
-        draw_screen(&copy, sets[0], between.image, between.view);
-        change_layout(commands, between.image, OF_COLOR, COLOR, SAMPLED);
-    }
+    if (!chosen->alone)
+        record_scene();
     if (chosen->shader.words != NULL)
         draw_screen(&screen, sets[chosen->chain], w.images[index], w.views[index]);
     else
         blit(w.images[index]);
     change_layout(commands, w.images[index], OF_COLOR, COLOR, SHOWN);
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+    if (chosen->late)
+        submit_late(&info);
 }
 
 int main(int argc, char **argv)
@@ -276,10 +353,12 @@ int main(int argc, char **argv)
     parse(argc, argv);
     window_open(&w, options.x, options.y, options.width, options.height, false, false, VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     make_pictures();
+    fill_camera();
     make_layouts();
     make_pipelines();
     objects = make_frame_objects(&w);
     make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1, &commands);
+    make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1, &late);
     run_frames(&w, &objects, commands, options.frames, options.shot, record);
     expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
     linked_pipeline *const all[] = {&cube, &early, &screen, &copy};
@@ -293,6 +372,7 @@ int main(int argc, char **argv)
     picture *const pictures[] = {&colors[0], &colors[1], &depth, &between};
     for (int i = 0; i < 4; i++)
         free_picture(&w, pictures[i]);
+    free_block(&w, &camera);
     window_close(&w);
     return 0;
 }

@@ -98,12 +98,19 @@ macro_rules! barriers {
 }
 barriers!(vk::ImageMemoryBarrier<'_>, vk::ImageMemoryBarrier2<'_>);
 
+/// A command buffer takes an image to a layout.
+pub fn moved(device: &Device, buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout) {
+    if device.images.moved(image, layout) {
+        device.recordings.with(buffer, |recording| recording.events.push(Event::Layout(image, layout)));
+    }
+}
+
 /// Barriers of the program, and the same for the atlas copies of their images.
-fn with_atlas_copies<B: Barrier>(device: &Device, given: &[B]) -> Vec<B> {
+fn with_atlas_copies<B: Barrier>(device: &Device, buffer: vk::CommandBuffer, given: &[B]) -> Vec<B> {
     let mut all = given.to_vec();
     for barrier in given {
         let (image, layout) = barrier.target();
-        device.images.moved(image, layout);
+        moved(device, buffer, image, layout);
         all.extend(device.images.atlas_copies(image).into_iter().map(|atlas_copy| barrier.of(atlas_copy)));
     }
     all
@@ -122,13 +129,13 @@ hooks! {
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let all = with_atlas_copies(&state, slice(images, image_count));
+        let all = with_atlas_copies(&state, buffer, slice(images, image_count));
         next(buffer, before, after, flags, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
     cmd_pipeline_barrier2 = (
         buffer: vk::CommandBuffer, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
-        let all = with_atlas_copies(&state, barriers_of(&*info));
+        let all = with_atlas_copies(&state, buffer, barriers_of(&*info));
         next(buffer, &(*info).image_memory_barriers(&all))
     } }
     cmd_wait_events = (
@@ -136,21 +143,21 @@ hooks! {
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let all = with_atlas_copies(&state, slice(images, image_count));
+        let all = with_atlas_copies(&state, buffer, slice(images, image_count));
         next(buffer, count, events, before, after, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
     cmd_set_event2 = (
         buffer: vk::CommandBuffer, event: vk::Event, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
         // What waits for the event has to say the same.
-        let all = with_atlas_copies(&state, barriers_of(&*info));
+        let all = with_atlas_copies(&state, buffer, barriers_of(&*info));
         next(buffer, event, &(*info).image_memory_barriers(&all))
     } }
     cmd_wait_events2 = (
         buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, infos: *const vk::DependencyInfo<'_>
     ) { |state, next| {
         let given = slice(infos, count);
-        let all: Vec<_> = given.iter().map(|info| with_atlas_copies(&state, barriers_of(info))).collect();
+        let all: Vec<_> = given.iter().map(|info| with_atlas_copies(&state, buffer, barriers_of(info))).collect();
         let changed: Vec<_> = given.iter().zip(&all).map(|(info, all)| (*info).image_memory_barriers(all)).collect();
         next(buffer, count, events, changed.as_ptr())
     } }

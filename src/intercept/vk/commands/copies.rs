@@ -19,6 +19,8 @@ enum CopyPlan {
     Read(vk::Image, AtlasRect),
     /// All views go from atlas to atlas; the second is what is drawn then.
     Views(vk::Image, Arc<ViewTarget>),
+    /// All views go from atlas to atlas, tile by tile, and change their size.
+    Scaled(Arc<ViewTarget>, Arc<ViewTarget>),
 }
 
 /// One end of a copy: its image, and the corners of what is copied there.
@@ -73,9 +75,12 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
                 CopyPlan::Same
             }
         },
-        (Some(read), Some(target)) if everything && Arc::ptr_eq(&read.layout, &target.layout) => {
+        (Some(read), Some(target)) if everything && read.layout.has_views_of(&target.layout) => {
             drawn(&target, true);
-            CopyPlan::Views(read.atlas, target)
+            match Arc::ptr_eq(&read.layout, &target.layout) {
+                true => CopyPlan::Views(read.atlas, target),
+                false => CopyPlan::Scaled(read, target),
+            }
         }
         (_, Some(target)) => {
             device.show_flat("it copies its picture to the window");
@@ -121,6 +126,8 @@ trait Region: Clone {
     fn read_at(&mut self, place: AtlasRect);
     /// Takes all of an image of this size.
     fn take_all(&mut self, size: vk::Extent3D);
+    /// Takes all of one rectangle to another.
+    fn take(&mut self, from: AtlasRect, to: AtlasRect);
 }
 
 /// Regions with one extent.
@@ -137,6 +144,10 @@ macro_rules! sized {
         }
         fn take_all(&mut self, size: vk::Extent3D) {
             self.extent = size;
+        }
+        /// Only blits change the size.
+        fn take(&mut self, from: AtlasRect, to: AtlasRect) {
+            (self.src_offset, self.dst_offset, self.extent) = (from.offset(), to.offset(), to.extent());
         }
     } )+ };
 }
@@ -158,12 +169,16 @@ macro_rules! scaled {
             self.src_offsets = extent(vk::Offset3D::default(), size);
             self.dst_offsets = self.src_offsets;
         }
+        fn take(&mut self, from: AtlasRect, to: AtlasRect) {
+            self.src_offsets = extent(from.offset(), from.extent());
+            self.dst_offsets = extent(to.offset(), to.extent());
+        }
     } )+ };
 }
 scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
 
 /// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of
-/// it. `to`: the image, and the layout that it is in.
+/// it. The layouts are those that both images are in.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass; `next` records a command of the
@@ -173,7 +188,7 @@ unsafe fn between<R: Region>(
     buffer: vk::CommandBuffer,
     from: vk::Image,
     to: vk::Image,
-    layout: vk::ImageLayout,
+    [from_layout, layout]: [vk::ImageLayout; 2],
     regions: &[R],
     next: impl Fn(vk::Image, vk::Image, &[R]),
 ) {
@@ -192,6 +207,29 @@ unsafe fn between<R: Region>(
             // SAFETY: as promised; the atlas has just been written in this layout.
             unsafe { view_copies::make(device, buffer, &target, layout) };
         }
+        CopyPlan::Scaled(read, target) => {
+            let of_view = |image: vk::Image, from: AtlasRect, to: AtlasRect| {
+                next(image, target.atlas, &changed(&|region| region.take(from, to)));
+            };
+            // SAFETY: as promised; the atlas has just been written in this layout.
+            unsafe {
+                view_copies::read(device, buffer, &read, from_layout, || {
+                    // A filter reads beside a tile, but not beside an image.
+                    for ((view_copy, from), to) in
+                        read.view_copies.iter().zip(&read.layout.views).zip(&target.layout.views)
+                    {
+                        let AtlasRect { width, height, .. } = from.rect;
+                        of_view(view_copy.image, AtlasRect { x: 0, y: 0, width, height }, to.rect);
+                    }
+                });
+                if let Some((from, to)) = read.layout.primary.zip(target.layout.primary) {
+                    of_view(read.atlas, from, to);
+                }
+                // Nothing of it is on the panel.
+                of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
+                view_copies::make(device, buffer, &target, layout);
+            }
+        }
     }
 }
 
@@ -205,34 +243,34 @@ fn with_buffer(
 ) -> Option<(vk::Image, AtlasRect)> {
     match becomes(device, buffer, (from, NOTHING), (to, NOTHING)) {
         CopyPlan::Read(image, at) => Some((image, at)),
-        CopyPlan::Same | CopyPlan::Views(..) => None,
+        CopyPlan::Same | CopyPlan::Views(..) | CopyPlan::Scaled(..) => None,
     }
 }
 
 hooks! {
     cmd_copy_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
-    ) { |state, next| between(&state, buffer, from, to, to_layout, slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, to, [from_layout, to_layout], slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
     cmd_blit_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageBlit, filter: vk::Filter
-    ) { |state, next| between(&state, buffer, from, to, to_layout, slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, to, [from_layout, to_layout], slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr(), filter)) }
     cmd_resolve_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageResolve
-    ) { |state, next| between(&state, buffer, from, to, to_layout, slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, to, [from_layout, to_layout], slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
     cmd_copy_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyImageInfo2<'_>
-    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, [given.src_image_layout, given.dst_image_layout],
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     cmd_blit_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::BlitImageInfo2<'_>
-    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, [given.src_image_layout, given.dst_image_layout],
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     cmd_resolve_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
-    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, [given.src_image_layout, given.dst_image_layout],
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     cmd_copy_buffer_to_image = (
         buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy

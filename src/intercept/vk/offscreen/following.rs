@@ -7,6 +7,7 @@
 //! somewhere may name them.
 
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::scene::viewport;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
@@ -23,8 +24,9 @@ impl Images {
         for image in self.duplicated() {
             let old = {
                 let mut images = self.images.locked();
-                let state = images.get_mut(&image).filter(|state| state.size == layout.window);
-                let other = |target: &mut Arc<ViewTarget>| !Arc::ptr_eq(&target.layout, layout);
+                let fits = |size: (u32, u32)| viewport::has_shape(size.0.into(), size.1.into(), layout.window);
+                let state = images.get_mut(&image).filter(|state| fits(state.size));
+                let other = |target: &mut Arc<ViewTarget>| !target.layout.has_views_of(layout);
                 state.and_then(|state| state.target.take_if(other))
             };
             if let Some(old) = old {

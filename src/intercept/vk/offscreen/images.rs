@@ -168,7 +168,8 @@ impl Images {
                 .array_layers(1)
                 .samples(state.samples)
                 .usage(state.atlas_copy_usage());
-            (info, state.format, state.layout)
+            // Between two frames all that was recorded is submitted; within one, barriers stand before a pass.
+            (info, state.format, if scene { state.submitted_layout } else { state.layout })
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.
         let atlas_copy = unsafe { OwnImage::new(&device.driver, &info) };
@@ -208,6 +209,7 @@ hooks! {
                 samples: info.samples,
                 usage: info.usage,
                 layout: vk::ImageLayout::UNDEFINED,
+                submitted_layout: vk::ImageLayout::UNDEFINED,
                 described: false,
                 drawn_alone: false,
                 drawn_together: false,

@@ -51,10 +51,22 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// Whether what it makes of an image covers all that the image shows. Depths that are read elsewhere than at the
-    /// fragment's place are a shadow map's.
-    pub fn follows(&self, depths: bool) -> bool {
-        self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !depths))
+    /// Whether what it makes of an image covers all that the image shows. `mapped`: unless it is read at the
+    /// fragment's place, it is a picture on something in the scene, as the depths of a shadow map are.
+    fn follows(&self, mapped: bool) -> bool {
+        self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !mapped))
+    }
+
+    /// What a draw that shows `image` makes of it, if that matters: `made`, or something that is not followed. Images of
+    /// other sizes than the window's that are not read at the fragment's place are mirrors.
+    pub fn made(&self, device: &Device, image: vk::Image, made: Made) -> Option<Made> {
+        let depths = device.images.is_depth(image);
+        let mapped = depths || !device.images.has_size_of_window(image);
+        let mirror = self.follows(false) && !depths;
+        match self.follows(mapped) {
+            true => Some(made),
+            false => (!mirror).then_some(Made::Elsewhere),
+        }
     }
 }
 
@@ -68,11 +80,13 @@ pub fn note_draw(
 ) {
     let Some(targets) = recording.plain.clone() else { return };
     for picture in pictures(device, recording) {
-        let follows = cover.follows(device.images.is_depth(picture)) && !targets.is_empty();
-        let made = targets.iter().map(|target| Made::Image(*target)).filter(|_| follows);
-        let elsewhere = (!follows).then_some(Made::Elsewhere);
-        made.chain(elsewhere).for_each(|made| device.scene_graph.note_made(picture, made));
+        if targets.is_empty() {
+            device.scene_graph.note_made(picture, Made::Elsewhere);
+        }
+        let made = targets.iter().filter_map(|target| cover.made(device, picture, Made::Image(*target)));
+        made.for_each(|made| device.scene_graph.note_made(picture, made));
     }
+    let targets: Vec<_> = targets.into_iter().filter(|target| device.images.is_large(*target)).collect();
     if !cover.main_picture || targets.is_empty() {
         return;
     }

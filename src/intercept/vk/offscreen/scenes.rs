@@ -1,6 +1,7 @@
 //! Images that hold a scene on its way to the window: their atlases and view copies.
 
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::scene::viewport;
 use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
@@ -8,7 +9,7 @@ use crate::intercept::vk::state::driver::own_image::OwnImage;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies, aspects};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
-use crate::intercept::vk::state::views::view_target::ViewTarget;
+use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
@@ -41,11 +42,22 @@ impl Images {
         if self.target_of_image(image).is_some() {
             return Ok(());
         }
-        let (kind, flags, described) = {
+        let (kind, flags, described, size) = {
             let images = self.images.locked();
-            let Some(state) = images.get(&image).filter(|state| state.size == layout.window) else { return Ok(()) };
-            (state.kind(), state.flags, state.usage.contains(vk::ImageUsageFlags::SAMPLED) && state.is_single())
+            let Some(state) = images.get(&image) else { return Ok(()) };
+            // Blits that change the size read these, too.
+            let scaled = state.size != layout.window && state.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+            let described = scaled || state.usage.contains(vk::ImageUsageFlags::SAMPLED);
+            (state.kind(), state.flags, described && state.is_single(), state.size)
         };
+        if !viewport::has_shape(size.0.into(), size.1.into(), layout.window) {
+            return Ok(());
+        }
+        let most = device.driver.greatest_image();
+        let layout = &layout.of_image(size, most);
+        if layout.atlas.0.max(layout.atlas.1) > most {
+            return Err("an image of its scene has no room for all views".into());
+        }
         // The atlas copy is made as for any image that is drawn to; then it is the atlas.
         let atlas = self.atlas_copy_image(device, image, layout, true)?;
         let mut view_copies = Vec::new();
@@ -59,7 +71,7 @@ impl Images {
                 .mip_levels(1)
                 .array_layers(1)
                 .samples(vk::SampleCountFlags::TYPE_1)
-                .usage(vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST);
+                .usage(kind.1 & vk::ImageUsageFlags::SAMPLED | ATLAS_COPY_USAGE);
             // SAFETY: the device is live; the structure is complete.
             match unsafe { OwnImage::new(&device.driver, &info) } {
                 Ok(view_copy) => view_copies.push(view_copy),

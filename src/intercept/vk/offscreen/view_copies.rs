@@ -16,6 +16,30 @@ use ash::vk;
 /// As a shader finds a view copy.
 pub const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
 
+/// Records by `read` commands that copy from the view copies of a scene, in this layout.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+pub unsafe fn read(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    target: &ViewTarget,
+    layout: vk::ImageLayout,
+    read: impl FnOnce(),
+) {
+    let change = |from: vk::ImageLayout, to: vk::ImageLayout| {
+        for view_copy in &target.view_copies {
+            // SAFETY: as promised.
+            unsafe {
+                barrier_of(&device.driver, buffer, (view_copy.image, target.aspects), left_in(from), ready_in(to))
+            };
+        }
+    };
+    change(SAMPLED, layout);
+    read();
+    change(layout, SAMPLED);
+}
+
 /// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a
 /// window's. The program's own image gets the program's own picture, if the atlas has it, and the
 /// layout in any case: the passes that the program recorded for it, which would bring it there,

@@ -8,6 +8,7 @@
 //!
 //! ```text
 //! create_info (what a structure says) ─ variants ─┬─ spirv::splice
+//!                                                 ├─ view_stages ─ spirv::frag_coord, texels, camera_matrices
 //!                                                 └─ dividing_stage ─ spirv::divide
 //! ```
 
@@ -18,3 +19,4 @@ pub mod matrix_sources;
 pub mod program_pipelines;
 pub mod stages;
 pub mod variants;
+pub mod view_stages;

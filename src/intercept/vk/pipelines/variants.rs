@@ -6,6 +6,7 @@ use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
 use crate::intercept::vk::pipelines::dividing_stage;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};
+use crate::intercept::vk::pipelines::view_stages;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
@@ -85,6 +86,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         let mut moves_place = libraries().any(|library| library.moves_place);
         let mut loses_place = libraries().any(|library| library.loses_place);
         let mut pictures: Vec<_> = libraries().flat_map(|library| library.pictures.iter().copied()).collect();
+        let mut cameras: Vec<_> = libraries().flat_map(|library| library.cameras.iter().copied()).collect();
         let before = || parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
         // The stages' bits are in their order.
         let last = before().map(|stage| stage.stage).max();
@@ -98,24 +100,31 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         let mut modules = Modules { device, made: Vec::new() };
         let mut follows = libraries().any(|library| library.follows);
         if let Some((layout, index)) = layout.as_ref().zip(fragment) {
-            match placed(device, &stages[index], layout.ours) {
-                Ok(Some(followed)) => {
-                    stages[index].module = modules.make(&followed.words)?;
-                    stages[index].p_next = std::ptr::null();
-                    moves_place = true;
-                    pictures = followed.pictures;
-                }
-                Ok(None) => {}
-                Err(why) => {
-                    loses_place = true;
-                    log::once(&format!("Vulkan: FragCoord is the place in a view, not in the window: {why}"));
-                }
+            let changed = view_stages::fragment(device, &stages[index], layout.ours);
+            if let Some(words) = &changed.words {
+                stages[index].module = modules.make(words)?;
+                stages[index].p_next = std::ptr::null();
             }
+            moves_place |= changed.moves_place;
+            loses_place |= changed.loses_place;
+            pictures.extend(changed.pictures);
+            cameras.extend(changed.cameras);
+        }
+        // What a draw of the scene hands on fits its position.
+        let vertex = parts.stages.iter().position(|stage| stage.stage == vk::ShaderStageFlags::VERTEX);
+        let mut vertex_words = None;
+        if let Some((layout, index)) = layout.as_ref().zip(vertex).filter(|_| matrices.is_empty())
+            && let Some((words, found)) = view_stages::vertex(device, &stages[index], layout.ours)
+        {
+            stages[index].module = modules.make(&words)?;
+            stages[index].p_next = std::ptr::null();
+            cameras.extend(found);
+            vertex_words = Some((index, words));
         }
         // What divides has the program's own fragment shader, too.
         let own_stages = stages.clone();
         if let Some(layout) = layout.filter(|_| parts.places_vertices()) {
-            match spliced(device, &stages, layout.ours) {
+            match spliced(device, &parts.stages, vertex_words, layout.ours) {
                 Ok((index, words)) => {
                     stages[index].module = modules.make(&words)?;
                     // The words that may be given here are the program's.
@@ -146,6 +155,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
             moves_place,
             loses_place,
             pictures,
+            cameras,
             deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
                 || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
                 || libraries().any(|library| library.deep),
@@ -201,7 +211,7 @@ fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize
 }
 
 /// The last stage before rasterisation and its words with the epilogue, which reads the view
-/// constants by set `ours`.
+/// constants by set `ours`. `changed`: a stage with other words than the program's.
 ///
 /// # Errors
 /// Why there are none.
@@ -211,38 +221,15 @@ fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize
 unsafe fn spliced(
     device: &Device,
     stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    changed: Option<(usize, Vec<u32>)>,
     ours: u32,
 ) -> Result<(usize, Vec<u32>), &'static str> {
     let (index, model) = last_stage(stages).ok_or("a pipeline without a vertex shader")?;
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };
-    let words = words.ok_or("a shader whose words are not known")?;
+    let changed = changed.filter(|(at, _)| *at == index).map(|(_, words)| words.into());
+    let words = changed.or(words).ok_or("a shader whose words are not known")?;
     Ok((index, spirv::splice(&words, model, &entry, ours, device.view_constants.have_lenses())?))
-}
-
-/// A fragment stage with window coordinates and texels of the program, which reads the view constants by set `ours`; `None`
-/// where it asks for neither.
-///
-/// # Errors
-/// What cannot be followed.
-///
-/// # Safety
-/// `stage` must be the program's.
-unsafe fn placed(
-    device: &Device,
-    stage: &vk::PipelineShaderStageCreateInfo<'_>,
-    ours: u32,
-) -> Result<Option<spirv::Followed>, &'static str> {
-    // SAFETY: as promised.
-    let (words, entry) = unsafe { (words_of(device, stage), name_of(stage)) };
-    let Some(words) = words else { return Ok(None) };
-    let offset = device.view_constants.to_window_offset();
-    let moved = match spirv::asks_place(&words) {
-        true => spirv::frag_coord(&words, &entry, ours, offset)?,
-        false => None,
-    };
-    let followed = spirv::texels(moved.as_deref().unwrap_or(&words), &entry, ours, offset)?;
-    Ok(followed.or_else(|| moved.map(|words| spirv::Followed { words, pictures: Vec::new() })))
 }
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.

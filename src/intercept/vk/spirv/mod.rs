@@ -1,6 +1,7 @@
 //! Shaders of the program: where their matrices are, the epilogue that re-projects what they draw,
 //! and the place of fragments in the program's window.
 
+mod camera_matrices;
 mod dependence;
 mod divide;
 mod frag_coord;
@@ -11,6 +12,7 @@ mod splice;
 mod stage_outputs;
 mod texels;
 
+pub use camera_matrices::{CAMERA_BYTES, Chosen, MOST_CAMERAS, camera_matrices};
 pub use divide::{ENTRY, Limits, divide};
 pub use frag_coord::frag_coord;
 pub use reflect::{Matrix, Memory, asks_place, matrices};

@@ -1,5 +1,6 @@
 //! The splice and the search on modules of our own.
 
+mod camera_matrices;
 mod division;
 mod frag_coord;
 mod texels;

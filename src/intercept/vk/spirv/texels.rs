@@ -1,8 +1,8 @@
 //! Texels and sizes of images that a fragment shader reads by numbers: those of the program's images.
 //!
 //! In a view, an image of the scene has as many texels as the view, not as the program gave it. Coordinates of fetches
-//! are scaled to that, sizes are scaled back. With a coordinate goes the part of a pixel of the program by which the
-//! fragment is beside the pixel's corner: where a shader fetches at its own place, it gets its own texel, whichever
+//! are scaled to that, sizes are scaled back. With a coordinate goes the part of a texel of the program by which the
+//! fragment is beside the texel's corner: where a shader fetches at its own place, it gets its own texel, whichever
 //! image has more.
 
 use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
@@ -31,7 +31,7 @@ pub struct Followed {
 
 /// `words` with fetches at texels of the program; `None` where the shader reads by texture coordinates only. Four floats
 /// at `offset` in the uniform block at binding 0 of `set` are those of [`frag_coord`](super::frag_coord); behind them
-/// are four for each image: the factors of coordinates, and of sizes.
+/// are four for each image: the factors from its texels to those of a view, and to them from pixels of the program.
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.
@@ -349,8 +349,9 @@ impl Ours {
         let corner = Self::value(to, Op::VectorShuffle, self.pair, &[of_driver, of_driver, 0, 1]);
         let moved = Self::value(to, Op::FSub, self.pair, &[corner, offset]);
         let own = Self::value(to, Op::FMul, self.pair, &[moved, scale]);
+        let [factor, texels] = self.halves(to, &[self.members[1], picture]);
+        let own = Self::value(to, Op::FMul, self.pair, &[own, texels]);
         let beside = Self::value(to, Op::ExtInst, self.pair, &[self.glsl, FRACTION, own]);
-        let [factor, _] = self.halves(to, &[self.members[1], picture]);
         let texel = Self::value(to, Op::ConvertSToF, self.pair, &[given]);
         let texel = Self::value(to, Op::FAdd, self.pair, &[texel, beside]);
         let texel = Self::value(to, Op::FMul, self.pair, &[texel, factor]);
@@ -361,9 +362,9 @@ impl Ours {
     /// The function that takes the size of a view's image to that of the program's.
     fn size(&self, to: &mut Additions<'_>) -> u32 {
         let (made, given, picture) = self.begin(to);
-        let [_, factor] = self.halves(to, &[self.members[1], picture]);
+        let [factor, _] = self.halves(to, &[self.members[1], picture]);
         let size = Self::value(to, Op::ConvertSToF, self.pair, &[given]);
-        let size = Self::value(to, Op::FMul, self.pair, &[size, factor]);
+        let size = Self::value(to, Op::FDiv, self.pair, &[size, factor]);
         let size = Self::value(to, Op::FAdd, self.pair, &[size, self.half]);
         self.rounded_down(to, size);
         made

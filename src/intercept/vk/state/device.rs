@@ -16,7 +16,7 @@ use crate::intercept::vk::state::recording::Recordings;
 use crate::intercept::vk::state::recording::draw_groups::Frame;
 use crate::intercept::vk::state::swapchains::Swapchains;
 use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
-use crate::intercept::vk::state::views::view_constants::ConstantPool;
+use crate::intercept::vk::state::views::view_constants::{ConstantPool, SlotParts};
 use crate::lock::{Lock, SharedLock};
 use crate::runtime::frame_times::FrameTimes;
 use ash::vk;
@@ -109,9 +109,9 @@ impl Role {
 
 impl Device {
     /// From one slot of view constants to the next, bytes.
-    pub fn slot_stride(&self) -> u32 {
+    pub fn slot_stride(&self, parts: SlotParts) -> u32 {
         let alignment = self.driver.limits.min_uniform_buffer_offset_alignment.clamp(1, 1 << 12) as u32;
-        (self.view_constants.slot() as u32).next_multiple_of(alignment)
+        self.view_constants.slot(parts).next_multiple_of(alignment)
     }
 
     /// Whether draws are issued for each view.

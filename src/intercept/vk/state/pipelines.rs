@@ -83,8 +83,28 @@ pub struct Variants {
     pub(in crate::intercept::vk) loses_place: bool,
     /// Descriptors of the images that it reads by texels, or asks for their size.
     pub(in crate::intercept::vk) pictures: Vec<DescriptorPlace>,
+    /// Where the matrices of its shaders are that may be functions of the camera, each with its place among ours.
+    pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
     /// It tests depth.
     pub(in crate::intercept::vk) deep: bool,
+}
+
+/// A stage whose matrices are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixStage {
+    /// The vertex shader, where it computes what does not become a position.
+    Vertex,
+    /// The fragment shader.
+    Fragment,
+}
+
+/// A matrix between which and ours a shader chooses.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraMatrix {
+    pub(in crate::intercept::vk) matrix: Matrix,
+    pub(in crate::intercept::vk) stage: MatrixStage,
+    /// The shader computes inverses.
+    pub(in crate::intercept::vk) inverted: bool,
 }
 
 /// The program's pipelines.

@@ -13,10 +13,11 @@ use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource};
+use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource, ShownLayout};
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
+use crate::intercept::vk::submit::camera_matrices;
 use crate::intercept::vk::submit::inspected;
 use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
@@ -41,7 +42,7 @@ impl Frame {
     }
 
     fn follow(&mut self, layout: &Arc<AtlasLayout>) {
-        if self.layout.as_ref().is_none_or(|known| !Arc::ptr_eq(known, layout)) {
+        if self.layout.as_ref().is_none_or(|known| !known.has_views_of(layout)) {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
             self.sampled = None;
@@ -82,6 +83,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             }
             Event::Copy(from, to, region) => device.host_memory.copied(*from, *to, region),
             Event::Update(buffer, offset, bytes) => device.host_memory.written(*buffer, *offset, bytes.clone()),
+            Event::Layout(image, layout) => device.images.submitted(*image, *layout),
             Event::Execute(other) => {
                 device.recordings.with(*other, |other| run_events(device, other, queries));
             }
@@ -117,12 +119,13 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let layout = &group.layout;
     let area = |width: f64, height: f64| width * height;
     let own = area(layout.window.0.into(), layout.window.1.into());
+    let of_window = own / layout.pixels;
     // In pictures with the program's own lens everything is seen once more.
     let views = if group.facts.in_views { &layout.views[..] } else { &[] };
     let repeated = f64::from(u8::from(layout.primary.is_some()));
     let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
     let seen = match group.last {
-        Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, own) / own,
+        Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, of_window) / of_window,
         Some(DrawClass::Screen) => repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / own,
         Some(DrawClass::Flat) if !group.facts.off_screen && !layout.shows_own_lens() => same + 1.0,
         // At the panel's place in the views, which is about as large as the panel.
@@ -136,6 +139,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
 fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.locked();
     frame.follow(&group.layout);
+    let functions_changed = camera_matrices::look(device, group, &frame);
     let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
     let facts = &group.facts;
     let matrices: Vec<_> = facts.sources.iter().filter_map(ranked).collect();
@@ -164,6 +168,11 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
             frame.order.note_scene();
             DrawClass::Screen
         }
+        None if facts.sky && in_views && group.cameras.holds_inverse(facts) => {
+            frame.order.note_scene();
+            *frame.counts.found.entry("inverse of a camera matrix").or_default() += group.draws;
+            DrawClass::Screen
+        }
         // What is flat in a picture of the scene has no other place than the views.
         None if facts.off_screen => DrawClass::Behind,
         None => {
@@ -178,12 +187,14 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     }
     frame.counts.in_views += if outcome == DrawClass::Flat { 0 } else { group.draws };
     frame.counts.duplicated += if facts.off_screen { group.draws } else { 0 };
-    if group.last != Some(outcome) {
+    let camera = match outcome {
+        DrawClass::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &group.layout.session)),
+        _ => None,
+    };
+    camera.into_iter().for_each(|index| frame.cameras.show(index));
+    if group.last != Some(outcome) || functions_changed {
         group.last = Some(outcome);
-        let camera = match outcome {
-            DrawClass::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &group.layout.session)),
-            _ => None,
-        };
+        camera_matrices::write(device, group, outcome, &mut frame, chunks);
         let rows = match camera {
             Some(index) => frame.cameras.get(index).map(|camera| &camera.rows),
             None => (outcome == DrawClass::Behind).then_some(&frame.behind),
@@ -211,11 +222,7 @@ fn write(
             in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
         if let Some(chunk) = chunks.get(group.constants.chunk) {
-            chunk.write(
-                group.constants.offset + index * device.slot_stride(),
-                &rows.to_array(),
-                lens.map(LensConstants::to_array).as_ref(),
-            );
+            chunk.write(group.constants.slot(index), &rows.to_array(), lens.map(LensConstants::to_array).as_ref());
         }
     };
     let views = &group.layout.views;
@@ -244,7 +251,7 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     let own = |rect: AtlasRect| ToWindow::of_tile(rect.into(), 0);
     let pictures = &group.facts.pictures;
     let write = |slot: u32, to_window: &ToWindow, factors: &[[f32; 4]]| {
-        let place = group.constants.offset + slot * device.slot_stride() + device.view_constants.to_window_offset();
+        let place = group.constants.slot(slot) + device.view_constants.to_window_offset();
         chunk.write_to_window(place, to_window);
         chunk.write_factors(place, factors);
     };
@@ -254,7 +261,11 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
         match view.own_lens {
             true => write(slot, &own(view.rect), &same),
             false => {
-                write(slot, &in_view(), &pictures.iter().map(|size| factors(view.rect, *size)).collect::<Vec<_>>())
+                let of_view = |shown: &Option<ShownLayout>| match shown {
+                    Some(ShownLayout(shown)) => factors(shown, slot as usize, group.layout.window),
+                    None => [1.0; 4],
+                };
+                write(slot, &in_view(), &pictures.iter().map(of_view).collect::<Vec<_>>());
             }
         }
     }
@@ -262,12 +273,14 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     write(group.slots() - 1, &own(group.layout.primary.unwrap_or(group.layout.panel)), &same);
 }
 
-/// Factors from texels of the program's image to those of a view's, which is as large as its tile, and back.
-fn factors(tile: AtlasRect, size: Option<(u32, u32)>) -> [f32; 4] {
-    let Some((width, height)) = size else { return [1.0; 4] };
-    let [across, down] = [(tile.width, width), (tile.height, height)]
-        .map(|(texels, own)| f64::from(texels.max(1)) / f64::from(own.max(1)));
-    single::values([across, down, 1.0 / across, 1.0 / down])
+/// Factors for a view of an image that is drawn by the layout `shown`: from texels of the program's image to those of the
+/// view's, and to texels of the program's from pixels of its target.
+fn factors(shown: &AtlasLayout, view: usize, target: (u32, u32)) -> [f32; 4] {
+    let Some(AtlasRect { width, height, .. }) = shown.views.get(view).map(|view| view.rect) else { return [1.0; 4] };
+    let part = |of: f64, whole: u32| of / f64::from(whole.max(1));
+    let (across, down) = shown.window;
+    let of_view = [part(width.into(), across), part(height.into(), down)];
+    single::values([of_view[0], of_view[1], part(across.into(), target.0), part(down.into(), target.1)])
 }
 
 #[cfg(test)]

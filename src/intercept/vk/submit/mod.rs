@@ -2,10 +2,11 @@
 //!
 //! [`draw_groups`] goes through the events of the submitted command buffers in order. It decides of
 //! each group of draws whether it is of the scene, flat, or flat behind the scene, and writes the
-//! view constants of its tiles. [`host_memory`] follows buffers and mapped memory (`vkMapMemory`,
+//! view constants of its tiles; [`camera_matrices`] are those that shaders have beside the position's. [`host_memory`] follows buffers and mapped memory (`vkMapMemory`,
 //! `vkBindBufferMemory`, …), so that matrices can be read. [`inspected`] describes groups for
 //! `cupola inspect`. State: `Frame`, `HostMemory`.
 
+pub mod camera_matrices;
 pub mod draw_groups;
 pub mod host_memory;
 pub mod inspected;

@@ -4,7 +4,7 @@ use crate::backend::gl::driver::api::Gl;
 use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
-use crate::runtime::session::{CameraFunction, Direction, Intrinsics, MatrixClass, ViewMatrix, classify, eye_axes};
+use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix, eye_axes};
 
 /// A stage whose matrices are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +82,7 @@ impl CameraMatrices {
             for substitute in &mut self.substitutes {
                 let value = self.uniforms.value(substitute.matrix);
                 substitute.of_views.1.clear();
-                substitute.function = value.and_then(|value| find(value, cameras, substitute.inverted));
+                substitute.function = value.and_then(|value| cameras.function_of(value, substitute.inverted));
             }
             self.find_eye();
         }
@@ -126,15 +126,4 @@ fn view_matrix_called(name: &str) -> Option<ViewMatrix> {
     } else {
         None
     }
-}
-
-fn find(value: &[f64; 16], cameras: &Cameras, inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
-    let mut known = cameras.shown().peekable();
-    if known.peek().is_none() {
-        return match classify(value) {
-            MatrixClass::Perspective(lens) if inverted => Some((CameraFunction::of(value, &lens)?, lens)),
-            _ => CameraFunction::of_inverse(value),
-        };
-    }
-    known.find_map(|lens| Some((CameraFunction::of(value, lens)?, *lens)))
 }

@@ -8,6 +8,7 @@ use crate::intercept::settings;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::draw_parameters::{BYTES, DrawParameters, IndirectDraw};
+use crate::intercept::vk::state::views::view_constants::SlotParts;
 
 /// Draws of fewer vertices are not worth fetching parameters for: on lavapipe that costs as much as
 /// some hundred of them.
@@ -27,7 +28,7 @@ pub fn place(
         return None;
     }
     // Matrices that come behind lie where descriptors may point.
-    let stride = device.slot_stride();
+    let stride = device.slot_stride(SlotParts::Place);
     let strides = (slots * BYTES).div_ceil(stride);
     let place = device.view_constants.take(&device.driver, &mut recording.constants, strides as usize, stride).ok()?;
     Some(IndirectDraw { at: place, parameters: *parameters })

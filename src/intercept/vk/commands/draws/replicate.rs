@@ -23,8 +23,10 @@ use crate::intercept::vk::pipelines::matrix_sources::source;
 use crate::intercept::vk::spirv::DescriptorPlace;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::scene_graph::Made;
-use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
-use crate::intercept::vk::state::recording::draw_groups::{DrawFacts, DrawGroup, MatrixSource};
+use crate::intercept::vk::state::pipelines::{CameraMatrix, Pipeline, Variants};
+use crate::intercept::vk::state::recording::draw_groups::{
+    CameraSource, DrawFacts, DrawGroup, MatrixSource, ShownLayout,
+};
 use crate::intercept::vk::state::recording::draw_parameters::{DrawSize, IndirectDraw};
 use crate::intercept::vk::state::recording::{Event, Recording, count_draw};
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, ViewTile};
@@ -141,7 +143,14 @@ fn classify(
     let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
     let (has_matrices, told_place) = (!sources.is_empty(), variants.moves_place);
     note_pictures(device, recording, Cover { main_picture: main, few_vertices: covers, has_matrices, told_place });
-    let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_size(device, recording, *place)).collect();
+    let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_layout(device, recording, *place)).collect();
+    let of_camera = |camera: &CameraMatrix| {
+        let CameraMatrix { matrix, stage, inverted } = camera;
+        CameraSource { source: source(device, recording, matrix).filter(|_| main), stage: *stage, inverted: *inverted }
+    };
+    let cameras: Vec<_> = variants.cameras.iter().map(of_camera).collect();
+    // What is flat may be a sky, or another picture that is computed from its pixels.
+    let sky = main && sets.is_empty() && !cameras.is_empty();
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
     if !sets.is_empty() && main && variants.loses_place {
@@ -151,20 +160,20 @@ fn classify(
     // A flat draw may have to go behind the scene, if none was drawn yet.
     let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
     let own_lens = layout.views.iter().any(|view| view.own_lens);
-    let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
+    let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     let viewport = variants.moves_place.then(|| area(&program.viewport));
-    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen };
+    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen, cameras, sky };
     Some(Classified { facts, program, sets })
 }
 
-/// The size of the program's image that a descriptor shows, if draws to views get another in its place.
-fn shown_size(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<(u32, u32)> {
+/// The layout of the image that a descriptor shows, if draws to views get another in its place.
+fn shown_layout(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<ShownLayout> {
     let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
     let image = device.images.of(device.descriptors.picture(bound.set, (binding, 0))?)?;
-    device.images.scene(image).filter(|scene| !scene.view_copies.is_empty())?;
-    device.images.size(image)
+    let scene = device.images.scene(image).filter(|scene| !scene.view_copies.is_empty())?;
+    Some(ShownLayout(Arc::clone(&scene.layout)))
 }
 
 /// What a viewport covers, whichever way up it is.
@@ -180,12 +189,8 @@ fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
     let Some(pass) = &recording.pass else { return };
     let (window, given) = (pass.target.window, pass.target.given);
     for picture in pictures {
-        let made = match window {
-            _ if !cover.follows(device.images.is_depth(picture)) => Made::Elsewhere,
-            true => Made::Window,
-            false => Made::Image(given),
-        };
-        device.scene_graph.note_made(picture, made);
+        let made = if window { Made::Window } else { Made::Image(given) };
+        cover.made(device, picture, made).into_iter().for_each(|made| device.scene_graph.note_made(picture, made));
         device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
     }
 }
@@ -228,7 +233,7 @@ fn select(
     let slots = 2 + views;
     let same = recording.draw_groups.last_mut().filter(|group| group.takes(layout, &facts));
     if same.is_none() {
-        let stride = device.slot_stride();
+        let stride = device.slot_stride(facts.slot_parts());
         let taken = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride);
         let constants = taken
             .inspect_err(|error| {

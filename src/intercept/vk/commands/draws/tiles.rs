@@ -114,7 +114,7 @@ impl TileDraws<'_> {
             self.recording.graphics.disturbed = true;
             let chunk = self.recording.constants.chunks.get(self.constants.chunk);
             if let (Some(layout), Some(chunk)) = (&self.pipeline.layout, chunk) {
-                let offset = self.constants.offset + slot as u32 * device.slot_stride();
+                let offset = self.constants.slot(slot as u32);
                 let set = [chunk.set(layout.counts)];
                 functions.cmd_bind_descriptor_sets(buffer, graphics, layout.handle, layout.ours, &set, &[offset]);
                 self.recording.graphics.displace_from(layout.ours);

@@ -2,8 +2,8 @@
 
 use crate::backend::vk::COLOR;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::commands::conditional_render;
 use crate::intercept::vk::commands::passes::panel_clears::{clear_panel, clear_pending};
+use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::{in_chain, slice};
@@ -124,7 +124,8 @@ unsafe fn begin(
             let pass = device.framebuffers.pass(info.render_pass);
             let (leaves, anew) = pass.as_ref().map_or((&[][..], &[][..]), |pass| (&pass.leaves, &pass.begins_anew));
             for ((view, layout), anew) in views.iter().zip(leaves).zip(anew) {
-                device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
+                let image = device.images.of(*view);
+                image.into_iter().for_each(|image| barriers_and_clears::moved(device, buffer, image, *layout));
                 if !anew {
                     device.images.goes_on_with(device, *view);
                 }
@@ -136,6 +137,9 @@ unsafe fn begin(
             return next(info);
         }
     };
+    for (scene, layout) in &replaced.pass.scenes {
+        barriers_and_clears::moved(device, buffer, scene.given, *layout);
+    }
     let mut changed = *info;
     changed.framebuffer = replaced.framebuffer;
     changed.render_area = whole_atlas(&replaced.pass.target.layout);
@@ -202,6 +206,9 @@ pub unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce(
                 view_copies::make(device, buffer, scene, *layout);
             }
             change_layout(device, buffer, &pass.layout_changes);
+            for LayoutChange { image, layout, .. } in &pass.layout_changes {
+                barriers_and_clears::moved(device, buffer, *image, *layout);
+            }
         });
     }
 }

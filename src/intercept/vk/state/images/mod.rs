@@ -6,6 +6,7 @@
 pub mod framebuffers;
 pub mod scene_graph;
 
+use crate::intercept::scene::viewport;
 use crate::intercept::settings;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
 use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
@@ -28,6 +29,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
     /// The layout that was recorded last.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
+    /// That in which the commands leave it that were submitted last: they need not have been recorded last.
+    pub(in crate::intercept::vk) submitted_layout: vk::ImageLayout,
     /// Shaders read it.
     pub(in crate::intercept::vk) described: bool,
     /// A pass with depth only drew to its atlas copy in its place.
@@ -80,6 +83,11 @@ pub struct Images {
     pub(in crate::intercept::vk) scenes: Mutex<Vec<ImageKind>>,
     /// Former targets of scenes, as long as recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
+}
+
+/// Whether an image has the shape of a window, in any size.
+fn has_shape((width, height): (u32, u32), window: (u32, u32)) -> bool {
+    viewport::has_shape(width.into(), height.into(), window)
 }
 
 /// Aspects of a format.
@@ -156,6 +164,7 @@ impl Images {
             samples: vk::SampleCountFlags::TYPE_1,
             usage: vk::ImageUsageFlags::empty(),
             layout: vk::ImageLayout::UNDEFINED,
+            submitted_layout: vk::ImageLayout::UNDEFINED,
             described: false,
             drawn_alone: false,
             drawn_together: false,
@@ -201,10 +210,17 @@ impl Images {
         window.map(|target| target.atlas).chain(atlas_copies).collect()
     }
 
-    /// The program recorded that an image changes its layout.
-    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) {
+    /// The program recorded that an image changes its layout. Whether the image is known.
+    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) -> bool {
+        let mut images = self.images.locked();
+        let state = images.get_mut(&image);
+        state.map(|state| state.layout = layout).is_some()
+    }
+
+    /// Commands that take an image to a layout were submitted.
+    pub fn submitted(&self, image: vk::Image, layout: vk::ImageLayout) {
         if let Some(state) = self.images.locked().get_mut(&image) {
-            state.layout = layout;
+            state.submitted_layout = layout;
         }
     }
 
@@ -232,16 +248,30 @@ impl Images {
         self.candidates.load(Ordering::Relaxed)
     }
 
-    /// Whether an image may hold a scene: it is as large as the window, and can be shown. Depths are shown by shaders that
-    /// read them.
+    /// Whether an image may hold a scene on its way to the window: it has the window's shape, and can be shown. Depths are
+    /// shown by shaders that read them.
     pub fn is_candidate(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
         let images = self.images.locked();
         let fits = images.get(&image).is_some_and(|state| {
             let shown = state.described || aspects(state.format).contains(vk::ImageAspectFlags::COLOR);
-            shown && state.may_hold_scene() && Some(state.size) == window
+            shown && state.may_hold_scene() && window.is_some_and(|window| has_shape(state.size, window))
         });
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
+    }
+
+    /// Whether an image is as large as perspective draws for the window need it, not one of a chain for light around
+    /// what is bright.
+    pub fn is_large(&self, image: vk::Image) -> bool {
+        let (size, window) = (self.size(image), *self.window.locked());
+        let wide = |((width, height), window)| viewport::has_shape_of_window(width, height, window);
+        let of_images = size.map(|(width, height)| (i64::from(width), i64::from(height)));
+        of_images.zip(window).is_some_and(wide)
+    }
+
+    /// Whether an image is as large as the window.
+    pub fn has_size_of_window(&self, image: vk::Image) -> bool {
+        self.size(image) == *self.window.locked()
     }
 
     /// The image of a view, if it may hold a scene.

@@ -76,7 +76,7 @@ impl SceneGraph {
             let reason = match rule {
                 Duplicate::Never => "the rig says so",
                 _ if seen.graph.makes(image, Made::Elsewhere) => {
-                    "it is read by compute shaders, in parts, or by passes of another size"
+                    "it is read by compute shaders, in parts, or by passes of another shape"
                 }
                 _ => "it was not seen on the window",
             };

@@ -7,10 +7,11 @@ use crate::intercept::scene::flat_program::FlatProgram;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::spirv::Matrix;
+use crate::intercept::vk::state::pipelines::MatrixStage;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
-use crate::intercept::vk::state::views::view_constants::ChunkOffset;
-use crate::runtime::session::Intrinsics;
+use crate::intercept::vk::state::views::view_constants::{ChunkOffset, SlotParts};
+use crate::runtime::session::{CameraFunction, Intrinsics};
 use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -43,6 +44,42 @@ pub(in crate::intercept::vk) enum DrawClass {
     Screen,
 }
 
+/// A matrix that may be a function of the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraSource {
+    /// `None`: it cannot be read.
+    pub(in crate::intercept::vk) source: Option<MatrixSource>,
+    pub(in crate::intercept::vk) stage: MatrixStage,
+    pub(in crate::intercept::vk) inverted: bool,
+}
+
+impl DrawFacts {
+    /// Parts of view constants that its shaders read.
+    pub fn slot_parts(&self) -> SlotParts {
+        match (self.cameras.is_empty(), self.pictures.is_empty()) {
+            (false, _) => SlotParts::Cameras,
+            (true, false) => SlotParts::Factors,
+            (true, true) => SlotParts::Place,
+        }
+    }
+}
+
+/// The layout of an image that shaders read.
+#[derive(Clone)]
+pub struct ShownLayout(pub(in crate::intercept::vk) Arc<AtlasLayout>);
+
+impl PartialEq for ShownLayout {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl std::fmt::Debug for ShownLayout {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{:?}", self.0.window)
+    }
+}
+
 /// Facts that draws of a group have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawFacts {
@@ -59,8 +96,12 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) deep: bool,
     /// Viewport of the program, where fragments are told their place in its window.
     pub(in crate::intercept::vk) viewport: Option<Area>,
-    /// Of the images that they read by texels: the size of the program's, where a view has its own.
-    pub(in crate::intercept::vk) pictures: Vec<Option<(u32, u32)>>,
+    /// Of the images that they read by texels: places of the views, where a view has its own.
+    pub(in crate::intercept::vk) pictures: Vec<Option<ShownLayout>>,
+    /// Matrices that may be functions of the camera, those of each stage in their order.
+    pub(in crate::intercept::vk) cameras: Vec<CameraSource>,
+    /// If they are flat and have the inverse of a camera's matrix, they compute all of the picture from its pixels.
+    pub(in crate::intercept::vk) sky: bool,
     /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,
 }
@@ -83,6 +124,17 @@ pub struct DrawGroup {
     pub(in crate::intercept::vk) last: Option<DrawClass>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
     pub(in crate::intercept::vk) lens: Option<(Told, &'static str)>,
+    /// What its shaders have of the camera.
+    pub(in crate::intercept::vk) cameras: CameraFunctions,
+}
+
+/// Matrices of a group that are functions of the camera.
+#[derive(Default)]
+pub struct CameraFunctions {
+    /// Their values, and the number of changes of the cameras, when functions were last looked for.
+    pub(in crate::intercept::vk) seen: Option<(Vec<Option<[f64; 16]>>, u64)>,
+    /// What each is of which camera.
+    pub(in crate::intercept::vk) functions: Vec<Option<(CameraFunction, Intrinsics)>>,
 }
 
 impl DrawGroup {
@@ -98,6 +150,7 @@ impl DrawGroup {
             last: None,
             matrices: Vec::new(),
             lens: None,
+            cameras: CameraFunctions::default(),
         }
     }
 

@@ -35,6 +35,8 @@ pub enum Event {
     Copy(vk::Buffer, vk::Buffer, vk::BufferCopy),
     /// A buffer is written.
     Update(vk::Buffer, u64, Vec<u8>),
+    /// An image is left in a layout.
+    Layout(vk::Image, vk::ImageLayout),
     /// Another command buffer runs.
     Execute(vk::CommandBuffer),
     /// A swapchain's image is drawn: its atlas, or itself.

@@ -6,9 +6,11 @@ use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
+use crate::lock::Lock;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use ash::vk;
+use std::sync::{Arc, Mutex};
 
 /// A rectangle of an atlas or a window. Its origin is the top left corner, as in Vulkan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +46,12 @@ impl AtlasRect {
     /// Its upper left corner, for copies.
     pub fn offset(self) -> vk::Offset3D {
         vk::Offset3D { x: self.x, y: self.y, z: 0 }
+    }
+
+    /// The middle of it, as wide and high as a half of it.
+    pub fn middle(self) -> Self {
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        Self { x: self.x + (self.width - width) / 2, y: self.y + (self.height - height) / 2, width, height }
     }
 
     /// Its size, for copies.
@@ -84,16 +92,20 @@ impl ViewTile {
     }
 }
 
-/// A rig at work in a window.
+/// A rig at work in a window, or in an image of another size that leads there.
 pub struct AtlasLayout {
     /// The rig at work.
-    pub session: Session,
+    pub session: Arc<Session>,
     /// Its plan, with the tiles where they are in this atlas.
     pub plan: Plan,
     /// Which state of the rig's file it is of; 0 = the first.
     pub version: u64,
-    /// Size of the window and of the program's picture.
+    /// Size of the program's picture: of the window, or of the image.
     pub window: (u32, u32),
+    /// Number of its pixels for each of the window's.
+    pub pixels: f64,
+    /// Layouts of images of other sizes, for this window.
+    pub(in crate::intercept::vk) of_images: Mutex<Vec<Arc<Self>>>,
     /// Size of the atlas.
     pub atlas: (u32, u32),
     /// The panel, as large as the window.
@@ -137,7 +149,88 @@ impl AtlasLayout {
         let primary = session.primary().map(AtlasRect::from);
         let panel = panel.into();
         let lenses = session.lenses();
-        Ok(Self { window: size, version: 0, atlas, panel, primary, read, views, lenses, outputs, session, plan })
+        let (session, of_images) = (Arc::new(session), Mutex::default());
+        let pixels = 1.0;
+        let (window, version) = (size, 0);
+        Ok(Self {
+            window,
+            pixels,
+            of_images,
+            version,
+            atlas,
+            panel,
+            primary,
+            read,
+            views,
+            lenses,
+            outputs,
+            session,
+            plan,
+        })
+    }
+
+    /// The layout for an image of `size` on its way to this window. Tiles are as much larger or smaller, as far as images
+    /// of `most` texels across and down have room for them.
+    pub fn of_image(self: &Arc<Self>, size: (u32, u32), most: u32) -> Arc<Self> {
+        if size == self.window {
+            return Arc::clone(self);
+        }
+        let mut known = self.of_images.locked();
+        if let Some(known) = known.iter().find(|known| known.window == size) {
+            return Arc::clone(known);
+        }
+        let made = Arc::new(self.scaled(size, most));
+        known.push(Arc::clone(&made));
+        made
+    }
+
+    fn scaled(&self, size: (u32, u32), most: u32) -> Self {
+        // What shows the program's own pixels is as large as these.
+        let exact = self.own().is_some() || self.views.iter().any(|view| view.own_lens);
+        let scale = |own: u32, window: u32, atlas: u32| {
+            let ideal = f64::from(own) / f64::from(window.max(1));
+            if exact { ideal } else { ideal.min(f64::from(most) / f64::from(atlas.max(1))) }
+        };
+        let across = scale(size.0, self.window.0, self.atlas.0);
+        let down = scale(size.1, self.window.1, self.atlas.1);
+        let rect = |tile: AtlasRect| {
+            let ends = |start: i32, length: i32, scale: f64| {
+                let [start, end] = [start, start + length].map(|place| (f64::from(place) * scale).round() as i32);
+                (start, (end - start).max(1))
+            };
+            let ((x, width), (y, height)) = (ends(tile.x, tile.width, across), ends(tile.y, tile.height, down));
+            AtlasRect { x, y, width, height }
+        };
+        // The last tile may be one texel wide and begin at the end.
+        let length = |atlas: u32, scale: f64| {
+            let length = (f64::from(atlas) * scale).ceil() as u32 + 1;
+            if exact { length } else { length.min(most) }
+        };
+        Self {
+            session: Arc::clone(&self.session),
+            plan: self.plan.clone(),
+            version: self.version,
+            window: size,
+            pixels: f64::from(size.0) * f64::from(size.1) / (f64::from(self.window.0) * f64::from(self.window.1)),
+            of_images: Mutex::default(),
+            atlas: (length(self.atlas.0, across), length(self.atlas.1, down)),
+            panel: rect(self.panel),
+            primary: self.primary.map(rect),
+            read: self.read,
+            views: self.views.iter().map(|view| ViewTile { rect: rect(view.rect), ..*view }).collect(),
+            lenses: self.lenses.clone(),
+            outputs: self.outputs.clone(),
+        }
+    }
+
+    /// Whether this and another are for the same window, and show the same views.
+    pub fn has_views_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.session, &other.session)
+    }
+
+    /// Places of all that belongs to the program's picture.
+    pub fn pictures(&self) -> impl Iterator<Item = AtlasRect> {
+        self.views.iter().map(|view| view.rect).chain(self.primary).chain([self.panel])
     }
 
     /// Whether every view has the program's own lens, so that nothing is shown on the panel.
@@ -193,6 +286,7 @@ mod tests {
     use super::AtlasLayout;
     use crate::correct::LowerLeftRect;
     use crate::intercept::vk::state::views::vertices::VertexProcessing;
+    use std::sync::Arc;
 
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {
@@ -205,6 +299,45 @@ mod tests {
             assert!(tile.x >= 0 && tile.y >= 0, "{tile:?}");
             assert!(tile.x + tile.width <= layout.atlas.0 as i32 && tile.y + tile.height <= layout.atlas.1 as i32);
         }
+    }
+
+    /// Tiles of another size are apart, within the atlas, and have the same parts of it.
+    #[test]
+    fn images_of_other_sizes_have_the_same_tiles() {
+        let rig = crate::rig::load("fisheye").expect("a preset");
+        for read in [false, true] {
+            let layout = AtlasLayout::new(&rig, (640, 360), 16384, read, VertexProcessing::DivisionStatistics);
+            let layout = Arc::new(layout.expect("a plan"));
+            assert!(Arc::ptr_eq(&layout.of_image((640, 360), 16384), &layout));
+            for size in [(320, 180), (1280, 720), (80, 45), (427, 240)] {
+                let other = layout.of_image(size, 16384);
+                assert!(Arc::ptr_eq(&layout.of_image(size, 16384), &other) && other.has_views_of(&layout));
+                assert_eq!(
+                    other.own().map(|own| (own.x, own.y, own.width, own.height)),
+                    layout.own().map(|_| { (0, 0, size.0 as i32, size.1 as i32) })
+                );
+                let tiles: Vec<_> = other.pictures().collect();
+                let scale = f64::from(size.0) / 640.0;
+                for (index, (tile, of_window)) in tiles.iter().zip(layout.pictures()).enumerate() {
+                    assert!((f64::from(of_window.width) * scale - f64::from(tile.width)).abs() <= 1.0, "{tile:?}");
+                    assert!(
+                        tile.x + tile.width <= other.atlas.0 as i32 && tile.y + tile.height <= other.atlas.1 as i32
+                    );
+                    for earlier in &tiles[..index] {
+                        let apart = |a: i32, length: i32, b: i32, other: i32| a + length <= b || b + other <= a;
+                        assert!(
+                            apart(tile.x, tile.width, earlier.x, earlier.width)
+                                || apart(tile.y, tile.height, earlier.y, earlier.height),
+                            "{size:?}: {tile:?} {earlier:?}"
+                        );
+                    }
+                }
+            }
+        }
+        let layout = AtlasLayout::new(&rig, (640, 360), 16384, false, VertexProcessing::DivisionStatistics);
+        let layout = Arc::new(layout.expect("a plan"));
+        let small = layout.of_image((6400, 3600), layout.atlas.0 + 10);
+        assert!(small.atlas.0 <= layout.atlas.0 + 10 && small.views[0].rect.width >= layout.views[0].rect.width);
     }
 
     #[test]

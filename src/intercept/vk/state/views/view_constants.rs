@@ -7,7 +7,7 @@
 //! parameters of large draws lie in the same chunks.
 
 use crate::intercept::scene::to_window::ToWindow;
-use crate::intercept::vk::spirv::MOST_PICTURES;
+use crate::intercept::vk::spirv::{CAMERA_BYTES, MOST_CAMERAS, MOST_PICTURES};
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::views::division_counter::Counter;
 use crate::lock::Lock;
@@ -39,6 +39,26 @@ pub struct ChunkOffset {
     pub chunk: usize,
     /// Offset in it, bytes.
     pub offset: u32,
+    /// From one slot to the next, bytes.
+    pub stride: u32,
+}
+
+impl ChunkOffset {
+    /// Where a slot begins in the chunk, bytes.
+    pub fn slot(&self, index: u32) -> u32 {
+        self.offset + index * self.stride
+    }
+}
+
+/// Parts of a slot behind the matrices that re-project.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlotParts {
+    /// What takes fragments to the program's window.
+    Place,
+    /// And factors of images that they read by texels.
+    Factors,
+    /// And matrices of the camera.
+    Cameras,
 }
 
 /// The device's chunks that no command buffer has.
@@ -75,9 +95,18 @@ impl ConstantPool {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u32
     }
 
-    /// Bytes of a slot.
-    pub fn slot(&self) -> u64 {
-        u64::from(self.to_window_offset()) + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u64
+    /// Where in a slot the matrices of the camera are, bytes: those of fragments, behind them those of vertices.
+    pub fn cameras_offset(&self) -> u32 {
+        self.to_window_offset() + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u32
+    }
+
+    /// Bytes of a slot with these parts.
+    pub fn slot(&self, parts: SlotParts) -> u32 {
+        match parts {
+            SlotParts::Place => self.to_window_offset() + size_of::<[f32; 4]>() as u32,
+            SlotParts::Factors => self.cameras_offset(),
+            SlotParts::Cameras => self.cameras_offset() + CAMERA_BYTES,
+        }
     }
 
     /// The counter, if this driver can count.
@@ -134,7 +163,7 @@ impl ConstantPool {
             taken.chunks.push(chunk);
             taken.used = 0;
         }
-        let place = ChunkOffset { chunk: taken.chunks.len() - 1, offset: taken.used as u32 };
+        let place = ChunkOffset { chunk: taken.chunks.len() - 1, offset: taken.used as u32, stride };
         taken.used += length;
         Ok(place)
     }
@@ -160,7 +189,7 @@ impl ConstantPool {
             sets: Default::default(),
             address: 0,
         };
-        match chunk.fill(driver, &layouts, self.slot(), counter) {
+        match chunk.fill(driver, &layouts, self.slot(SlotParts::Cameras).into(), counter) {
             Ok(()) => Ok(chunk),
             Err(error) => {
                 chunk.destroy(driver);
@@ -200,7 +229,8 @@ impl ConstantChunk {
     ) -> VkResult<()> {
         let functions = &driver.functions;
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
-        let info = vk::BufferCreateInfo::default().size(CHUNK_BYTES).usage(usage);
+        // The descriptor of the last slot reaches farther than some slots.
+        let info = vk::BufferCreateInfo::default().size(CHUNK_BYTES + slot).usage(usage);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let count = layouts.len() as u32;
         let sizes = [
@@ -261,6 +291,19 @@ impl ConstantChunk {
     pub fn write_factors(&self, offset: u32, factors: &[[f32; 4]]) {
         let place = offset + size_of::<[f32; 4]>() as u32;
         self.write_words(place, &factors.as_flattened().iter().map(|factor| factor.to_bits()).collect::<Vec<_>>());
+    }
+
+    /// Writes the matrices of a stage that are in the place of the program's, at this place.
+    pub fn write_cameras(&self, offset: u32, matrices: &[Option<[f32; FLOATS]>]) {
+        let mut chosen = [0.0f32; MOST_CAMERAS];
+        for ((number, matrix), chosen) in (0..).zip(matrices).zip(&mut chosen) {
+            if let Some(matrix) = matrix {
+                *chosen = 1.0;
+                self.write_words(offset + number * size_of_val(matrix) as u32, &matrix.map(f32::to_bits));
+            }
+        }
+        let behind = (MOST_CAMERAS * size_of::<[f32; FLOATS]>()) as u32;
+        self.write_words(offset + behind, &chosen.map(f32::to_bits));
     }
 
     /// Writes numbers; nothing where they would not lie in the chunk.

@@ -1,0 +1,108 @@
+//! Stages of a pipeline with what is different in a view beside the position: places on the screen, texels of images of
+//! the scene, matrices of the camera.
+
+use crate::intercept::log;
+use crate::intercept::vk::pipelines::stages::{name_of, words_of};
+use crate::intercept::vk::spirv::{self, DescriptorPlace};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::pipelines::{CameraMatrix, MatrixStage};
+use ::spirv::ExecutionModel;
+use ash::vk;
+use std::sync::Arc;
+
+/// A stage that was changed, and what its words read of the view constants.
+pub struct ViewStage {
+    /// Its words; `None`: the program's own.
+    pub words: Option<Vec<u32>>,
+    /// It is told its place in the program's window.
+    pub moves_place: bool,
+    /// It should be, and cannot.
+    pub loses_place: bool,
+    /// Descriptors of the images that it reads by texels.
+    pub pictures: Vec<DescriptorPlace>,
+    /// Its matrices that may be functions of the camera.
+    pub cameras: Vec<CameraMatrix>,
+}
+
+/// A fragment stage for views, which reads the view constants by set `ours`.
+///
+/// # Safety
+/// `stage` must be the program's.
+pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>, ours: u32) -> ViewStage {
+    let mut made =
+        ViewStage { words: None, moves_place: false, loses_place: false, pictures: Vec::new(), cameras: Vec::new() };
+    // SAFETY: as promised.
+    let (words, entry) = unsafe { (words_of(device, stage), name_of(stage)) };
+    let Some(words) = words else { return made };
+    match placed(device, &words, &entry, ours) {
+        Ok(Some(followed)) => {
+            made.moves_place = true;
+            made.pictures = followed.pictures;
+            made.words = Some(followed.words);
+        }
+        Ok(None) => {}
+        Err(why) => {
+            made.loses_place = true;
+            log::once(&format!("Vulkan: FragCoord is the place in a view, not in the window: {why}"));
+        }
+    }
+    let before: Arc<[u32]> = made.words.as_deref().map_or(words, Arc::from);
+    if let Some((words, cameras)) = with_cameras(device, &before, &entry, MatrixStage::Fragment, ours) {
+        made.words = Some(words);
+        made.cameras = cameras;
+    }
+    made
+}
+
+/// The words of a vertex stage with matrices of views, and these.
+///
+/// # Safety
+/// `stage` must be the program's.
+pub unsafe fn vertex(
+    device: &Device,
+    stage: &vk::PipelineShaderStageCreateInfo<'_>,
+    ours: u32,
+) -> Option<(Vec<u32>, Vec<CameraMatrix>)> {
+    // SAFETY: as promised.
+    let (words, entry) = unsafe { (words_of(device, stage)?, name_of(stage)) };
+    with_cameras(device, &words, &entry, MatrixStage::Vertex, ours)
+}
+
+fn with_cameras(
+    device: &Device,
+    words: &[u32],
+    entry: &str,
+    stage: MatrixStage,
+    ours: u32,
+) -> Option<(Vec<u32>, Vec<CameraMatrix>)> {
+    let (model, behind) = match stage {
+        MatrixStage::Fragment => (ExecutionModel::Fragment, 0),
+        MatrixStage::Vertex => (ExecutionModel::Vertex, spirv::CAMERA_BYTES / 2),
+    };
+    let offset = device.view_constants.cameras_offset() + behind;
+    match spirv::camera_matrices(words, model, entry, ours, offset) {
+        Ok(Some(chosen)) => {
+            let camera = |matrix| CameraMatrix { matrix, stage, inverted: chosen.inverts };
+            Some((chosen.words, chosen.matrices.into_iter().map(camera).collect()))
+        }
+        Ok(None) => None,
+        Err(why) => {
+            log::once(&format!("Vulkan: matrices of a shader are not those of a view: {why}"));
+            None
+        }
+    }
+}
+
+/// A fragment stage with window coordinates and texels of the program; `None` where it asks for neither.
+///
+/// # Errors
+/// What cannot be followed.
+fn placed(device: &Device, words: &[u32], entry: &str, ours: u32) -> Result<Option<spirv::Followed>, &'static str> {
+    let offset = device.view_constants.to_window_offset();
+    let moved = match spirv::asks_place(words) {
+        true => spirv::frag_coord(words, entry, ours, offset)?,
+        false => None,
+    };
+    let followed = spirv::texels(moved.as_deref().unwrap_or(words), entry, ours, offset)?;
+    Ok(followed.or_else(|| moved.map(|words| spirv::Followed { words, pictures: Vec::new() })))
+}
