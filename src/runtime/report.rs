@@ -49,6 +49,11 @@ pub struct Statistics {
     pub draws_out_of_sight: u64,
     /// Draws of the scene of which it was known where their vertices are.
     pub bounded_draws: u64,
+    /// Those of them that are partly in the program's own picture, until it is known whether the program leaves out what is
+    /// beside it.
+    pub draws_at_border: u64,
+    /// Those of them until then that are wholly beside it, or behind the eye.
+    pub draws_beside: u64,
     /// Ranges of buffers that were read back for that, each once until its buffer changes.
     pub ranges_read: u64,
     /// How often the parts of the views that no output samples were closed for drawing.

@@ -5,6 +5,7 @@ use crate::harness::tests;
 use crate::programs::Run;
 
 tests! {
+    what_a_program_leaves_out_is_told,
     pictures_stay_what_they_are,
     views_to_the_sides_get_nothing_of_what_is_ahead,
     a_program_of_few_draws_gets_the_views_that_suit_it,
@@ -258,4 +259,17 @@ fn what_is_read_of_an_image_is_whole() {
     let Some(turned) = (Run { yaw: run.yaw + 1.0, ..run }).plain() else { return };
     let (different, _) = turned.expect_success().picture("own.ppm").difference(&own[0]);
     assert!(different > 1_000, "{different} pixels tell of a turned camera");
+}
+
+/// A program that leaves out what is beside its own picture is told so, and how to widen it; others are not.
+fn what_a_program_leaves_out_is_told() {
+    for (mode, told) in [("culled", true), ("all", false), ("ahead", false)] {
+        let extra = ["--mode", mode];
+        let run = Run { frames: 30, cupola_frames: 30, extra: &extra, ..Run::new("beside") };
+        let Some(finished) = run.under("fisheye") else { return };
+        let finished = finished.expect_success().expect_no_gl_errors();
+        let says =
+            finished.words().contains("seems to leave out what lies beside its own field of view (75.00° × 75.00°)");
+        assert_eq!(says, told, "{mode}: {}\n{:#}", finished.words(), finished.statistics());
+    }
 }

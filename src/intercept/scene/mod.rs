@@ -4,6 +4,7 @@
 //! - [`frame_order`]: does flat drawing lie behind the scene?
 //! - [`image_graph`]: which images lie between a scene and the window?
 //! - [`flat_program`]: is nothing of the program a scene?
+//! - [`culling_program`]: does it leave out what it does not see itself?
 //! - [`obstacle`]: why is something shown flat, or drawn once only?
 //! - [`query_scaling`]: what does a query's count become for the program?
 //! - [`report`]: what do the statistics say of a plan?
@@ -19,6 +20,7 @@
 //!
 //! The rooms of OpenGL and Vulkan collect the facts and issue the draws.
 
+pub mod culling_program;
 pub mod flat_program;
 pub mod frame_order;
 pub mod image_graph;

@@ -155,14 +155,17 @@ fn correct_now(ctx: &mut Context) {
 /// Corrections in a row that may fail before the program gets its window back.
 const MOST_FAILED_CORRECTIONS: u32 = 2;
 
-/// Tells of a program that is flat altogether.
+/// Tells of a program that is flat altogether, or leaves out what it does not see itself.
 fn look_for_a_scene(ctx: &mut Context) {
-    let mut flat_program = ctx.frame.flat_program;
+    let (mut flat_program, mut culling_program) = (ctx.frame.flat_program, ctx.frame.culling_program);
     if let Some(session) = ctx.drawable.session() {
         let (draws, has_scene) = (ctx.frame.counts.draws_seen, ctx.frame.shows_scene());
         flat_program.look(draws, has_scene, session, || report::off_screen(ctx));
     }
-    ctx.frame.flat_program = flat_program;
+    if let Some(session) = ctx.drawable.session() {
+        culling_program.look(ctx.frame.counts.places, ctx.frame.lens.as_ref(), session);
+    }
+    (ctx.frame.flat_program, ctx.frame.culling_program) = (flat_program, culling_program);
 }
 
 fn frame(ctx: &mut Context) {

@@ -54,6 +54,8 @@ fn add_counts(statistics: &mut Statistics, ctx: &Context, counted: &Context) {
     statistics.panel_draws += counts.panel_draws;
     statistics.primary_draws += counts.primary_draws;
     statistics.bounded_draws += counts.bounded_draws;
+    statistics.draws_at_border += counts.places.crossing;
+    statistics.draws_beside += counts.places.outside;
     statistics.ranges_read += counted.vertex_input.ranges.reads;
     statistics.closings += counts.closings;
     statistics.shaders_linked += counts.linked;

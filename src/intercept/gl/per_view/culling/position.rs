@@ -119,6 +119,15 @@ pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -
     }
 }
 
+/// What takes them from there to the clip coordinates of the program's own picture.
+pub fn of_own_picture(compat: &Compat, class: DrawClass) -> Option<View> {
+    match class {
+        DrawClass::FixedScene => Some(View::of(&compat.projection.matrix)),
+        DrawClass::Scene(_) => Some(View::of(&Transform::NONE.matrix)),
+        DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::View;

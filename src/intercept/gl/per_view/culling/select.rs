@@ -100,8 +100,10 @@ impl Known {
         }
         let model = position::transform(ctx, class)?;
         let (low, high) = bounds(ctx).known()?;
+        let placed = Placed::of(&model, low, high);
         ctx.frame.counts.bounded_draws += 1;
-        Some(Self { class, placed: Placed::of(&model, low, high), spread })
+        note_place(ctx, class, &placed);
+        Some(Self { class, placed, spread })
     }
 
     /// Looks from the view `index`, whose picture has so many pixels across and up.
@@ -111,6 +113,20 @@ impl Known {
         let beside = size.map(|pixels| 2.0 * self.spread / f64::from(pixels.max(1)));
         let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
         Look { view, unseen }
+    }
+}
+
+/// Notes where a draw is in the program's own picture.
+fn note_place(ctx: &mut Context, class: DrawClass, placed: &Placed) {
+    if ctx.frame.culling_program.is_decided() {
+        return;
+    }
+    let Some(own) = position::of_own_picture(&ctx.compat, class) else { return };
+    let places = &mut ctx.frame.counts.places;
+    if outside(&own, placed, [0.0; 2]) {
+        places.outside += 1;
+    } else if extent(&own, placed).is_some_and(|part| part.iter().any(|edge| edge.abs() > 1.0)) {
+        places.crossing += 1;
     }
 }
 

@@ -17,6 +17,7 @@ use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
 use crate::intercept::gl::state::frame::statistics::Counts;
+use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::Intrinsics;
@@ -42,6 +43,8 @@ pub struct Frame {
     pub(in crate::intercept::gl) failed_corrections: u32,
     /// Whether nothing is a scene.
     pub(in crate::intercept::gl) flat_program: FlatProgram,
+    /// Whether it leaves out what it does not see itself.
+    pub(in crate::intercept::gl) culling_program: CullingProgram,
     /// Something of a scene was ever shown in the window.
     shows_scene: bool,
     /// Counts for `--stats`.

@@ -1,5 +1,7 @@
 //! What is counted for `--stats`.
 
+use crate::intercept::scene::culling_program::Places;
+
 /// Counts for `--stats`.
 #[derive(Clone, Debug, Default)]
 pub struct Counts {
@@ -17,6 +19,8 @@ pub struct Counts {
     pub primary_draws: u64,
     /// Draws of the scene whose place was known.
     pub bounded_draws: u64,
+    /// Where they are in the program's own picture.
+    pub places: Places,
     /// How often hidden parts of the views were closed.
     pub closings: u64,
     /// Programs of shaders that were linked for us.
