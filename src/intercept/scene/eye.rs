@@ -23,12 +23,12 @@ impl Eye {
         functions: &[Option<(CameraFunction, Intrinsics)>],
         called: impl Fn(usize) -> Option<ViewMatrix>,
     ) -> Option<Self> {
-        let alone =
-            |(index, (value, function)): (usize, (&Option<[f64; 16]>, &Option<(CameraFunction, Intrinsics)>))| {
-                let (function, lens) = (*function)?;
-                function.is_of_projection(value.as_ref()?, &lens).then_some((index, lens, function.is_transposed()))
-            };
-        let (projection, lens, transposed) = values.iter().zip(functions).enumerate().find_map(alone)?;
+        let alone = |index: usize| {
+            let (function, lens) = (*functions.get(index)?)?;
+            let value = values.get(index)?.as_ref()?;
+            function.is_of_projection(value, &lens).then_some((index, lens, function.is_transposed()))
+        };
+        let (projection, lens, transposed) = (0..values.len()).find_map(alone)?;
         let rigid = |index: usize| values[index].is_some_and(|value| eye_axes::is_rigid(&value, transposed));
         let view = |index: usize| called(index).filter(|_| functions[index].is_none() && rigid(index));
         let views: Vec<_> = (0..values.len().min(functions.len())).map(view).collect();
