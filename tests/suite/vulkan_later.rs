@@ -64,6 +64,7 @@ fn images_of_other_sizes() {
 /// A triangle over the window that computes what it shows in a direction, by an inverse of the camera's matrix in a block.
 fn skies_are_where_they_belong() {
     right(&["sky", "sky_rows", "sky_inverted", "sky_columns", "sky_vertices"], EDGE);
+    right(&["sky_apart", "sky_forced"], EDGE);
     planetarium_of("vk_later_passes", &["--mode", "sky"], Run::vulkan_under);
 }
 

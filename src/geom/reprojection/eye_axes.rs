@@ -25,14 +25,19 @@ pub enum ViewMatrix {
 /// axis.
 pub fn turn(view: &[f64; 16], lens: &Intrinsics) -> Option<DMat4> {
     // F only scales clip coordinates that directions have not.
-    let projection = lens.projection(lens.f.unwrap_or(-1.0));
-    let rows = DMat4::from_cols_array(view) * projection;
+    turn_of_rows(DMat4::from_cols_array(view) * lens.projection(lens.f.unwrap_or(-1.0)))
+}
+
+/// The turn by which `rows` to clip coordinates become those of an eye that looks along its axis.
+fn turn_of_rows(rows: DMat4) -> Option<DMat4> {
     let [x, y, w] = [0, 1, 3].map(|row| rows.row(row).truncate());
     let back = (-w).try_normalize()?;
     let aside = |row: DVec3| row - row.dot(back) * back;
     let right = aside(x).try_normalize()?;
     let up = aside(y);
     let up = (up - up.dot(right) * right).try_normalize()?;
+    // Where y of clip coordinates points down, it is no turn.
+    let up = if right.cross(up).dot(back) < 0.0 { -up } else { up };
     Some(DMat4::from_mat3(DMat3::from_cols(right, up, back).transpose()))
 }
 
@@ -69,18 +74,24 @@ impl ViewMatrix {
 }
 
 impl CameraFunction {
-    /// Whether `matrix`, of which this is the function, is one of the projection alone.
+    /// Whether `matrix`, of which this is the function, is one of the projection alone, whichever way its y points.
     pub fn is_of_projection(&self, matrix: &[f64; 16], lens: &Intrinsics) -> bool {
         let projection = lens.projection(lens.f.unwrap_or(-1.0));
         let left = || Some(inverse(projection)? * self.to_clip(matrix)?);
         left().is_some_and(|left| {
             let scale = left.x_axis.x;
             let rest = (left.x_axis - glam::DVec4::X * scale).length()
-                + (left.y_axis - glam::DVec4::Y * scale).length()
+                + (left.y_axis - glam::DVec4::Y * scale.copysign(left.y_axis.y)).length()
                 + (left.z_axis.truncate() - DVec3::Z * scale).length()
                 + left.w_axis.truncate().length();
             rest <= TOLERANCE * scale.abs() && scale != 0.0
         })
+    }
+
+    /// The turn from the program's eye coordinates to those of a view with the reprojection `view`, by `matrix`, which is one
+    /// of the projection alone; `None` where the view has no axis.
+    pub fn turn(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<DMat4> {
+        turn_of_rows(DMat4::from_cols_array(view) * self.to_clip(matrix)?)
     }
 
     /// What `matrix`, which is one of the projection alone, is for a view whose eye is turned.
@@ -130,6 +141,27 @@ mod tests {
         let expected = DVec3::new(-0.1 + 0.25 * 0.8, -0.2 - 0.5 * 0.8, -1.0);
         let expected = scene.inverse() * (rotation.transpose() * expected).extend(0.0);
         assert!((direction - expected).length() < 1e-9, "{direction} {expected}");
+    }
+
+    /// A projection whose y points down, as Vulkan has it, turns the eye in the same way.
+    #[test]
+    fn the_turn_is_the_same_where_y_points_down() {
+        let frustum = Frustum { left: -0.9, right: 0.7, bottom: -1.0, top: 0.6 };
+        let rotation = pose::rotation(40.0, 25.0, 10.0);
+        let rows = clip_rows(&LENS, &CameraAdjustment::NONE, rotation, &frustum);
+        let view = DMat4::from_cols_array(&rows.widened(&LENS, &CameraAdjustment::NONE, &frustum).matrix());
+        let down = DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
+        let projection = LENS.projection(-0.2);
+        let expected = turn(&view.to_cols_array(), &LENS).expect("a view");
+        for (projection, view) in [(projection, view), (down * projection, down * view * down)] {
+            for matrix in [projection, projection.inverse()] {
+                let matrix = matrix.to_cols_array();
+                let function = CameraFunction::of(&matrix, &LENS).expect("a function");
+                assert!(function.is_of_projection(&matrix, &LENS));
+                let found = function.turn(&matrix, &view.to_cols_array()).expect("a view");
+                assert!((found - expected).to_cols_array().iter().all(|part| part.abs() < 1e-9), "{found} {expected}");
+            }
+        }
     }
 
     #[test]

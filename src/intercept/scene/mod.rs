@@ -1,6 +1,7 @@
 //! What both APIs decide about a program's frame, without naming either of them.
 //!
 //! - [`viewport`]: does a viewport hold the program's main picture?
+//! - [`eye`]: does a shader hold the projection and the view matrix apart?
 //! - [`frame_order`]: does flat drawing lie behind the scene?
 //! - [`image_graph`]: which images lie between a scene and the window?
 //! - [`flat_program`]: is nothing of the program a scene?
@@ -21,6 +22,7 @@
 //! The rooms of OpenGL and Vulkan collect the facts and issue the draws.
 
 pub mod culling_program;
+pub mod eye;
 pub mod flat_program;
 pub mod frame_order;
 pub mod image_graph;

@@ -9,7 +9,7 @@ layout(set = 0, binding = 3) uniform Camera {
     vec4 tint;
     mat4 inverse_all, all, lamp;
     layout(row_major) mat4 inverse_rows;
-    mat4 several[2];
+    mat4 several[2], inverse_projection, inverse_view;
 } camera;
 #if defined(PLACE)
 layout(location = 0) in vec3 shade;
@@ -50,6 +50,11 @@ void main()
     result = colour((camera.inverse_rows * vec4(2.0 * at - 1.0, 1.0, 1.0)).xyz);
 #elif defined(SKY_INVERTED)
     result = colour((inverse(camera.several[1]) * vec4(2.0 * at - 1.0, 1.0, 1.0)).xyz);
+#elif defined(SKY_APART)
+    result = colour(mat3(camera.inverse_view) * (camera.inverse_projection * vec4(2.0 * at - 1.0, 1.0, 1.0)).xyz);
+#elif defined(SKY_FORCED)
+    vec4 eye = camera.inverse_projection * vec4(2.0 * at - 1.0, 1.0, 1.0);
+    result = colour((camera.inverse_view * vec4(eye.xy, -1.0, 0.0)).xyz);
 #elif defined(SKY_COLUMNS)
     vec2 c = 2.0 * at - 1.0;
     vec4 d = camera.inverse_all[0] * c.x + camera.inverse_all[1] * c.y + camera.inverse_all[2] + camera.inverse_all[3];

@@ -7,7 +7,7 @@
  * (half_fetch, double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain).
  *
  * Or with matrices of the camera in a block: a sky as a triangle over the window (sky, sky_rows, sky_inverted,
- * sky_columns, sky_vertices), the cube's colours from its depth (light, light_back), the cube where each fragment is at
+ * sky_columns, sky_apart, sky_forced, sky_vertices), the cube's colours from its depth (light, light_back), the cube where each fragment is at
  * the place that it computes (place).
  */
 #include "direction.h"
@@ -31,7 +31,9 @@
 #include "later_sampled.h"
 #include "later_scaled.h"
 #include "later_sky.h"
+#include "later_sky_apart.h"
 #include "later_sky_columns.h"
+#include "later_sky_forced.h"
 #include "later_sky_inverted.h"
 #include "later_sky_rows.h"
 #include "later_vertices.h"
@@ -75,6 +77,8 @@ static const mode modes[] = {
     {.name = "sky_rows", .shader = SHADER(later_sky_rows), .alone = true},
     {.name = "sky_inverted", .shader = SHADER(later_sky_inverted), .alone = true},
     {.name = "sky_columns", .shader = SHADER(later_sky_columns), .alone = true},
+    {.name = "sky_apart", .shader = SHADER(later_sky_apart), .alone = true},
+    {.name = "sky_forced", .shader = SHADER(later_sky_forced), .alone = true},
     {.name = "sky_vertices", .shader = SHADER(later_direction), .alone = true, .vertices = true},
     {.name = "light", .shader = SHADER(later_light), .depths = true},
     {.name = "light_back", .shader = SHADER(later_light_back), .depths = true},
@@ -274,10 +278,12 @@ static void fill_camera(void)
 {
     const matrix4 all = direction_matrix(&options, w.extent, false), back = matrix_inverse(all);
     const matrix4 lamp = matrix_multiply(matrix_perspective(40.0, 1.0, 0.5, 50.0), matrix_camera(40.0, -20.0));
+    const matrix4 view = matrix_camera(options.yaw, options.pitch);
+    const matrix4 projection = matrix_multiply(all, matrix_inverse(matrix_multiply(view, matrix_scale(10.0))));
     const struct {
         float tint[4];
-        matrix4 inverse_all, all, lamp, inverse_rows, several[2];
-    } values = {{1, 1, 1, 1}, back, all, lamp, matrix_transposed(back), {lamp, all}};
+        matrix4 inverse_all, all, lamp, inverse_rows, several[2], inverse_projection, inverse_view;
+    } values = {{1, 1, 1, 1}, back, all, lamp, matrix_transposed(back), {lamp, all}, matrix_inverse(projection), matrix_inverse(view)};
     camera = make_block(&w, sizeof values, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true);
     memcpy(camera.bytes, &values, sizeof values);
 }

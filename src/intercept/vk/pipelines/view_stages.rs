@@ -82,7 +82,7 @@ fn with_cameras(
     let offset = device.view_constants.cameras_offset() + behind;
     match spirv::camera_matrices(words, model, entry, ours, offset) {
         Ok(Some(chosen)) => {
-            let camera = |matrix| CameraMatrix { matrix, stage, inverted: chosen.inverts };
+            let camera = |(matrix, called)| CameraMatrix { matrix, called, stage, inverted: chosen.inverts };
             Some((chosen.words, chosen.matrices.into_iter().map(camera).collect()))
         }
         Ok(None) => None,

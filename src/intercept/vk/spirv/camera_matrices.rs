@@ -4,11 +4,13 @@
 //! A function of ours, to which the entry point leads, gives each matrix a variable: what the program's block holds, or
 //! what the view constants hold, as they say. Loads of the matrix, or of a part of it, become loads of the variable.
 
+use crate::intercept::scene::eye;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::functions::{Additions, push};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::reflect::{Matrix, Memory};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
+use crate::runtime::session::ViewMatrix;
 use spirv::{Decoration, ExecutionModel, FunctionControl, Op, StorageClass};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -25,8 +27,8 @@ const INVERSE: u32 = 34;
 pub struct Chosen {
     /// Its words.
     pub words: Vec<u32>,
-    /// Its matrices, in the order of ours.
-    pub matrices: Vec<Matrix>,
+    /// Its matrices, in the order of ours, and what they are by their names.
+    pub matrices: Vec<(Matrix, Option<ViewMatrix>)>,
     /// It computes an inverse.
     pub inverts: bool,
 }
@@ -51,6 +53,8 @@ struct Found {
     variable: u32,
     /// The members of structures that lead to it.
     members: Vec<u32>,
+    /// What it is by its name.
+    called: Option<ViewMatrix>,
     indices: Vec<u32>,
     class: u32,
 }
@@ -121,7 +125,7 @@ pub fn camera_matrices(
         }
         operands
     };
-    let matrices = found.iter().map(|(_, found)| found.matrix).collect();
+    let matrices = found.iter().map(|(_, found)| (found.matrix, found.called)).collect();
     Ok(Some(Chosen { words: put_into(additions, words, &all, &entry, change), matrices, inverts }))
 }
 
@@ -159,7 +163,7 @@ fn matrix_at(declared: &Declarations<'_>, variable: u32, path: &[u32]) -> Option
         return None;
     };
     let (mut offset, mut numbers, mut members) = (0u32, Vec::new(), Vec::new());
-    let (mut stride, mut row_major) = (16, false);
+    let (mut stride, mut row_major, mut called) = (16, false, None);
     for index in path {
         let number = declared.get(*index, Op::Constant)?.operand(2);
         if let Some(block) = declared.get(kind, Op::TypeStruct) {
@@ -167,8 +171,10 @@ fn matrix_at(declared: &Declarations<'_>, variable: u32, path: &[u32]) -> Option
             offset = offset.checked_add(declared.number(kind, member, Decoration::Offset)?)?;
             stride = declared.number(kind, member, Decoration::MatrixStride).unwrap_or(16);
             row_major = declared.decoration(kind, member, Decoration::RowMajor).is_some();
+            let within = kind;
             kind = *block.rest(1).get(number as usize)?;
             members.push(number);
+            called = eye::view_matrix_called(declared.name(within, member));
         } else {
             // An array of blocks has several descriptors.
             let array = declared.get(kind, Op::TypeArray).filter(|_| !numbers.is_empty())?;
@@ -180,7 +186,8 @@ fn matrix_at(declared: &Declarations<'_>, variable: u32, path: &[u32]) -> Option
         if let Some(matrix) = declared.get(kind, Op::TypeMatrix) {
             let fits = matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1));
             let matrix = Matrix { memory, offset, stride, row_major, rank: 0 };
-            return fits.then_some((numbers, Found { matrix, kind, variable, members, indices: Vec::new(), class }));
+            return fits
+                .then_some((numbers, Found { matrix, kind, variable, members, called, indices: Vec::new(), class }));
         }
     }
     None

@@ -3,6 +3,7 @@
 use crate::intercept::log;
 use crate::intercept::vk::spirv::{DescriptorPlace, Matrix};
 use crate::lock::Lock;
+use crate::runtime::session::ViewMatrix;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -102,6 +103,8 @@ pub enum MatrixStage {
 #[derive(Clone, Copy, Debug)]
 pub struct CameraMatrix {
     pub(in crate::intercept::vk) matrix: Matrix,
+    /// What it is by its name, if it turns and moves.
+    pub(in crate::intercept::vk) called: Option<ViewMatrix>,
     pub(in crate::intercept::vk) stage: MatrixStage,
     /// The shader computes inverses.
     pub(in crate::intercept::vk) inverted: bool,

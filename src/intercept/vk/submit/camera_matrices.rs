@@ -1,11 +1,14 @@
 //! Matrices of the camera that shaders have beside those of the position: each view has its own.
 
 use crate::correct::single;
+use crate::intercept::scene::eye::Eye;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::spirv::CAMERA_BYTES;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::pipelines::MatrixStage;
-use crate::intercept::vk::state::recording::draw_groups::{CameraFunctions, DrawClass, DrawFacts, DrawGroup, Frame};
+use crate::intercept::vk::state::recording::draw_groups::{
+    CameraFunctions, CameraSource, DrawClass, DrawFacts, DrawGroup, Frame,
+};
 use crate::intercept::vk::state::views::view_constants::ConstantChunk;
 use crate::runtime::session::{Direction, Intrinsics};
 
@@ -25,16 +28,18 @@ pub fn look(device: &Device, group: &mut DrawGroup, frame: &Frame) -> bool {
     }
     let value = |source| matrix(device, source);
     let values: Vec<_> = group.facts.cameras.iter().map(|camera| camera.source.as_ref().and_then(value)).collect();
-    let now = Some((values, frame.cameras.changes()));
-    if group.cameras.seen == now {
+    let now = (values, frame.cameras.changes());
+    if group.cameras.seen.as_ref() == Some(&now) {
         return false;
     }
-    let CameraFunctions { seen, functions } = &mut group.cameras;
-    *seen = now;
-    functions.clear();
-    for (value, camera) in seen.iter().flat_map(|(values, _)| values).zip(&group.facts.cameras) {
-        functions.push(value.and_then(|value| frame.cameras.function_of(&value, camera.inverted)));
-    }
+    let CameraFunctions { seen, functions, eye } = &mut group.cameras;
+    let values = &seen.insert(now).0;
+    let cameras = &group.facts.cameras;
+    let function = |(value, camera): (&Option<[f64; 16]>, &CameraSource)| {
+        value.and_then(|value| frame.cameras.function_of(&value, camera.inverted))
+    };
+    *functions = values.iter().zip(cameras).map(function).collect();
+    *eye = Eye::of(values, functions, |index| cameras[index].called);
     true
 }
 
@@ -63,13 +68,26 @@ pub(in crate::intercept::vk) fn write(
                 let rows = frame.cameras.get(index)?.rows.get(view)?;
                 Some(if group.facts.y_up { rows.matrix() } else { rows.y_down().matrix() })
             };
-            let values = group.cameras.seen.iter().flat_map(|(values, _)| values);
-            let all = values.zip(&group.cameras.functions).zip(cameras);
-            let of_stage = all.filter(|(_, camera)| camera.stage == stage);
-            let matrices: Vec<_> = of_stage
-                .map(|((value, function), _)| {
-                    let (function, lens) = function.filter(|_| replaced)?;
-                    let made = function.for_view(&(*value)?, &of_view(&lens)?)?;
+            let CameraFunctions { seen, functions, eye } = &group.cameras;
+            let Some((values, _)) = seen else { return };
+            // Images of the scene hold places of the program's eye.
+            let eye = eye.as_ref().filter(|_| outcome == DrawClass::Screen && group.facts.sky && !group.facts.screen);
+            let eye = eye.and_then(|eye| {
+                let (function, lens) = functions[eye.projection]?;
+                Some((eye, function.turn(&values[eye.projection]?, &of_view(&lens)?)?))
+            });
+            let numbers = (0..cameras.len()).filter(|index| cameras[*index].stage == stage);
+            let matrices: Vec<_> = numbers
+                .map(|index| {
+                    let value = values[index].filter(|_| replaced)?;
+                    let made = match (functions[index], &eye) {
+                        (Some((function, lens)), Some((_, turn))) if function.is_of_projection(&value, &lens) => {
+                            function.for_turned_view(&value, &of_view(&lens)?, *turn)?
+                        }
+                        (Some((function, lens)), _) => function.for_view(&value, &of_view(&lens)?)?,
+                        (None, Some((eye, turn))) => eye.views[index]?.turned(&value, eye.transposed, *turn),
+                        (None, None) => return None,
+                    };
                     Some(single::values(made))
                 })
                 .collect();

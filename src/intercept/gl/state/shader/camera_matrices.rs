@@ -4,7 +4,8 @@ use crate::backend::gl::driver::api::Gl;
 use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
-use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix, eye_axes};
+use crate::intercept::scene::eye::{self, Eye};
+use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix};
 
 /// A stage whose matrices are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,33 +98,13 @@ impl CameraMatrices {
     /// Looks for projections beside view matrices.
     fn find_eye(&mut self) {
         let Self { uniforms, substitutes, eye, .. } = self;
-        let alone = |substitute: &Substitute| {
-            let (function, lens) = substitute.function?;
-            let value = uniforms.value(substitute.matrix)?;
-            function.is_of_projection(value, &lens).then_some((lens, function.is_transposed()))
-        };
-        *eye = substitutes.iter().find_map(alone);
-        for substitute in &mut *substitutes {
-            let rigid =
-                |(_, transposed)| uniforms.value(substitute.matrix).is_some_and(|m| eye_axes::is_rigid(m, transposed));
-            let other = substitute.function.is_none() && eye.is_some_and(rigid);
-            substitute.view_matrix = uniforms.name(substitute.matrix).filter(|_| other).and_then(view_matrix_called);
+        let values: Vec<_> = substitutes.iter().map(|known| uniforms.value(known.matrix).copied()).collect();
+        let functions: Vec<_> = substitutes.iter().map(|known| known.function).collect();
+        let called = |index: usize| uniforms.name(substitutes[index].matrix).and_then(eye::view_matrix_called);
+        let found = Eye::of(&values, &functions, called);
+        for (index, substitute) in substitutes.iter_mut().enumerate() {
+            substitute.view_matrix = found.as_ref().and_then(|found| found.views[index]);
         }
-        if substitutes.iter().all(|substitute| substitute.view_matrix.is_none()) {
-            *eye = None;
-        }
-    }
-}
-
-/// What a matrix that turns and moves is by its name.
-fn view_matrix_called(name: &str) -> Option<ViewMatrix> {
-    let name = name.rsplit('.').next().unwrap_or(name).to_ascii_lowercase();
-    let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
-    if has(&["inv", "toworld", "to_world", "2world", "c2w", "v2w"]) {
-        Some(ViewMatrix::FromEye)
-    } else if has(&["view", "toeye", "to_eye", "w2c", "w2v"]) {
-        Some(ViewMatrix::ToEye)
-    } else {
-        None
+        *eye = found.map(|found| (found.lens, found.transposed));
     }
 }

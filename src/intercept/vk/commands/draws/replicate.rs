@@ -145,8 +145,8 @@ fn classify(
     note_pictures(device, recording, Cover { main_picture: main, few_vertices: covers, has_matrices, told_place });
     let pictures: Vec<_> = variants.pictures.iter().map(|place| shown_layout(device, recording, *place)).collect();
     let of_camera = |camera: &CameraMatrix| {
-        let CameraMatrix { matrix, stage, inverted } = camera;
-        CameraSource { source: source(device, recording, matrix).filter(|_| main), stage: *stage, inverted: *inverted }
+        let CameraMatrix { matrix, called, stage, inverted } = *camera;
+        CameraSource { source: source(device, recording, &matrix).filter(|_| main), called, stage, inverted }
     };
     let cameras: Vec<_> = variants.cameras.iter().map(of_camera).collect();
     // What is flat may be a sky, or another picture that is computed from its pixels.

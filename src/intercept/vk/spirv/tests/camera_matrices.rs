@@ -64,7 +64,7 @@ const LOAD_COLUMN: (u32, &[u32]) = (Op::Load as u32, &[3, 33, 32]);
 fn loads_are_of_variables_that_are_given_their_values_first() {
     let words = stage(ExecutionModel::Fragment, &[WHOLE, LOAD, COLUMN, LOAD_COLUMN]);
     let chosen = camera_matrices(&words, ExecutionModel::Fragment, "go", 3, 208).expect("followed").expect("matrices");
-    let places: Vec<_> = chosen.matrices.iter().map(|m| (m.memory, m.offset, m.row_major)).collect();
+    let places: Vec<_> = chosen.matrices.iter().map(|(m, _)| (m.memory, m.offset, m.row_major)).collect();
     let memory = Memory::Buffer { set: 1, binding: 2 };
     assert_eq!(places, [(memory, 16, true), (memory, 80 + 64, false)]);
     let all = instructions(&chosen.words).expect("a module");
@@ -86,7 +86,7 @@ fn matrices_of_the_position_and_those_that_are_handed_on_are_left() {
     let store: (u32, &[u32]) = (Op::Store as u32, &[19, 33]);
     let words = stage(ExecutionModel::Vertex, &[WHOLE, LOAD, COLUMN, LOAD_COLUMN, store]);
     let chosen = camera_matrices(&words, ExecutionModel::Vertex, "go", 3, 208).expect("followed").expect("a matrix");
-    assert_eq!(chosen.matrices.iter().map(|m| m.offset).collect::<Vec<_>>(), [16]);
+    assert_eq!(chosen.matrices.iter().map(|(m, _)| m.offset).collect::<Vec<_>>(), [16]);
     let call: (u32, &[u32]) = (Op::FunctionCall as u32, &[1, 40, 7, 30]);
     let words = stage(ExecutionModel::Fragment, &[WHOLE, LOAD, call]);
     assert!(matches!(camera_matrices(&words, ExecutionModel::Fragment, "go", 3, 208), Ok(None)));

@@ -3,6 +3,7 @@
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::camera::Cameras;
 use crate::intercept::lens::Told;
+use crate::intercept::scene::eye::Eye;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::scene::to_window::Area;
@@ -11,7 +12,7 @@ use crate::intercept::vk::state::pipelines::MatrixStage;
 use crate::intercept::vk::state::recording::draw_parameters::IndirectDraw;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_constants::{ChunkOffset, SlotParts};
-use crate::runtime::session::{CameraFunction, Intrinsics};
+use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix};
 use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -49,6 +50,8 @@ pub(in crate::intercept::vk) enum DrawClass {
 pub struct CameraSource {
     /// `None`: it cannot be read.
     pub(in crate::intercept::vk) source: Option<MatrixSource>,
+    /// What it is by its name, if it turns and moves.
+    pub(in crate::intercept::vk) called: Option<ViewMatrix>,
     pub(in crate::intercept::vk) stage: MatrixStage,
     pub(in crate::intercept::vk) inverted: bool,
 }
@@ -135,6 +138,8 @@ pub struct CameraFunctions {
     pub(in crate::intercept::vk) seen: Option<(Vec<Option<[f64; 16]>>, u64)>,
     /// What each is of which camera.
     pub(in crate::intercept::vk) functions: Vec<Option<(CameraFunction, Intrinsics)>>,
+    /// Projection and view matrix, if they are apart.
+    pub(in crate::intercept::vk) eye: Option<Eye>,
 }
 
 impl DrawGroup {
