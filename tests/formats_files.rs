@@ -472,3 +472,27 @@ fn weights_and_black_levels_go_through_vioso_files() {
     assert!((rig.outputs[0].blend.black_level - 0.01).abs() < 5e-4, "{:?}", rig.outputs[0].blend);
     assert_eq!(rig.outputs[1].blend.black_level, 0.0);
 }
+
+#[test]
+fn a_file_that_exists_is_replaced_only_if_that_is_asked_for() {
+    let rig = file("mine.toml");
+    std::fs::write(&rig, "# mine").unwrap();
+    let arguments = ["convert", "planetarium-2", rig.to_str().unwrap(), "--size", "8x8"];
+    let output = cupola(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && said.contains("mine.toml exists"), "{said}");
+    assert_eq!(std::fs::read(&rig).unwrap(), b"# mine");
+    let output = cupola(&[&arguments[..], &["--force"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(std::fs::read_to_string(&rig).unwrap().contains("[[output]]"));
+}
+
+#[test]
+fn a_dome_that_a_file_does_not_describe_is_told() {
+    let (archive, rig) = (file("dome.mpcdi"), file("dome.toml"));
+    convert("planetarium-2", &archive, &["--size", "8x8"]);
+    let notes = convert(archive.to_str().unwrap(), &rig, &[])["notes"].to_string();
+    assert!(notes.contains("does not say how the dome is tilted"), "{notes}");
+    // A rig says it.
+    assert_eq!(convert("planetarium-2", &rig, &["--size", "8x8"])["notes"].as_array().map(Vec::len), Some(0));
+}

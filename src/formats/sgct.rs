@@ -307,7 +307,8 @@ fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
     Ok(Projection::Planar { rotation, frustum })
 }
 
-/// An opening: whole angles, or the angles of the four sides.
+/// An opening: whole angles, or the angles of the four sides, of which each counts away from the middle: `left` and `right`
+/// together are the field of view.
 fn frustum(key: &Key) -> Result<Frustum> {
     let angle = |name| key.required(name)?.number(-WIDEST, WIDEST);
     let whole = |name| Ok(0.5 * key.required(name)?.number(1e-3, 2.0 * WIDEST)?);
@@ -315,12 +316,13 @@ fn frustum(key: &Key) -> Result<Frustum> {
         let (across, up) = (whole("hfov")?, whole("vfov")?);
         [-across, across, -up, up]
     } else {
-        [angle("left")?, angle("right")?, angle("down")?, angle("up")?]
+        [-angle("left")?, angle("right")?, -angle("down")?, angle("up")?]
     };
     if !(left < right && bottom < top) {
-        return Err(
-            key.wrong("left is not less than right, or down not less than up; left and down are normally negative")
-        );
+        return Err(key.wrong(
+            "left and right, or down and up, add up to no angle above 0; each counts away from the middle, so that \
+             a picture around the middle has four positive angles",
+        ));
     }
     let tangent = |degrees: f64| degrees.to_radians().tan();
     Ok(Frustum { left: tangent(left), right: tangent(right), bottom: tangent(bottom), top: tangent(top) })

@@ -30,12 +30,13 @@ fn parts_of_windows_are_counted_from_the_bottom() {
 #[test]
 fn yaw_turns_right_and_angles_become_tangents() {
     let viewport = only(
-        r#"{ "projection": { "type": "PlanarProjection", "fov": { "left": -45, "right": 30, "down": -10, "up": 20 },
+        r#"{ "projection": { "type": "PlanarProjection", "fov": { "left": 45, "right": 30, "down": 10, "up": 20 },
         "orientation": { "yaw": 90, "pitch": 0, "roll": 0 } } }"#,
     );
     let Projection::Planar { rotation, frustum } = viewport.projection else { panic!("{viewport:?}") };
     assert!((rotation * DVec3::NEG_Z).distance(DVec3::X) < 1e-12);
     assert!((frustum.left + 1.0).abs() < 1e-12 && (frustum.top - 20f64.to_radians().tan()).abs() < 1e-12);
+    assert!((frustum.bottom + 10f64.to_radians().tan()).abs() < 1e-12);
 }
 
 #[test]

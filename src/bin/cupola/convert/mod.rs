@@ -14,21 +14,33 @@ pub use options::Arguments;
 use crate::failure::Failure;
 use options::Format;
 use serde_json::json;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let format = Format::of(&arguments.to)?;
+    refuse_to_replace(&arguments.to, arguments.force)?;
     let source = source::open(arguments)?;
     let mut notes = source.notes().to_vec();
     let written = match (&source, format) {
-        (source::Source::Sgct { config, .. }, Format::Rig) => {
-            sgct::rigs(&arguments.to, &arguments.from, config, &mut notes)?
-        }
+        (source::Source::Sgct { config, .. }, Format::Rig) => sgct::rigs(arguments, config, &mut notes)?,
         (source::Source::Sgct { .. }, _) => {
             return Err(Failure::usage("a configuration of SGCT becomes a rig; expected a name that ends in .toml"));
         }
-        _ => target::write(arguments, format, &source.channels(arguments)?)?,
+        _ => {
+            let channels = source.channels(arguments)?;
+            let written = target::write(arguments, format, &channels)?;
+            if format == Format::Rig && channels.iter().all(|channel| channel.dome.is_none()) {
+                notes.push(format!(
+                    "{} does not say how the dome is tilted and how far it reaches down: {} has a tilt of 0° and a coverage \
+                     of 180°. Correct [dome] there if that is wrong",
+                    arguments.from,
+                    arguments.to.display()
+                ));
+            }
+            written
+        }
     };
     if arguments.json {
         let files: Vec<_> = written.iter().map(written::Written::json).collect();
@@ -42,4 +54,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}", file.words());
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Fails if a file exists that must not be replaced: it may have been changed by hand. Links are refused when they are
+/// written.
+fn refuse_to_replace(file: &Path, force: bool) -> Result<(), Failure> {
+    match std::fs::symlink_metadata(file).is_ok_and(|data| data.is_file()) && !force {
+        true => Err(Failure::usage(format!("{} exists; give another name, or --force to replace it", file.display()))),
+        false => Ok(()),
+    }
 }

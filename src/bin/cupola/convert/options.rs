@@ -39,6 +39,9 @@ pub struct Arguments {
     /// Number of columns and rows of a warp mesh
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, default_value = "129x129")]
     pub nodes: (u32, u32),
+    /// Replace the file TO if it exists
+    #[arg(long)]
+    pub force: bool,
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,

@@ -4,9 +4,10 @@
 //! does not: the mesh keeps its place and gets mirrored values. The mesh and the mirrored mask are
 //! written to new files.
 
-use super::projector;
+use super::options::Arguments;
 use super::rig::{file_name, heading, mask, quoted};
 use super::written::{Written, file_beside, save};
+use super::{projector, refuse_to_replace};
 use crate::failure::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Grid, bourke, pictures::pfm, png_luma, read_file, sgct};
@@ -17,7 +18,15 @@ use std::path::{Component, Path, PathBuf};
 
 /// Writes a rig for each computer of an SGCT configuration. All pictures have the same eye point.
 /// Remarks for the user are added to `notes`.
-pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<String>) -> Result<Vec<Written>, Failure> {
+pub fn rigs(arguments: &Arguments, config: &sgct::Config, notes: &mut Vec<String>) -> Result<Vec<Written>, Failure> {
+    let (path, from) = (&*arguments.to, &*arguments.from);
+    let file_of = |index: usize, node: &sgct::Node| match config.nodes.len() {
+        1 => path.to_owned(),
+        _ => file_beside(path, index, &node.address, "toml"),
+    };
+    for (index, node) in config.nodes.iter().enumerate() {
+        refuse_to_replace(&file_of(index, node), arguments.force)?;
+    }
     let mut written = Vec::new();
     for (index, node) in config.nodes.iter().enumerate() {
         let mut text = heading(from);
@@ -41,8 +50,7 @@ pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<Stri
             notes.push(format!("{from}: no viewport of the computer {:?} can be converted", node.address));
             continue;
         }
-        let file =
-            if config.nodes.len() == 1 { path.to_owned() } else { file_beside(path, index, &node.address, "toml") };
+        let file = file_of(index, node);
         save(&file, text.as_bytes())?;
         written.push(Written::rig(file, outputs));
     }
