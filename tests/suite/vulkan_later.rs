@@ -50,14 +50,17 @@ fn passes_that_read_the_scene_by_places_on_the_screen() {
 
 /// The depth of the scene is drawn for each view where a later pass reads it, alone or with two images of the colour.
 fn passes_that_read_the_depth_of_the_scene() {
-    right(&["deferred", "depths", "prepass"], EDGE);
+    right(&["deferred", "depths", "volume", "prepass"], EDGE);
     planetarium_of("vk_later_passes", &["--mode", "deferred"], Run::vulkan_under);
 }
 
 /// Images of half or twice the window's size are drawn for each view in half or twice the view's size.
 fn images_of_other_sizes() {
     // One more image is rounded to bytes, and a filter reads across edges of the cube.
-    right(&["double", "double_fetch", "double_blit", "chain"], Limits { tolerance: 3.0, edge: 2.5, rim: false });
+    right(
+        &["double", "double_fetch", "double_blit", "double_depths", "chain"],
+        Limits { tolerance: 3.0, edge: 2.5, rim: false },
+    );
     right(&["half", "half_fetch", "half_blit"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
 }
 

@@ -11,7 +11,7 @@ layout(set = 0, binding = 3) uniform Camera {
     layout(row_major) mat4 inverse_rows;
     mat4 several[2], inverse_projection, inverse_view;
 } camera;
-#if defined(PLACE)
+#if defined(PLACE) || defined(VOLUME)
 layout(location = 0) in vec3 shade;
 #elif defined(DIRECTION)
 layout(location = 0) in vec3 direction;
@@ -79,6 +79,10 @@ void main()
     if (distance(seen, gl_FragCoord.xy) > 0.02 || d.x == 1e9)
         discard;
     result = vec4(shade, 1.0);
+#elif defined(VOLUME)
+    /* What a light in a part of the scene does. */
+    ivec2 place = ivec2(gl_FragCoord.xy);
+    result = texelFetch(depths, place, 0).r < 1.0 ? texelFetch(picture, place, 0) : vec4(0.0);
 #elif defined(FETCH)
     result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #elif defined(DIVIDED)

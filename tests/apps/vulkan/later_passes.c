@@ -1,14 +1,14 @@
 /*
  * The direction test's cube, drawn to images that a later pass reads (--mode): by the place of a fragment on the screen
  * (fetch, divided, given), or in a function that is given the image (handed), or with commands that are submitted in
- * another order than they are recorded in (late); its colour in two images and its depth (deferred), or
- * the colour and the depth (depths), the latter also after a pass that draws depth alone (prepass) or with the colour
- * in the window (window). In images of half or twice the window's size that are sampled (half, double), fetched from
- * (half_fetch, double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain).
+ * another order than they are recorded in (late); its colour in two images and its depth (deferred), or the colour and
+ * the depth (depths; volume: by another draw of the cube), also after a pass that draws depth alone (prepass). In images
+ * of half or twice the window's size that are sampled (half, double, double_depths), fetched from (half_fetch,
+ * double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain).
  *
  * Or with matrices of the camera in a block: a sky as a triangle over the window (sky, sky_rows, sky_inverted,
- * sky_columns, sky_apart, sky_forced, sky_vertices), the cube's colours from its depth (light, light_back), the cube where each fragment is at
- * the place that it computes (place).
+ * sky_columns, sky_apart, sky_forced, sky_vertices), the cube's colours from its depth (light, light_back), the cube
+ * where each fragment is at the place that it computes (place).
  */
 #include "direction.h"
 #include "frames.h"
@@ -37,6 +37,7 @@
 #include "later_sky_inverted.h"
 #include "later_sky_rows.h"
 #include "later_vertices.h"
+#include "later_volume.h"
 #include "screen_vert.h"
 
 #include <stdio.h>
@@ -65,6 +66,7 @@ static const mode modes[] = {
     {.name = "handed", .shader = SHADER(later_handed)},
     {.name = "deferred", .shader = SHADER(later_deferred), .parts = true, .depths = true},
     {.name = "depths", .shader = SHADER(later_depths), .depths = true},
+    {.name = "volume", .shader = SHADER(later_volume), .depths = true, .cube = true},
     {.name = "prepass", .shader = SHADER(later_depths), .depths = true, .depth_first = true},
     {.name = "half", .shader = SHADER(later_sampled), .halves = 1},
     {.name = "double", .shader = SHADER(later_sampled), .halves = 4},
@@ -83,7 +85,7 @@ static const mode modes[] = {
     {.name = "light", .shader = SHADER(later_light), .depths = true},
     {.name = "light_back", .shader = SHADER(later_light_back), .depths = true},
     {.name = "place", .shader = SHADER(later_place), .alone = true, .cube = true},
-    {.name = "half_deferred", .shader = SHADER(later_depths), .halves = 1, .depths = true},
+    {.name = "double_depths", .shader = SHADER(later_depths), .halves = 4, .depths = true},
 };
 enum { MODES = sizeof modes / sizeof *modes };
 

@@ -34,17 +34,25 @@ pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInf
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, stage), name_of(stage)) };
     let Some(words) = words else { return made };
-    match placed(device, &words, &entry, ours) {
-        Ok(Some(followed)) => {
-            made.moves_place = true;
-            made.pictures = followed.pictures;
-            made.words = Some(followed.words);
-        }
-        Ok(None) => {}
-        Err(why) => {
-            made.loses_place = true;
-            log::once(&format!("Vulkan: FragCoord is the place in a view, not in the window: {why}"));
-        }
+    let offset = device.view_constants.to_window_offset();
+    let mut lost = |what: &str, why: &str| {
+        made.loses_place = true;
+        log::once(&format!("Vulkan: {what}: {why}"));
+    };
+    let moved = match spirv::asks_place(&words) {
+        true => spirv::frag_coord(&words, &entry, ours, offset),
+        false => Ok(None),
+    };
+    let moved = moved.inspect_err(|why| lost("FragCoord is the place in a view, not in the window", why));
+    let moved = moved.ok().flatten();
+    let followed = spirv::texels(moved.as_deref().unwrap_or(&words), &entry, ours, offset);
+    let followed = followed.inspect_err(|why| lost("texels of a scene are those of a view's image", why));
+    made.moves_place = moved.is_some();
+    made.words = moved;
+    if let Ok(Some(followed)) = followed {
+        made.moves_place = true;
+        made.pictures = followed.pictures;
+        made.words = Some(followed.words);
     }
     let before: Arc<[u32]> = made.words.as_deref().map_or(words, Arc::from);
     if let Some((words, cameras)) = with_cameras(device, &before, &entry, MatrixStage::Fragment, ours) {
@@ -91,18 +99,4 @@ fn with_cameras(
             None
         }
     }
-}
-
-/// A fragment stage with window coordinates and texels of the program; `None` where it asks for neither.
-///
-/// # Errors
-/// What cannot be followed.
-fn placed(device: &Device, words: &[u32], entry: &str, ours: u32) -> Result<Option<spirv::Followed>, &'static str> {
-    let offset = device.view_constants.to_window_offset();
-    let moved = match spirv::asks_place(words) {
-        true => spirv::frag_coord(words, entry, ours, offset)?,
-        false => None,
-    };
-    let followed = spirv::texels(moved.as_deref().unwrap_or(words), entry, ours, offset)?;
-    Ok(followed.or_else(|| moved.map(|words| spirv::Followed { words, pictures: Vec::new() })))
 }
