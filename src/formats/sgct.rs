@@ -307,8 +307,8 @@ fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
     Ok(Projection::Planar { rotation, frustum })
 }
 
-/// An opening: whole angles, or the angles of the four sides, of which each counts away from the middle: `left` and `right`
-/// together are the field of view.
+/// An opening: whole angles, or the angles of the four sides, of which each counts away from the
+/// middle: `left` and `right` together are the field of view.
 fn frustum(key: &Key) -> Result<Frustum> {
     let angle = |name| key.required(name)?.number(-WIDEST, WIDEST);
     let whole = |name| Ok(0.5 * key.required(name)?.number(1e-3, 2.0 * WIDEST)?);

@@ -4,28 +4,43 @@ use super::inspection::page::{self, Page};
 use super::settings::{self, Settings};
 use super::{inspection, log, signals};
 use crate::lock::Lock;
+use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::report::{self, Picture, Statistics};
-use std::sync::{Mutex, Once};
+use std::sync::{Arc, Mutex, Once};
 
 /// Statistics and pictures of a frame.
 pub struct LastFrame {
     /// For `CUPOLA_STATS`.
     pub statistics: Option<Statistics>,
+    /// Times of the frames so far, for the statistics.
+    pub times: Option<Arc<Mutex<FrameTimes>>>,
     /// The outputs, for `CUPOLA_CAPTURE`.
     pub pictures: Vec<Picture>,
     /// The views, for `CUPOLA_CAPTURE_VIEWS`.
     pub views: Vec<Picture>,
 }
 
-/// The most recent frame and its sequence number.
-static LAST_FRAME: Mutex<(Option<LastFrame>, u64)> = Mutex::new((None, 0));
+/// What is stored.
+struct Latest {
+    frame: Option<LastFrame>,
+    /// The frame's sequence number.
+    number: u64,
+    /// The draws of the frame were described.
+    is_described: bool,
+    /// Everything is written: what comes later is not kept.
+    is_written: bool,
+}
 
-/// Whether the program ends after the frame with this number: it was asked for, the time is over, or a signal ends the program.
+static LAST_FRAME: Mutex<Latest> =
+    Mutex::new(Latest { frame: None, number: 0, is_described: false, is_written: false });
+
+/// Whether the program ends after the frame with this number: it was asked for, the time is over,
+/// or a signal ends the program.
 pub fn is_last(settings: &Settings, number: u64) -> bool {
     if settings.has_report() {
         signals::watch(is_kept, write);
     }
-    // A frame that is described is known to be the last one when it begins.
+    // A frame can be described only if it was known at its start to be the last.
     settings.frames == Some(number) || (is_over(settings) && (settings.inspect.is_none() || inspection::is_recording()))
 }
 
@@ -39,12 +54,25 @@ pub fn begin(settings: &Settings, number: u64) {
     inspection::begin_frame(settings, settings.frames == Some(number) || is_over(settings));
 }
 
-/// Whether a frame is stored that is not written yet.
-fn is_kept() -> bool {
-    LAST_FRAME.locked().0.is_some()
+/// Whether pictures of the outputs of this frame are kept, if it is kept.
+pub fn wants_outputs(settings: &Settings) -> bool {
+    settings.capture.is_some() || inspection::is_recording()
 }
 
-/// Stores a frame in place of the one before. Returns its sequence number, for [`amend`].
+/// Whether pictures of the views of this frame are kept, if it is kept.
+pub fn wants_views(settings: &Settings) -> bool {
+    settings.capture_views.is_some() || inspection::is_recording()
+}
+
+/// Whether a frame is stored that is not written yet, and described if that was asked for.
+fn is_kept() -> bool {
+    let latest = LAST_FRAME.locked();
+    let wants_description = settings::settings().is_some_and(|settings| settings.inspect.is_some());
+    latest.frame.is_some() && (latest.is_described || !wants_description)
+}
+
+/// Stores a frame in place of the one before, unless everything is written. Returns its sequence
+/// number, for [`amend`].
 pub fn store(frame: LastFrame) -> u64 {
     static AT_EXIT: Once = Once::new();
     AT_EXIT.call_once(|| {
@@ -52,21 +80,26 @@ pub fn store(frame: LastFrame) -> u64 {
         unsafe { libc::atexit(at_exit) };
     });
     let mut latest = LAST_FRAME.locked();
-    *latest = (Some(frame), latest.1 + 1);
-    latest.1
+    if !latest.is_written {
+        latest.frame = Some(frame);
+        latest.is_described = inspection::is_recording();
+        latest.number += 1;
+    }
+    latest.number
 }
 
 /// Changes the statistics of the frame with this number, if it is still the stored one.
 pub fn amend(number: u64, change: impl FnOnce(&mut Statistics)) {
     let mut latest = LAST_FRAME.locked();
-    let same = latest.1 == number;
-    let statistics = latest.0.as_mut().and_then(|frame| frame.statistics.as_mut());
+    let same = latest.number == number;
+    let statistics = latest.frame.as_mut().and_then(|frame| frame.statistics.as_mut());
     if let Some(statistics) = statistics.filter(|_| same) {
         change(statistics);
     }
 }
 
-/// Writes the stored frame and ends the program: with exit code 0, or by the signal that it received.
+/// Writes the stored frame and ends the program: with exit code 0, or by the signal that it
+/// received.
 pub fn end_program() {
     write();
     if let Some(signal) = signals::received() {
@@ -85,11 +118,18 @@ extern "C" fn at_exit() {
     let _ = crate::fence::guard(write);
 }
 
-/// Writes the stored frame, if there is one. Another thread that calls this waits until everything is written.
+/// Writes the stored frame, if there is one. Another thread that calls this waits until everything
+/// is written.
 fn write() {
     let Some(settings) = settings::settings() else { return };
     let mut latest = LAST_FRAME.locked();
-    let Some(frame) = latest.0.take() else { return };
+    if std::mem::replace(&mut latest.is_written, true) {
+        return;
+    }
+    let Some(mut frame) = latest.frame.take() else { return };
+    if let (Some(statistics), Some(times)) = (&mut frame.statistics, &frame.times) {
+        statistics.milliseconds = (&*times.locked()).into();
+    }
     let say = |result: crate::Result<()>| {
         if let Err(error) = result {
             log::once(&error.message);

@@ -27,7 +27,8 @@ pub struct Settings {
     pub window_size: Option<(u32, u32)>,
     /// `CUPOLA_FRAMES=N`: the program ends after its N-th presented frame.
     pub frames: Option<u64>,
-    /// `CUPOLA_SECONDS=N`: the program ends after the first frame that is presented when it has run for so long.
+    /// `CUPOLA_SECONDS=N`: the program ends after the first frame that is presented when it has run
+    /// for so long.
     end: Option<Instant>,
     /// `CUPOLA_CAPTURE=FILE.png`: the last corrected frame of each output.
     pub capture: Option<PathBuf>,
@@ -142,22 +143,12 @@ impl Settings {
 
     /// Whether something is written when the program ends.
     pub fn has_report(&self) -> bool {
-        self.needs_statistics() || self.needs_outputs() || self.needs_views()
+        self.needs_statistics() || self.capture.is_some() || self.capture_views.is_some()
     }
 
     /// Whether statistics are written.
     pub fn needs_statistics(&self) -> bool {
         self.stats.is_some() || self.inspect.is_some()
-    }
-
-    /// Whether pictures of the outputs are written.
-    pub fn needs_outputs(&self) -> bool {
-        self.capture.is_some() || self.inspect.is_some()
-    }
-
-    /// Whether pictures of the views are written.
-    pub fn needs_views(&self) -> bool {
-        self.capture_views.is_some() || self.inspect.is_some()
     }
 
     /// Reads the rig's file again, with what the environment said at the start.

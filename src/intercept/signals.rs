@@ -1,8 +1,8 @@
 //! Signals that end the program: captures and statistics are written first.
 //!
-//! A handler may neither allocate nor lock. It wakes a thread that writes; where the program goes on meanwhile, the frame that
-//! it draws next is its last. Only signals are taken that the program leaves to the system, and only if there is
-//! something to write.
+//! A handler may neither allocate nor lock. The handler wakes a thread that writes. If the program
+//! continues, its next frame is the last one. Signals that the program handles or ignores are left
+//! alone, and all are if there is nothing to write.
 
 use std::cell::UnsafeCell;
 use std::mem::MaybeUninit;
@@ -10,7 +10,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::Duration;
 
-/// Signals whose default action ends a process.
+/// Signals that usually end a program.
 const DEADLY: [libc::c_int; 10] = [
     libc::SIGHUP,
     libc::SIGINT,
@@ -44,11 +44,12 @@ static WAKE: Semaphore = Semaphore(UnsafeCell::new(MaybeUninit::uninit()));
 
 struct Semaphore(UnsafeCell<MaybeUninit<libc::sem_t>>);
 
-// SAFETY: it is used through the calls for semaphores only, which are made for threads.
+// SAFETY: `sem_t` is accessed only by `sem_init`, `sem_post` and `sem_wait`, which synchronise
+// threads. It is never moved.
 unsafe impl Sync for Semaphore {}
 
-/// Takes the signals from now on. `write` writes what is kept, and `is_kept` says whether there is something. Further calls do
-/// nothing.
+/// Takes the signals from now on. `write` writes what is kept, and `is_kept` says whether there is
+/// something. Further calls do nothing.
 pub fn watch(is_kept: fn() -> bool, write: fn()) {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
@@ -66,9 +67,10 @@ pub fn received() -> Option<libc::c_int> {
     Some(RECEIVED.load(Ordering::Acquire)).filter(|signal| *signal != 0)
 }
 
-/// Ends this process by the signal, as it would have ended without Cupola.
+/// Ends this process by a signal that another process sent.
 pub fn end_by(signal: libc::c_int) {
-    // SAFETY: plain numbers; the signal is sent to the whole process, since this thread may block it.
+    // SAFETY: plain numbers; the signal is sent to the whole process, since this thread may block
+    // it.
     unsafe {
         libc::signal(signal, libc::SIG_DFL);
         libc::kill(libc::getpid(), signal);
@@ -92,8 +94,8 @@ fn spawn_without_signals(run: impl FnOnce() + Send + 'static) -> bool {
 
 /// Takes a signal, unless the program takes or ignores it itself.
 fn take(signal: libc::c_int) {
-    // SAFETY: all zeroes is a valid sigaction; both structures live during the calls, and the handler has the three-argument
-    // form that the flags announce.
+    // SAFETY: all zeroes is a valid sigaction; both structures live during the calls, and the
+    // handler has the three-argument form that the flags announce.
     unsafe {
         let mut known: libc::sigaction = std::mem::zeroed();
         if libc::sigaction(signal, std::ptr::null(), &mut known) != 0 || known.sa_sigaction != libc::SIG_DFL {
@@ -101,14 +103,16 @@ fn take(signal: libc::c_int) {
         }
         let mut action: libc::sigaction = std::mem::zeroed();
         action.sa_sigaction = handle as *const () as libc::sighandler_t;
-        action.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART;
+        action.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART | libc::SA_ONSTACK;
         libc::sigaction(signal, &action, std::ptr::null_mut());
     }
 }
 
-/// The handler. A signal from another process lets the program go on for a frame; after all others it cannot.
+/// The handler. A signal from another process lets the program go on for a frame; after all others
+/// it cannot.
 extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: *mut libc::c_void) {
-    // SAFETY: every call here may be made in a handler; the kernel passes a valid `info`; errno is the program's.
+    // SAFETY: every call here may be made in a handler; the kernel passes a valid `info`; errno is
+    // the program's.
     unsafe {
         let errno = *libc::__errno_location();
         let own = libc::getpid();
@@ -117,11 +121,14 @@ extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: 
             // The terminal's.
             code => code == libc::SI_KERNEL && matches!(signal, libc::SIGINT | libc::SIGQUIT | libc::SIGHUP),
         };
+        let is_fault =
+            (*info).si_code > 0 && matches!(signal, libc::SIGSEGV | libc::SIGBUS | libc::SIGILL | libc::SIGFPE);
+        // A child that shares this memory after `vfork` changes nothing here.
         let ours = OWNER.load(Ordering::Acquire) == own;
-        if !from_outside {
-            DRAWS_ON.store(false, Ordering::Release);
-        }
         if ours {
+            if !from_outside {
+                DRAWS_ON.store(false, Ordering::Release);
+            }
             let _ = RECEIVED.compare_exchange(0, signal, Ordering::AcqRel, Ordering::Acquire);
             libc::sem_post(WAKE.0.get().cast());
         }
@@ -133,13 +140,17 @@ extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: 
                 left -= 1;
             }
             libc::signal(signal, libc::SIG_DFL);
-            libc::raise(signal);
+            // A faulty instruction is executed again, and faults as without Cupola.
+            if !is_fault {
+                libc::raise(signal);
+            }
         }
         *libc::__errno_location() = errno;
     }
 }
 
-/// Waits for a signal, writes what is kept, and ends the process by the signal.
+/// Waits for a signal and writes what is kept. Ends the process by the signal, unless the handler
+/// does that.
 fn write_on_demand(is_kept: fn() -> bool, write: fn()) {
     // SAFETY: the semaphore was initialised before this thread was started.
     while unsafe { libc::sem_wait(WAKE.0.get().cast()) } != 0 {}
@@ -150,5 +161,7 @@ fn write_on_demand(is_kept: fn() -> bool, write: fn()) {
     }
     let _ = crate::fence::guard(write);
     WRITTEN.store(true, Ordering::Release);
-    end_by(RECEIVED.load(Ordering::Acquire));
+    if DRAWS_ON.load(Ordering::Acquire) {
+        end_by(RECEIVED.load(Ordering::Acquire));
+    }
 }

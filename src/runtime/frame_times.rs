@@ -17,7 +17,7 @@ pub struct Milliseconds {
     /// Median of the last 1024.
     pub median: f64,
     /// 95 % of the last 1024 took no longer.
-    pub most: f64,
+    pub percentile_95: f64,
 }
 
 /// Durations that were measured. Adding one allocates nothing.
@@ -54,8 +54,8 @@ impl Durations {
             let place = (part * (last.len() as f64 - 1.0)).round() as usize;
             (!last.is_empty()).then(|| f64::from(*last.select_nth_unstable_by(place, f32::total_cmp).1))
         };
-        let (median, most) = (at(0.5)?, at(0.95)?);
-        Some(Milliseconds { frames: self.count, mean: self.sum / self.count as f64, median, most })
+        let (median, percentile_95) = (at(0.5)?, at(0.95)?);
+        Some(Milliseconds { frames: self.count, mean: self.sum / self.count as f64, median, percentile_95 })
     }
 }
 
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(durations.summary(), None);
         (1..=101).rev().for_each(|n| durations.add(Duration::from_millis(n)));
         let summary = durations.summary().expect("101 numbers");
-        assert_eq!((summary.frames, summary.mean, summary.median, summary.most), (101, 51.0, 51.0, 96.0));
+        assert_eq!((summary.frames, summary.mean, summary.median, summary.percentile_95), (101, 51.0, 51.0, 96.0));
     }
 
     #[test]

@@ -49,8 +49,8 @@ pub struct Statistics {
     pub draws_out_of_sight: u64,
     /// Draws of the scene of which it was known where their vertices are.
     pub bounded_draws: u64,
-    /// Those of them that are partly in the program's own picture, until it is known whether the program leaves out what is
-    /// beside it.
+    /// Those of them that are partly in the program's own picture, until it is known whether the
+    /// program leaves out what is beside it.
     pub draws_at_border: u64,
     /// Those of them until then that are wholly beside it, or behind the eye.
     pub draws_beside: u64,
@@ -103,7 +103,8 @@ pub struct FrameMilliseconds {
     /// Time in which that thread records the correction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub processor_correction: Option<Milliseconds>,
-    /// Time of the device from the first draw of a frame to the correction: the program's drawing in all views (OpenGL).
+    /// Time of the device from the first draw of a frame to the correction: the program's drawing
+    /// in all views (OpenGL).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub device_drawing: Option<Milliseconds>,
     /// Time of the device for the correction.

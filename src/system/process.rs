@@ -82,9 +82,10 @@ pub enum Ended {
     Stopped,
 }
 
-/// Spawns `command` and waits for it, for no longer than `limit`. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this
-/// process (for its remaining life) but are passed on, so that it outlives the program and can tidy
-/// up. Signals of the terminal reach the program by themselves and are not sent twice.
+/// Spawns `command` and waits for it, for no longer than `limit`. SIGINT, SIGQUIT, SIGTERM and
+/// SIGHUP no longer end this process (for its remaining life) but are passed on, so that it
+/// outlives the program and can tidy up. Signals of the terminal reach the program by themselves
+/// and are not sent twice.
 ///
 /// # Errors
 /// [`io::ErrorKind::NotFound`] and the like if the program cannot be started.
@@ -110,36 +111,48 @@ pub fn run_in_foreground(command: &mut Command, limit: Option<Duration>) -> io::
     ended
 }
 
-/// Waits for a child. After `limit` it gets SIGTERM, and SIGKILL if it does not end then, with all processes that it
-/// started.
+/// Time that a program has after SIGTERM.
+const GRACE: Duration = Duration::from_secs(5);
+
+/// Waits for a child. After `limit` it gets SIGTERM, with the processes that it started. Those that
+/// do not end then get SIGKILL.
 fn wait_or_stop(child: &mut Child, limit: Duration) -> io::Result<Ended> {
-    /// Time that a program has after SIGTERM.
-    const GRACE: Duration = Duration::from_secs(5);
+    const STEP: Duration = Duration::from_millis(20);
     let started = Instant::now();
-    let mut stopped = false;
-    loop {
+    while started.elapsed() < limit {
         if let Some(status) = child.try_wait()? {
-            return Ok(if stopped { Ended::Stopped } else { Ended::ByItself(status) });
+            return Ok(Ended::ByItself(status));
         }
-        let elapsed = started.elapsed();
-        let signal = if elapsed > limit + GRACE { libc::SIGKILL } else { libc::SIGTERM };
-        if elapsed > limit && (!stopped || signal == libc::SIGKILL) {
-            let mut family = vec![child.id()];
-            add_descendants(child.id(), &mut family);
-            for id in family {
-                // SAFETY: kill takes plain integers; a process that ended meanwhile is at worst not there.
-                unsafe { libc::kill(id as libc::pid_t, signal) };
-            }
-            stopped = true;
-        }
-        std::thread::sleep(Duration::from_millis(20));
+        std::thread::sleep(STEP);
     }
+    let mut family = vec![child.id()];
+    add_descendants(child.id(), &mut family);
+    let send = |signal: libc::c_int| {
+        // SAFETY: kill takes plain integers; a process that ended meanwhile is at worst not there.
+        family.iter().filter(|id| unsafe { libc::kill(**id as libc::pid_t, signal) } == 0).count()
+    };
+    send(libc::SIGTERM);
+    let stopped = Instant::now();
+    // A child that has ended, and was waited for, is there no longer; signal 0 only asks.
+    while child.try_wait()?.is_none() || send(0) > 0 {
+        if stopped.elapsed() > GRACE {
+            send(libc::SIGKILL);
+            child.wait()?;
+            break;
+        }
+        std::thread::sleep(STEP);
+    }
+    Ok(Ended::Stopped)
 }
 
 /// Adds the processes that `parent` started, and those that they started.
 fn add_descendants(parent: u32, family: &mut Vec<u32>) {
-    let children = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children")).unwrap_or_default();
-    for child in children.split_whitespace().filter_map(|id| id.parse().ok()) {
+    let threads = std::fs::read_dir(format!("/proc/{parent}/task")).into_iter().flatten().flatten();
+    let children = threads.filter_map(|thread| std::fs::read_to_string(thread.path().join("children")).ok());
+    let children: Vec<u32> = children
+        .flat_map(|text| text.split_whitespace().filter_map(|id| id.parse().ok()).collect::<Vec<_>>())
+        .collect();
+    for child in children {
         family.push(child);
         add_descendants(child, family);
     }

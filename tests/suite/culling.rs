@@ -261,7 +261,8 @@ fn what_is_read_of_an_image_is_whole() {
     assert!(different > 1_000, "{different} pixels tell of a turned camera");
 }
 
-/// A program that leaves out what is beside its own picture is told so, and how to widen it; others are not.
+/// A program that leaves out what is beside its own picture is told so, and how to widen it; others
+/// are not.
 fn what_a_program_leaves_out_is_told() {
     for (mode, told) in [("culled", true), ("all", false), ("ahead", false)] {
         let extra = ["--mode", mode];

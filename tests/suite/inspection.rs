@@ -8,6 +8,7 @@ tests! {
     passes_and_matrices_of_an_opengl_program,
     matrices_of_a_camera_and_flat_drawing,
     draws_of_a_vulkan_program,
+    a_program_that_a_signal_ends,
 }
 
 const PAGE: &[(&str, &str)] = &[("CUPOLA_INSPECT", "inspect.html")];
@@ -69,4 +70,13 @@ fn draws_of_a_vulkan_program() {
     let (text, pictures) = page(&finished);
     expect(&text, &["scene", "75.00° × 75.00°", "Draws of the scene are issued to"]);
     assert!(pictures > 2, "{text}");
+}
+
+/// The frame after the signal is described.
+fn a_program_that_a_signal_ends() {
+    let run = Run { extra: &["--mode", "killed"], cupola_frames: 0, environment: PAGE, ..Run::new("ending") };
+    let Some(finished) = run.under("fisheye") else { return };
+    assert_eq!(finished.status(), 128 + libc::SIGTERM, "{}", finished.words());
+    let (text, _) = page(&finished);
+    expect(&text, &["fixed-function projection with a perspective", "75.00° × 75.00°"]);
 }

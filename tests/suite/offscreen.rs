@@ -129,7 +129,8 @@ fn a_toolkit_s_two_contexts() {
     assert!(!finished.words().contains("shown flat"), "{}", finished.words());
 }
 
-/// A scene that fills only a part of the window: the program is told why it is flat, and the statistics say it.
+/// A scene that fills only a part of the window: the program is told why it is flat, and the
+/// statistics say it.
 fn a_scene_that_stays_flat_is_told() {
     let run = Run { extra: &["--mode", "docked"], frames: 310, cupola_frames: 310, ..Run::new("toolkit") };
     let Some(finished) = run.under("fisheye") else { return };

@@ -80,8 +80,9 @@ pub struct Run<'a> {
     pub yaw: f64,
     pub pitch: f64,
     pub frames: usize,
-    /// Cupola ends the program in this frame, and captures it; the program itself ends after `frames`, if that is earlier, and
-    /// nothing is captured then. 0: the program ends itself, and its last frame is captured.
+    /// Cupola ends the program in this frame, and captures it; the program itself ends after
+    /// `frames`, if that is earlier, and nothing is captured then. 0: the program ends itself, and
+    /// its last frame is captured.
     pub cupola_frames: usize,
     /// More options of the program.
     pub extra: &'a [&'a str],

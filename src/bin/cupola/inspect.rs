@@ -5,7 +5,8 @@ use crate::run::{self, Inspection};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Show how Cupola understands a program: write a page with the passes, draws, matrices and pictures of one frame.
+/// Show how Cupola understands a program: write a page with the passes, draws, matrices and
+/// pictures of one frame.
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(after_help = "\

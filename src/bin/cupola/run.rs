@@ -94,7 +94,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     run_and_inspect(arguments, None)
 }
 
-/// Runs the subcommand, and lets the library write a page about the last frame. Returns the exit code of the program.
+/// Runs the subcommand, and lets the library write a page about the last frame. Returns the exit
+/// code of the program.
 pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
     if inspection.is_some() && arguments.frames.is_none() {
         arguments.seconds = arguments.seconds.or(Some(UNTIL_INSPECTED));
@@ -141,7 +142,7 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
     let mut command = Command::new(program);
     command.args(rest);
     apply(&mut command, &environment);
-    let started = SystemTime::now();
+    let expected = Expected::new(&arguments, inspection.as_ref());
     // The library ends the program in a frame; only one that draws none has to be stopped.
     let limit = arguments.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
     let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
@@ -150,45 +151,61 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
         Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
     };
     if code == 0 && !switched_off {
-        expect_files(&arguments, inspection.as_ref(), started)?;
+        expected.check(&arguments)?;
     }
-    if let Some(Inspection { output }) = inspection.filter(|inspection| is_new(&inspection.output, started)) {
+    if let Some(Inspection { output }) = inspection.filter(|page| expected.missing().all(|file| file != page.output)) {
         eprintln!("cupola: the page is in {}", output.display());
     }
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
 }
 
-/// Fails if a file that was asked for is not written. Of several outputs one picture is enough.
-fn expect_files(arguments: &Arguments, inspection: Option<&Inspection>, started: SystemTime) -> Result<(), Failure> {
-    let is_new = |file: &Path| is_new(file, started);
-    let pictures = |file: &Path| {
-        let (Some(folder), Some(stem)) = (file.parent(), file.file_stem()) else { return false };
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let start = format!("{}-", stem.to_string_lossy());
-        let one_of_several = |name: OsString| name.to_string_lossy().starts_with(&start);
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        is_new(file) || entries.into_iter().any(|entry| one_of_several(entry.file_name()) && is_new(&entry.path()))
+/// A file, with what tells that it was written again: its time and its length.
+type Stamp = (PathBuf, SystemTime, u64);
+
+/// The files that are there for `file` now; of a capture of several outputs all that have its name.
+fn stamps(file: &Path, several: bool) -> Vec<Stamp> {
+    let stem = format!("{}-", file.file_stem().unwrap_or_default().to_string_lossy());
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().filter(|_| several);
+    let others = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&stem));
+    let files = std::iter::once(file.to_owned()).chain(others.map(|entry| entry.path()));
+    let stamp = |path: PathBuf| {
+        let data = std::fs::metadata(&path).ok()?;
+        Some((path, data.modified().ok()?, data.len()))
     };
-    let missing = arguments.capture.as_deref().filter(|file| !pictures(file));
-    let others = [arguments.stats.as_deref(), inspection.map(|inspection| &*inspection.output)];
-    match missing.or(others.into_iter().flatten().find(|file| !is_new(file))) {
-        None => Ok(()),
-        Some(file) => {
-            let frames = arguments.frames.map_or_else(|| "no frame".to_owned(), |n| format!("fewer than {n} frames"));
-            Err(Failure::new(format!(
-                "{} was not written: the program presented {frames} with OpenGL or Vulkan, or Cupola left it alone (see \
-                 the messages above, and cupola doctor)",
-                file.display()
-            )))
-        }
-    }
+    files.filter_map(stamp).collect()
 }
 
-/// Whether a file was written since `started`.
-fn is_new(file: &Path, started: SystemTime) -> bool {
-    // Clocks of file systems are coarse.
-    let since = started - Duration::from_secs(2);
-    std::fs::metadata(file).and_then(|data| data.modified()).is_ok_and(|modified| modified >= since)
+/// Files that were asked for, with what was there before the program started.
+struct Expected(Vec<(PathBuf, bool, Vec<Stamp>)>);
+
+impl Expected {
+    fn new(arguments: &Arguments, inspection: Option<&Inspection>) -> Self {
+        let page = inspection.map(|inspection| (&inspection.output, false));
+        let capture = arguments.capture.as_ref().map(|file| (file, true));
+        let statistics = arguments.stats.as_ref().map(|file| (file, false));
+        let files = [capture, statistics, page].into_iter().flatten();
+        Self(files.map(|(file, several)| (file.clone(), several, stamps(file, several))).collect())
+    }
+
+    /// Those that were not written. Of several outputs one picture is enough.
+    fn missing(&self) -> impl Iterator<Item = &Path> {
+        let is_written = |file: &Path, several: bool, before: &[Stamp]| {
+            stamps(file, several).iter().any(|stamp| !before.contains(stamp))
+        };
+        self.0.iter().filter(move |(file, several, before)| !is_written(file, *several, before)).map(|file| &*file.0)
+    }
+
+    /// Fails if one of them was not written.
+    fn check(&self, arguments: &Arguments) -> Result<(), Failure> {
+        let Some(file) = self.missing().next() else { return Ok(()) };
+        let frames = arguments.frames.map_or_else(|| "no frame".to_owned(), |n| format!("fewer than {n} frames"));
+        Err(Failure::new(format!(
+            "{} was not written: the program presented {frames} with OpenGL or Vulkan in time, or Cupola left it alone \
+             (see the messages above, and cupola doctor)",
+            file.display()
+        )))
+    }
 }
 
 /// Environment variables that configure the library.

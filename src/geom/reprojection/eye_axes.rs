@@ -74,7 +74,8 @@ impl ViewMatrix {
 }
 
 impl CameraFunction {
-    /// Whether `matrix`, of which this is the function, is one of the projection alone, whichever way its y points.
+    /// Whether `matrix`, of which this is the function, is one of the projection alone, whichever
+    /// way its y points.
     pub fn is_of_projection(&self, matrix: &[f64; 16], lens: &Intrinsics) -> bool {
         let projection = lens.projection(lens.f.unwrap_or(-1.0));
         let left = || Some(inverse(projection)? * self.to_clip(matrix)?);
@@ -88,8 +89,8 @@ impl CameraFunction {
         })
     }
 
-    /// The turn from the program's eye coordinates to those of a view with the reprojection `view`, by `matrix`, which is one
-    /// of the projection alone; `None` where the view has no axis.
+    /// The turn from the program's eye coordinates to those of a view with the reprojection `view`,
+    /// by `matrix`, which is one of the projection alone; `None` where the view has no axis.
     pub fn turn(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<DMat4> {
         turn_of_rows(DMat4::from_cols_array(view) * self.to_clip(matrix)?)
     }

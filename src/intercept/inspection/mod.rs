@@ -1,7 +1,9 @@
-//! What was seen in one frame, for `cupola inspect`: each pass, each draw, the matrices, the pictures.
+//! What was seen in one frame, for `cupola inspect`: each pass, each draw, the matrices, the
+//! pictures.
 //!
-//! The rooms of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]). The end of the program
-//! writes all of it as a page ([`page`]). Nothing is done unless a page was asked for.
+//! The rooms of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]).
+//! The end of the program writes all of it as a page ([`page`]). Nothing is done unless a page was
+//! asked for.
 
 pub mod page;
 
@@ -50,6 +52,8 @@ pub struct DrawNote {
 
 /// Draws to one target that follow each other.
 pub struct PassNote {
+    /// Number of the context that draws; names of framebuffers are those of a context.
+    pub context: u64,
     /// What is drawn to.
     pub target: String,
     /// How: once, or once for each view, and why.
@@ -95,31 +99,34 @@ pub fn begin_frame(settings: &Settings, last: bool) {
     }
 }
 
-/// Notes a draw to `target`. `how` says for a new pass how its draws are issued.
-pub fn note_draw(target: &str, how: impl FnOnce() -> String, draw: DrawNote, number: u64) {
+/// Notes a draw to `target` in a context of this number. `how` says for a new pass how its draws
+/// are issued. Returns the number of the pass, if it is described.
+pub fn note_draw(
+    context: u64,
+    target: &str,
+    how: impl FnOnce() -> String,
+    draw: DrawNote,
+    number: u64,
+) -> Option<usize> {
     let mut passes = PASSES.locked();
-    if passes.last().is_none_or(|pass| pass.target != target) {
+    if passes.last().is_none_or(|pass| pass.target != target || pass.context != context) {
         if passes.len() >= MOST_PASSES {
-            return;
+            return None;
         }
-        passes.push(PassNote { target: target.to_owned(), how: how(), draws: Vec::new(), picture: None });
+        passes.push(PassNote { context, target: target.to_owned(), how: how(), draws: Vec::new(), picture: None });
     }
-    let Some(pass) = passes.last_mut() else { return };
+    let pass = passes.last_mut()?;
     let full = pass.draws.len() >= MOST_DRAWS;
     match pass.draws.last_mut() {
         Some((known, count)) if full || *known == draw => *count += number,
         _ => pass.draws.push((draw, number)),
     }
+    Some(passes.len() - 1)
 }
 
-/// Whether the last pass draws to `target` and has no picture.
-pub fn wants_picture(target: &str) -> bool {
-    PASSES.locked().last().is_some_and(|pass| pass.target == target && pass.picture.is_none())
-}
-
-/// Gives the last pass its picture.
-pub fn note_picture(picture: Picture) {
-    if let Some(pass) = PASSES.locked().last_mut() {
+/// Gives a pass its picture.
+pub fn note_picture(pass: usize, picture: Picture) {
+    if let Some(pass) = PASSES.locked().get_mut(pass) {
         pass.picture = Some(picture);
     }
 }

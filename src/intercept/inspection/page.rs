@@ -63,11 +63,12 @@ fn write_page(out: &mut String, page: &Page<'_>) -> fmt::Result {
     pictures(out, "Outputs", page.outputs)?;
     pictures(out, "Views, panel and the program's own picture", page.views)?;
     write!(out, "<h2>Passes</h2><p>Draws to one target that follow each other, in the order of the frame.</p>")?;
+    let several_contexts = page.passes.windows(2).any(|pair| pair[0].context != pair[1].context);
     if page.passes.is_empty() {
-        write!(out, "<p>No draw was seen in this frame.</p>")?;
+        write!(out, "<p>No draw was described: the program ended by itself, or drew nothing in this frame.</p>")?;
     }
     for (number, pass) in page.passes.iter().enumerate() {
-        write_pass(out, number + 1, pass)?;
+        write_pass(out, number + 1, pass, several_contexts)?;
     }
     if let Some(text) = page.statistics.and_then(|statistics| serde_json::to_string_pretty(statistics).ok()) {
         write!(out, "<h2>Statistics</h2><pre>{}</pre>", Text(&text))?;
@@ -128,8 +129,9 @@ fn write_picture(out: &mut String, picture: &Picture) -> fmt::Result {
     write!(out, "\"><figcaption>{name}, {width} × {height}</figcaption></figure>")
 }
 
-fn write_pass(out: &mut String, number: usize, pass: &PassNote) -> fmt::Result {
-    write!(out, "<h3>{number}. {}</h3><p>{}</p>", Text(&pass.target), Text(&pass.how))?;
+fn write_pass(out: &mut String, number: usize, pass: &PassNote, several_contexts: bool) -> fmt::Result {
+    let context = if several_contexts { format!(", context {}", pass.context) } else { String::new() };
+    write!(out, "<h3>{number}. {}{context}</h3><p>{}</p>", Text(&pass.target), Text(&pass.how))?;
     if let Some(picture) = &pass.picture {
         write_picture(out, picture)?;
     }
@@ -198,6 +200,7 @@ mod tests {
     fn names_of_the_program_are_text_and_no_markup() {
         let draw = DrawNote { class: "flat", why: "a < b & \"c\"".to_owned(), ..DrawNote::default() };
         let pass = PassNote {
+            context: 0,
             target: "<script>".to_owned(),
             how: String::new(),
             draws: vec![(draw, 3)],

@@ -14,31 +14,39 @@ pub struct Places {
     pub outside: u64,
 }
 
-/// Draws at the border of the picture after which it is decided.
-const ENOUGH: u64 = 300;
+/// Draws of a frame at the border of the picture, or beside it, that tell something of the program:
+/// one large model tells nothing.
+const ENOUGH: u64 = 12;
 
-/// A program that leaves out what it does not see has so many times as many draws at the border as beside it: it leaves
-/// out larger boxes or spheres than ours.
+/// So many frames have to tell the same.
+const FRAMES: u32 = 10;
+
+/// A program that leaves out what it does not see has so many times as many draws at the border as
+/// beside it: it leaves out larger boxes or spheres than ours.
 const FACTOR: u64 = 4;
 
 /// Says once that objects are missing beside the program's own field of view.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CullingProgram {
+    /// Draws of earlier frames.
+    before: Places,
+    /// Number of frames in which the program seemed to leave out something.
+    frames: u32,
     decided: bool,
 }
 
 impl CullingProgram {
-    /// Looks at the program at the end of a frame.
-    pub fn look(&mut self, places: Places, lens: Option<&Intrinsics>, session: &Session) {
+    /// Looks at the program at the end of a frame, with its draws so far.
+    pub fn look(&mut self, draws: Places, lens: Option<&Intrinsics>, session: &Session) {
         let shows_own_lens = (0..session.views().len()).all(|index| session.tile(index).1);
-        if let (true, Some(lens), false) = (self.leaves_out(places), lens, shows_own_lens) {
+        if let (true, Some(lens), false) = (self.leaves_out(draws), lens, shows_own_lens) {
             log::once(&format!(
                 "the program seems to leave out what lies beside its own field of view ({}): of its draws {} cross the \
                  border of its picture, and {} lie beside it. Objects may be missing at the sides and behind. Give the \
                  program a larger field of view (docs/compatibility.md, \"What a program leaves out itself\")",
                 field_of_view(lens),
-                places.crossing,
-                places.outside
+                draws.crossing,
+                draws.outside
             ));
         }
     }
@@ -48,34 +56,46 @@ impl CullingProgram {
         self.decided
     }
 
-    /// Whether the program has drawn enough, and nothing beside its picture. It is asked until it has drawn enough.
-    fn leaves_out(&mut self, places: Places) -> bool {
-        let enough = places.crossing.max(places.outside) >= ENOUGH;
-        let first = enough && !self.decided;
-        self.decided |= enough;
-        first && places.outside * FACTOR < places.crossing
+    /// Whether this frame is the one that shows that the program leaves out something.
+    fn leaves_out(&mut self, draws: Places) -> bool {
+        let crossing = draws.crossing - self.before.crossing;
+        let outside = draws.outside - self.before.outside;
+        self.before = draws;
+        if self.decided || crossing.max(outside) < ENOUGH {
+            return false;
+        }
+        let leaves_out = outside * FACTOR < crossing;
+        self.frames += u32::from(leaves_out);
+        self.decided = !leaves_out || self.frames >= FRAMES;
+        self.decided && leaves_out
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{CullingProgram, ENOUGH, Places};
+    use super::{CullingProgram, ENOUGH, FRAMES, Places};
+
+    /// In how many of these frames a program that has so many draws in each is told.
+    fn told(program: &mut CullingProgram, frames: u32, crossing: u64, outside: u64) -> usize {
+        let Places { crossing: c, outside: o } = program.before;
+        let after = |frame: u64| Places { crossing: c + frame * crossing, outside: o + frame * outside };
+        (1..=u64::from(frames)).filter(|frame| program.leaves_out(after(*frame))).count()
+    }
 
     #[test]
     fn a_program_that_leaves_out_what_is_beside_is_told_once() {
         let mut program = CullingProgram::default();
-        let places = |crossing, outside| Places { crossing, outside };
-        assert!(!program.leaves_out(places(ENOUGH - 1, 0)), "that may be chance");
-        assert!(program.leaves_out(places(ENOUGH, ENOUGH / 5)));
-        assert!(!program.leaves_out(places(2 * ENOUGH, 0)), "it was told");
+        assert_eq!(told(&mut program, FRAMES - 1, ENOUGH, ENOUGH / 5), 0, "that may be chance");
+        assert_eq!(told(&mut program, 50, ENOUGH, ENOUGH / 5), 1);
     }
 
     #[test]
     fn programs_that_draw_all_around_or_only_ahead_are_not_told() {
         let mut around = CullingProgram::default();
-        assert!(!around.leaves_out(Places { crossing: ENOUGH / 3, outside: ENOUGH }));
-        assert!(!around.leaves_out(Places { crossing: 9 * ENOUGH, outside: ENOUGH }), "it was decided");
-        let mut ahead = CullingProgram::default();
-        assert!((0..10_000).all(|_| !ahead.leaves_out(Places::default())));
+        assert_eq!(told(&mut around, 1, ENOUGH / 3, ENOUGH), 0);
+        assert!(around.is_decided() && told(&mut around, 100, 9 * ENOUGH, 0) == 0);
+        assert_eq!(told(&mut CullingProgram::default(), 10_000, 0, 0), 0);
+        // A large model.
+        assert_eq!(told(&mut CullingProgram::default(), 10_000, ENOUGH - 1, 0), 0);
     }
 }

@@ -1,4 +1,5 @@
-//! Shaders that hold the projection and the view matrix apart: for them the eye of a view is turned.
+//! Shaders that hold the projection and the view matrix apart: for them the eye of a view is
+//! turned.
 
 use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix, eye_axes};
 
@@ -16,8 +17,8 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// Looks for a projection beside view matrices among matrices with these values and `functions` of the camera. `called`
-    /// tells what a matrix is by its name.
+    /// Looks for a projection beside view matrices among matrices with these values and `functions`
+    /// of the camera. `called` tells what a matrix is by its name.
     pub fn of(
         values: &[Option<[f64; 16]>],
         functions: &[Option<(CameraFunction, Intrinsics)>],

@@ -24,8 +24,9 @@ pub struct FlatProgram {
 }
 
 impl FlatProgram {
-    /// Looks at the program at the end of a frame: `draws` of it to the window, and whether something of a scene was shown there
-    /// ever. `off_screen` is asked for what it draws off screen.
+    /// Looks at the program at the end of a frame: `draws` of it to the window, and whether
+    /// something of a scene was shown there ever. `off_screen` is asked for what it draws off
+    /// screen.
     pub fn look(&mut self, draws: u64, has_scene: bool, session: &Session, off_screen: impl FnOnce() -> OffScreen) {
         if !self.is_flat(draws, has_scene) {
             return;

@@ -56,8 +56,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Fails if a file exists that must not be replaced: it may have been changed by hand. Links are refused when they are
-/// written.
+/// Fails if a file exists that must not be replaced: it may have been changed by hand. Links are
+/// refused when they are written.
 fn refuse_to_replace(file: &Path, force: bool) -> Result<(), Failure> {
     match std::fs::symlink_metadata(file).is_ok_and(|data| data.is_file()) && !force {
         true => Err(Failure::usage(format!("{} exists; give another name, or --force to replace it", file.display()))),

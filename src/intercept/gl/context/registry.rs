@@ -15,8 +15,8 @@ static CONTEXTS: Mutex<Option<Contexts>> = Mutex::new(None);
 pub(in crate::intercept::gl) struct Contexts {
     /// By their window system's handle.
     pub(in crate::intercept::gl) known: HashMap<usize, Entry>,
-    /// Addresses of contexts that the program destroyed while a thread had them current: they live until it
-    /// has another.
+    /// Addresses of contexts that the program destroyed while a thread had them current: they live
+    /// until it has another.
     dying: Vec<usize>,
 }
 
@@ -51,8 +51,8 @@ impl Contexts {
 
 /// Frees a context that is current nowhere; its OpenGL objects went with it.
 fn free(address: usize) {
-    // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that holds it;
-    // no thread has the context current, so that no reference to it is left.
+    // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that
+    // holds it; no thread has the context current, so that no reference to it is left.
     let context = unsafe { Box::from_raw(address as *mut Context) };
     context.share.programs.locked().uses.change(context.shaders.pipelines.used, 0);
 }
@@ -71,7 +71,8 @@ pub fn created(handle: usize, shared: usize) {
     });
 }
 
-/// The program destroyed `handle`. A context that is current on any thread lives on until it is not.
+/// The program destroyed `handle`. A context that is current on any thread lives on until it is
+/// not.
 pub fn destroyed(handle: usize) {
     contexts(|contexts| {
         if let Some(entry) = contexts.known.remove(&handle) {
@@ -80,25 +81,28 @@ pub fn destroyed(handle: usize) {
     });
 }
 
-/// The plan of a window that another context of the group draws, which is not current on any thread.
+/// The plan of a window that another context of the group draws, which is not current on any
+/// thread.
 pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
         others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
+            // SAFETY: a live context that is current on no thread, and cannot become so while the
+            // table is locked.
             let other = unsafe { &*(entry.context as *const Context) };
             other.drawable.target().map(|target| target.session.clone())
         })
     })
 }
 
-/// What another context of the group has for `window`, which is not current on any thread: contexts that draw to one
-/// window draw one picture.
+/// What another context of the group has for `window`, which is not current on any thread: contexts
+/// that draw to one window draw one picture.
 pub fn take_picture(share: &Arc<ShareGroup>, window: &Window) -> Option<Box<DefaultFramebuffer>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
         others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
+            // SAFETY: a live context that is current on no thread, and cannot become so while the
+            // table is locked.
             let other = unsafe { &mut *(entry.context as *mut Context) };
             other.give_picture(window)
         })
@@ -109,7 +113,8 @@ pub fn take_picture(share: &Arc<ShareGroup>, window: &Window) -> Option<Box<Defa
 pub fn each_idle(mut look: impl FnMut(&Context)) {
     contexts(|contexts| {
         for entry in contexts.known.values().filter(|entry| !entry.current && entry.context != 0) {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
+            // SAFETY: a live context that is current on no thread, and cannot become so while the
+            // table is locked.
             look(unsafe { &*(entry.context as *const Context) });
         }
     });

@@ -87,6 +87,7 @@ impl Context {
     /// Another window, or none: what stood for the old one is kept for when the program comes back to it.
     fn change_window(&mut self, window: Option<Window>) {
         let old = std::mem::replace(&mut self.drawable.window, window);
+        self.drawable.resized = 0;
         if let (Some(old), Some(target)) = (old, self.drawable.take_target()) {
             if self.drawable.other_windows.len() >= MOST_OTHER_WINDOWS {
                 self.drawable.other_windows.remove(0).1.destroy(self.driver.gl);

@@ -30,7 +30,16 @@ pub fn next(window: usize) -> u64 {
 
 /// A window was swapped that is not that of the thread's current context. Its picture was corrected when it was left.
 pub fn swapped_elsewhere(window: &Window) {
-    let last = || settings().is_some_and(|settings| last_frame::is_last(settings, count(window.handle())));
+    let last = || {
+        settings().is_some_and(|settings| {
+            let number = count(window.handle());
+            let last = last_frame::is_last(settings, number);
+            if !last {
+                last_frame::begin(settings, number + 1);
+            }
+            last
+        })
+    };
     if crate::fence::guard(last) == Some(true) {
         last_frame::end_program();
     }

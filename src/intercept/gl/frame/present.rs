@@ -10,12 +10,15 @@ use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size}
 use crate::intercept::gl::offscreen::{inspected, view_copies};
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::gl::state::frame::Times;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::last_frame;
 use crate::intercept::{log, settings};
+use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
 use crate::system::thread_time;
+use std::sync::Arc;
 
 /// Whether the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
@@ -100,6 +103,7 @@ pub fn leave(ctx: &mut Context) {
         if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
             && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
+            inspected::end_frame(ctx);
             report::keep(ctx, settings);
         }
     }
@@ -176,7 +180,7 @@ fn frame(ctx: &mut Context) {
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
     let last = last_frame::is_last(settings, number);
     let kept = last || settings.frames.is_none();
-    if is_occluded(&ctx.drawable) && !(kept && settings.needs_outputs()) {
+    if is_occluded(&ctx.drawable) && !(kept && last_frame::wants_outputs(settings)) {
         ctx.frame.counts.hidden_frames += 1;
     } else {
         measure(ctx, |gl, _, device| device.drawn(gl));
@@ -204,8 +208,8 @@ fn is_occluded(drawable: &Drawable) -> bool {
 
 /// Measures, if times are asked for.
 fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut DeviceTimes)) {
-    if let Some(times) = &mut ctx.frame.times {
-        act(ctx.driver.gl, &mut times.0, &mut times.1);
+    if let Some(Times { shared, device }) = &mut ctx.frame.times {
+        act(ctx.driver.gl, &mut shared.locked(), device);
     }
 }
 
@@ -214,7 +218,8 @@ fn next_frame(ctx: &mut Context) {
         last_frame::begin(settings, frame_number::next(window.handle()));
     }
     if ctx.frame.times.is_none() && settings::settings().is_some_and(settings::Settings::needs_statistics) {
-        ctx.frame.times = Some(Box::new((FrameTimes::default(), DeviceTimes::new(ctx.driver.gl, &ctx.driver.profile))));
+        let device = DeviceTimes::new(ctx.driver.gl, &ctx.driver.profile);
+        ctx.frame.times = Some(Times { shared: Arc::default(), device });
     }
     measure(ctx, |gl, times, device| {
         times.end_frame();

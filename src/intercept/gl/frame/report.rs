@@ -10,10 +10,13 @@ use crate::intercept::gl::frame::capture;
 use crate::intercept::gl::offscreen::report as off_screen_report;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::offscreen::images::Image;
+use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::report;
 use crate::intercept::settings;
+use crate::lock::Lock;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use std::sync::Arc;
 
@@ -24,17 +27,18 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
     }
     ctx.driver.take_errors();
     let statistics = settings.needs_statistics().then(|| statistics(ctx, settings));
-    let pictures = if settings.needs_outputs() { output_pictures(ctx, settings) } else { Vec::new() };
-    let views = if settings.needs_views() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
+    let pictures = if last_frame::wants_outputs(settings) { output_pictures(ctx, settings) } else { Vec::new() };
+    let views = if last_frame::wants_views(settings) { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
-    last_frame::store(LastFrame { statistics, pictures, views });
+    let times = ctx.frame.times.as_ref().map(|times| Arc::clone(&times.shared));
+    last_frame::store(LastFrame { statistics, times, pictures, views });
 }
 
 /// What the program draws to images, in this context and in those that are current on no thread.
 pub fn off_screen(ctx: &Context) -> OffScreen {
-    let mut found = off_screen_report::off_screen(ctx, &ctx.view_copies.framebuffers);
-    registry::each_idle(|other| {
-        let other = off_screen_report::off_screen(knowing(ctx, other), &other.view_copies.framebuffers);
+    let mut found = off_screen_report::off_screen(ctx, &ctx.view_copies.images, &ctx.view_copies.framebuffers);
+    each_other(ctx, |other, images, _| {
+        let other = off_screen_report::off_screen(other, images, &other.view_copies.framebuffers);
         if found == OffScreen::Nothing || (found == OffScreen::Flat && other != OffScreen::Nothing) {
             found = other;
         }
@@ -42,26 +46,38 @@ pub fn off_screen(ctx: &Context) -> OffScreen {
     found
 }
 
-/// The context that knows the images of `other`, when `ctx` is current.
-fn knowing<'a>(ctx: &'a Context, other: &'a Context) -> &'a Context {
-    if Arc::ptr_eq(&ctx.share, &other.share) { ctx } else { other }
+/// Looks at each context that is current on no thread, with the images of its group and the draws
+/// to them. Those of this context's group are with this context, those of other groups with the
+/// group.
+fn each_other(ctx: &Context, mut look: impl FnMut(&Context, &[Image], &Issued)) {
+    registry::each_idle(|other| {
+        if Arc::ptr_eq(&ctx.share, &other.share) {
+            look(other, &ctx.view_copies.images, &other.view_copies.issued);
+            return;
+        }
+        match &*other.share.off_screen.locked() {
+            Some(group) => look(other, &group.images, &group.issued),
+            None => look(other, &other.view_copies.images, &other.view_copies.issued),
+        }
+    });
 }
 
-/// Adds what is counted in `counted`, a context whose images `ctx` knows. Toolkits draw in one context, and show it in another.
-fn add_counts(statistics: &mut Statistics, ctx: &Context, counted: &Context) {
-    let counts = &counted.frame.counts;
+/// Adds what is counted in `ctx`, which knows these images of its group. Toolkits draw in one
+/// context, and show it in another.
+fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draws: &Issued) {
+    let counts = &ctx.frame.counts;
     statistics.draws_seen += counts.draws_seen;
     statistics.panel_draws += counts.panel_draws;
     statistics.primary_draws += counts.primary_draws;
     statistics.bounded_draws += counts.bounded_draws;
     statistics.draws_at_border += counts.places.crossing;
     statistics.draws_beside += counts.places.outside;
-    statistics.ranges_read += counted.vertex_input.ranges.reads;
+    statistics.ranges_read += ctx.vertex_input.ranges.reads;
     statistics.closings += counts.closings;
     statistics.shaders_linked += counts.linked;
     statistics.own_errors += counts.errors;
-    statistics.duplicated_draws += off_screen_report::draws(&counted.view_copies);
-    let (duplicated, single) = off_screen_report::status(ctx, &counted.view_copies.framebuffers);
+    statistics.duplicated_draws += draws.draws;
+    let (duplicated, single) = off_screen_report::status(ctx, images, &ctx.view_copies.framebuffers);
     statistics.duplicated_framebuffers += duplicated;
     for (reason, framebuffers) in single {
         *statistics.single_framebuffers.entry(reason).or_default() += framebuffers;
@@ -69,7 +85,8 @@ fn add_counts(statistics: &mut Statistics, ctx: &Context, counted: &Context) {
     for (how, draws) in counts.found.iter() {
         *statistics.projection_found.entry(how.to_owned()).or_default() += draws;
     }
-    for (view, [issued, left_out]) in statistics.views.iter_mut().zip(off_screen_report::counts(counted)) {
+    for (index, view) in statistics.views.iter_mut().enumerate() {
+        let [issued, left_out] = draws.of_view(index);
         view.duplicated_draws_issued += issued;
         view.duplicated_draws_culled += left_out;
     }
@@ -86,7 +103,6 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
                 + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
         }),
         outputs_narrowed: target.map_or(0, |t| t.backend().narrowed()),
-        milliseconds: ctx.frame.times.as_ref().map(|times| (&times.0).into()).unwrap_or_default(),
         ..report::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
     };
     if let Some(target) = target {
@@ -105,8 +121,8 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
             })
             .collect();
     }
-    add_counts(&mut statistics, ctx, ctx);
-    registry::each_idle(|other| add_counts(&mut statistics, knowing(ctx, other), other));
+    add_counts(&mut statistics, ctx, &ctx.view_copies.images, &ctx.view_copies.issued);
+    each_other(ctx, |other, images, draws| add_counts(&mut statistics, other, images, draws));
     statistics
 }
 

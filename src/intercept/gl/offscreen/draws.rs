@@ -34,7 +34,7 @@ pub fn draw(
 ) -> bool {
     if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback || !possible(ctx) {
         leave(ctx);
-        let why = Some("nothing is drawn once per view here");
+        let why = Some("draws here are issued once (picking, discard, feedback, or no view with another lens)");
         inspected::note(ctx, &Seen { class: DrawClass::Flat, sampled: 0, why });
         return false;
     }

@@ -9,6 +9,7 @@ use crate::intercept::gl::offscreen::view_copies::views;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
+use crate::intercept::gl::state::offscreen::view_copies::InspectedPass;
 use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation};
@@ -32,11 +33,10 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
         return;
     }
     let target = target(ctx);
-    if !inspection::wants_picture(&target) {
+    if ctx.view_copies.inspected.as_ref().is_some_and(|pass| pass.target != target) {
         // What was drawn to before is complete.
         note_last_picture(ctx);
     }
-    ctx.view_copies.inspected = ctx.app.draw_framebuffer;
     let draw = DrawNote {
         class: class_name(seen),
         why: why(ctx, seen),
@@ -49,7 +49,9 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
         state: state(ctx),
         matrices: matrices(ctx),
     };
-    inspection::note_draw(&target, || how(ctx), draw, 1);
+    let number = inspection::note_draw(ctx.driver.id, &target, || how(ctx), draw, 1);
+    let framebuffer = ctx.app.draw_framebuffer;
+    ctx.view_copies.inspected = number.map(|number| InspectedPass { number, framebuffer, target });
 }
 
 /// The frame is complete.
@@ -164,7 +166,7 @@ fn how(ctx: &Context) -> String {
     let Some(framebuffer) = bound(ctx) else {
         return "Draws are issued once: the framebuffer is not followed.".to_owned();
     };
-    match report::reason(ctx, framebuffer) {
+    match report::reason(ctx, &ctx.view_copies.images, framebuffer) {
         None => format!("Draws are issued once for each of {} views.", views(ctx)),
         Some(reason) => format!("Draws are issued once: {reason}."),
     }
@@ -252,7 +254,7 @@ fn form(matrix: &Matrix) -> &'static str {
 
 /// Gives the last pass a picture of what it drew to.
 fn note_last_picture(ctx: &mut Context) {
-    let framebuffer = std::mem::take(&mut ctx.view_copies.inspected);
+    let Some(InspectedPass { number, framebuffer, .. }) = ctx.view_copies.inspected.take() else { return };
     let Some(index) = ctx.view_copies.position(framebuffer).filter(|_| framebuffer != 0) else { return };
     let Some(framebuffer) = ctx.view_copies.framebuffers.get(index) else { return };
     let Some(image) = framebuffer.colours().find_map(|name| ctx.view_copies.image(name)) else { return };
@@ -272,6 +274,6 @@ fn note_last_picture(ctx: &mut Context) {
     // Integers, and pictures with samples, cannot be read so.
     // SAFETY: asks for the error flag.
     if unsafe { gl.get_error() } == api::GL_NO_ERROR {
-        inspection::note_picture(picture);
+        inspection::note_picture(number, picture);
     }
 }

@@ -1,24 +1,21 @@
 //! What the statistics say of the program's framebuffers.
-//!
-//! What is known of images is in the context of a group that was current last; so that context is asked for the framebuffers
-//! of others.
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
-use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
-/// How many `framebuffers` that the program drew to are drawn once per view, and why how many others are not.
-pub fn status(ctx: &Context, framebuffers: &[Framebuffer]) -> (u64, BTreeMap<String, u64>) {
+/// Number of `framebuffers` that are drawn once per view, and of the others by the reason. `images`
+/// are those of the context's group.
+pub fn status(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> (u64, BTreeMap<String, u64>) {
     let mut single: BTreeMap<String, u64> = BTreeMap::new();
     let mut duplicated = 0;
     for framebuffer in framebuffers {
-        match obstacle(ctx, framebuffer) {
+        match obstacle(ctx, images, framebuffer) {
             None => duplicated += 1,
             Some(obstacle) => {
                 if let Some(reason) = obstacle.reason() {
@@ -31,39 +28,27 @@ pub fn status(ctx: &Context, framebuffers: &[Framebuffer]) -> (u64, BTreeMap<Str
 }
 
 /// What the program draws to `framebuffers`.
-pub fn off_screen(ctx: &Context, framebuffers: &[Framebuffer]) -> OffScreen {
-    let holds_scene = |framebuffer: &&Framebuffer| {
-        framebuffer.colours().filter_map(|name| ctx.view_copies.image(name)).any(|image| image.scene)
-    };
+pub fn off_screen(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> OffScreen {
+    let holds_scene = |framebuffer: &&Framebuffer| any_colour(images, framebuffer, |image| image.scene);
     match framebuffers.iter().find(holds_scene) {
-        Some(framebuffer) => OffScreen::Scene(reason(ctx, framebuffer)),
+        Some(framebuffer) => OffScreen::Scene(reason(ctx, images, framebuffer)),
         None if framebuffers.is_empty() => OffScreen::Nothing,
         None => OffScreen::Flat,
     }
 }
 
-/// How many draws to the program's framebuffers were issued once per view.
-pub fn draws(view_copies: &ViewCopies) -> u64 {
-    view_copies.issued.draws
-}
-
-/// For each view, without end: how many of them it got, and how many were left out of it.
-pub fn counts(ctx: &Context) -> impl Iterator<Item = [u64; 2]> + '_ {
-    (0..).map(|index| ctx.view_copies.issued.of_view(index))
-}
-
 /// Why a framebuffer is drawn once only; `None`: it is drawn once per view.
-pub fn reason(ctx: &Context, framebuffer: &Framebuffer) -> Option<String> {
-    let obstacle = obstacle(ctx, framebuffer)?;
+pub fn reason(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Option<String> {
+    let obstacle = obstacle(ctx, images, framebuffer)?;
     Some(obstacle.reason().unwrap_or("everything is shown flat").to_owned())
 }
 
 /// Why a framebuffer is drawn once only.
-fn obstacle(ctx: &Context, framebuffer: &Framebuffer) -> Option<Obstacle> {
-    if ctx.view_copies.has_view_copies(framebuffer) {
+fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Option<Obstacle> {
+    if framebuffer.has_view_copies(images) {
         return None;
     }
-    let any = |test: fn(&Image) -> bool| framebuffer.colours().filter_map(|name| ctx.view_copies.image(name)).any(test);
+    let any = |test: fn(&Image) -> bool| any_colour(images, framebuffer, test);
     if let Some(obstacle) = &framebuffer.obstacle {
         return Some(obstacle.clone());
     }
@@ -83,4 +68,9 @@ fn obstacle(ctx: &Context, framebuffer: &Framebuffer) -> Option<Obstacle> {
         "it was not seen to fill the window"
     };
     Some(reason.into())
+}
+
+/// Whether any of a framebuffer's colour images has this property.
+fn any_colour(images: &[Image], framebuffer: &Framebuffer, test: impl Fn(&Image) -> bool) -> bool {
+    framebuffer.colours().filter_map(|name| images.iter().find(|image| image.name == name)).any(test)
 }

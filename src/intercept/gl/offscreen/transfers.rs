@@ -286,7 +286,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     };
     let is_depth = mask & api::GL_COLOR_BUFFER_BIT == 0;
     if is_depth && from.format != to.format && here == there && from.samples == 0 && to.samples == 0 {
-        convert_depth(ctx, from, to, mask);
+        convert_depth(ctx, from, to);
         return;
     }
     // Samples are resolved, or given, in their own format only.
@@ -329,17 +329,21 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     }
 }
 
-/// Copies depth to another format, which only a copy into a texture can do.
-fn convert_depth(ctx: &mut Context, from: End, to: End, mask: u32) {
+/// Copies depth to another format, which only a copy into a texture can do. Stencil is not copied.
+fn convert_depth(ctx: &mut Context, from: End, to: End) {
     let ([x0, y0, x1, y1], gl) = (from.corners, ctx.driver.gl);
-    let size = [(x1 - x0).abs(), (y1 - y0).abs()];
-    let is_fit = |converter: &&DepthConverter| converter.is(size, to.format);
-    if !ctx.view_copies.depth_converters.iter().any(|converter| is_fit(&converter)) {
-        let new = DepthConverter::new(gl, size, to.format);
-        ctx.view_copies.depth_converters.extend(new);
+    let (corner, size) = ([x0.min(x1), y0.min(y1)], [(x1 - x0).abs(), (y1 - y0).abs()]);
+    let converters = &mut ctx.view_copies.depth_converters;
+    if !converters.iter().any(|converter| converter.is(size, to.format)) {
+        // One of each format is kept.
+        if let Some(index) = converters.iter().position(|converter| converter.format() == to.format) {
+            converters.swap_remove(index).destroy(gl);
+        }
+        converters.extend(DepthConverter::new(gl, size, to.format));
     }
-    if let Some(converter) = ctx.view_copies.depth_converters.iter().find(is_fit) {
-        converter.convert(gl, [x0.min(x1), y0.min(y1)], to.corners, mask & api::GL_DEPTH_BUFFER_BIT);
+    if let Some(converter) = converters.iter().find(|converter| converter.is(size, to.format)) {
+        let within = [x0 - corner[0], y0 - corner[1], x1 - corner[0], y1 - corner[1]];
+        converter.convert(gl, corner, within, to.corners);
     }
 }
 

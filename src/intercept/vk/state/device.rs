@@ -84,7 +84,7 @@ pub struct Presented {
     /// Number of the last report.
     pub(in crate::intercept::vk) report: AtomicU64,
     /// Their times, if statistics are asked for.
-    pub(in crate::intercept::vk) times: Mutex<FrameTimes>,
+    pub(in crate::intercept::vk) times: Arc<Mutex<FrameTimes>>,
 }
 
 pub(in crate::intercept::vk) static DEVICES: RwLock<Option<HashMap<usize, Arc<Device>>>> = RwLock::new(None);

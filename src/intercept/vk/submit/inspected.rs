@@ -56,5 +56,5 @@ pub(in crate::intercept::vk) fn note(
         matrices: facts.sources.iter().map(matrix).collect(),
     };
     let views = group.layout.views.len();
-    inspection::note_draw(&target, || format!("Draws of the scene are issued to {views} views."), draw, group.draws);
+    inspection::note_draw(0, &target, || format!("Draws of the scene are issued to {views} views."), draw, group.draws);
 }

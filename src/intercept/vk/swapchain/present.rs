@@ -18,6 +18,7 @@ use crate::rig::{Duplicate, Rig};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::system::thread_time;
 use ash::vk;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// `vkQueuePresentKHR`.
@@ -95,7 +96,7 @@ unsafe fn prepare(
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
     let mut complete = true;
-    let pictures = settings.needs_outputs() || settings.needs_views();
+    let pictures = last_frame::wants_outputs(settings) || last_frame::wants_views(settings);
     let timed = settings.needs_statistics();
     if timed {
         device.presented.times.locked().end_frame();
@@ -131,7 +132,7 @@ unsafe fn prepare(
         if !keep {
             continue;
         }
-        let mut kept = LastFrame { statistics: None, pictures: Vec::new(), views: Vec::new() };
+        let mut kept = LastFrame { statistics: None, times: None, pictures: Vec::new(), views: Vec::new() };
         if pictures {
             // SAFETY: as above.
             match unsafe { captured(device, queue, &managed, index as usize, waits, settings) } {
@@ -148,6 +149,7 @@ unsafe fn prepare(
             // SAFETY: the device is live.
             unsafe { stand_in.wait(device) };
         }
+        kept.times = timed.then(|| Arc::clone(&device.presented.times));
         kept.statistics = timed.then(|| statistics(device, &managed, &settings.rig, frames));
         device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
@@ -239,7 +241,7 @@ unsafe fn captured(
             vec![cut(&corrected, names.into_iter().next().unwrap_or("window"), PixelRect::new(0, 0, width, height))]
         }
     };
-    if !settings.needs_views() {
+    if !last_frame::wants_views(settings) {
         return Ok((outputs, Vec::new()));
     }
     let views = match &managed.stand_in {
@@ -287,7 +289,6 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         single_framebuffers: device.scene_graph.single(rig.views.duplicate),
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
-        milliseconds: (&*device.presented.times.locked()).into(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
         ..report::begin(frames, &rig.name, device.driver.name.clone())
     };

@@ -10,7 +10,6 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
-
 use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
 

@@ -21,6 +21,7 @@ use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::Intrinsics;
+use std::sync::{Arc, Mutex};
 
 /// What is known of a window's frames.
 #[derive(Default)]
@@ -50,7 +51,15 @@ pub struct Frame {
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
     /// Times for `--stats`; `None` if they are not asked for.
-    pub(in crate::intercept::gl) times: Option<Box<(FrameTimes, DeviceTimes)>>,
+    pub(in crate::intercept::gl) times: Option<Times>,
+}
+
+/// Times of a window's frames.
+pub struct Times {
+    /// What was measured; the report of the last frame reads it when it is written.
+    pub(in crate::intercept::gl) shared: Arc<Mutex<FrameTimes>>,
+    /// Timestamps of the device.
+    pub(in crate::intercept::gl) device: DeviceTimes,
 }
 
 impl Frame {

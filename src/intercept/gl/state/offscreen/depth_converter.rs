@@ -4,8 +4,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name, with_texture};
 
-/// A depth texture of ours, and a framebuffer of it alone: `glBlitFramebuffer` copies depth between equal formats only, and
-/// `glCopyTexSubImage2D` converts.
+/// A depth texture of ours, and a framebuffer of it alone: `glBlitFramebuffer` copies depth between
+/// equal formats only, and `glCopyTexSubImage2D` converts.
 pub struct DepthConverter {
     framebuffer: u32,
     texture: u32,
@@ -14,13 +14,14 @@ pub struct DepthConverter {
 }
 
 impl DepthConverter {
-    /// One for rectangles of this size (width, height) of the read framebuffer that become this sized format. Bindings are put
-    /// back; errors may be left. `None` where the driver gives none.
+    /// One for rectangles of this size (width, height) of the read framebuffer that become this
+    /// sized format. Bindings are put back; errors may be left. `None` where the driver gives none.
     pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
         let mut converter = Self { framebuffer: 0, texture: own_names::texture(gl), size, format };
         let level = Name::Texture { name: converter.texture, target: api::GL_TEXTURE_2D, level: 0 };
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, converter.texture, || {
-            // SAFETY: gives our texture storage. A copy reads no memory of the program, whatever is bound there.
+            // SAFETY: gives our texture storage. A copy reads no memory of the program, whatever is
+            // bound there.
             unsafe { gl.copy_tex_image2_d(api::GL_TEXTURE_2D, 0, format, 0, 0, size[0], size[1], 0) };
         });
         // SAFETY: makes an object of ours; the bindings are put back.
@@ -47,9 +48,15 @@ impl DepthConverter {
         self.size == size && self.format == format
     }
 
-    /// Copies the rectangle with this lower left corner from the read framebuffer to `to` in the draw framebuffer. Bindings are
+    /// Its sized format.
+    pub fn format(&self) -> u32 {
+        self.format
+    }
+
+    /// Copies from the read framebuffer to the draw framebuffer: what is between the corners `from`
+    /// of the rectangle with the lower left corner `[x, y]`, to what is between `to`. Bindings are
     /// put back.
-    pub fn convert(&self, gl: &Gl, [x, y]: [i32; 2], to: [i32; 4], mask: u32) {
+    pub fn convert(&self, gl: &Gl, [x, y]: [i32; 2], from: [i32; 4], to: [i32; 4]) {
         let [width, height] = self.size;
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, self.texture, || {
             // SAFETY: our texture is bound.
@@ -59,7 +66,8 @@ impl DepthConverter {
         unsafe {
             let bindings = Bindings::save(gl);
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.framebuffer);
-            gl.blit_framebuffer(0, 0, width, height, to[0], to[1], to[2], to[3], mask, api::GL_NEAREST);
+            let (mask, filter) = (api::GL_DEPTH_BUFFER_BIT, api::GL_NEAREST);
+            gl.blit_framebuffer(from[0], from[1], from[2], from[3], to[0], to[1], to[2], to[3], mask, filter);
             bindings.restore(gl);
         }
     }

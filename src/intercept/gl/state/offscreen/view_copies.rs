@@ -30,14 +30,24 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
-    /// The framebuffer of the last draw that was described.
-    pub(in crate::intercept::gl) inspected: u32,
+    /// The pass of the last draw that was described.
+    pub(in crate::intercept::gl) inspected: Option<InspectedPass>,
     /// View copies deleted so far: framebuffers that stand for the program's may have had them.
     pub(in crate::intercept::gl) deleted: u64,
     /// Framebuffers of other contexts that they are to delete.
     pub(in crate::intercept::gl) left: Vec<Pair>,
     /// It has what the group knows together; otherwise another thread does, and the images are its own.
     pub(in crate::intercept::gl) shared: bool,
+}
+
+/// A pass that is described for `cupola inspect`.
+pub struct InspectedPass {
+    /// Its number in the frame.
+    pub(in crate::intercept::gl) number: usize,
+    /// The framebuffer that it draws to; 0 = the window.
+    pub(in crate::intercept::gl) framebuffer: u32,
+    /// Its name on the page.
+    pub(in crate::intercept::gl) target: String,
 }
 
 /// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
@@ -88,9 +98,7 @@ impl ViewCopies {
 
     /// Any of the images of a framebuffer is to be drawn once per view.
     pub(in crate::intercept::gl) fn has_view_copies(&self, framebuffer: &Framebuffer) -> bool {
-        framebuffer.known
-            && framebuffer.obstacle.is_none()
-            && framebuffer.images().any(|name| self.image(name).is_some_and(|image| image.view_copy.is_some()))
+        framebuffer.has_view_copies(&self.images)
     }
 
     /// The images of a framebuffer, as a set.
