@@ -1,14 +1,13 @@
 //! Texels and sizes of images that a fragment shader reads by numbers: those of the program's images.
 //!
 //! In a view, an image of the scene has as many texels as the view, not as the program gave it. Coordinates of fetches
-//! are scaled to that, sizes are scaled back. With a coordinate goes the part of a texel of the program by which the
-//! fragment is beside the texel's corner: where a shader fetches at its own place, it gets its own texel, whichever
-//! image has more.
+//! are scaled to that, sizes are scaled back. With a coordinate goes the fragment's offset from the corner of its texel:
+//! where a shader fetches at its own place, it gets its own texel, whichever image has more.
 
 use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
-use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, FunctionControl, Op, StorageClass};
+use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, FunctionControl, ImageOperands, Op, StorageClass};
 use std::collections::HashMap;
 
 /// More images of one shader are not followed.
@@ -39,14 +38,14 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let reads = Reads::of(&all, &declared);
-    if reads.places.is_empty() {
+    if reads.places.is_empty() && !reads.unknown {
         return Ok(None);
     }
     let (point, main) = entry_point(&all, ExecutionModel::Fragment, entry)?;
     let interface = point.rest(2 + string(point.rest(2)).1);
     let asks = |id: &u32| declared.number(*id, None, Decoration::BuiltIn) == Some(BuiltIn::FragCoord as u32);
     let given = interface.iter().copied().find(asks);
-    let fetches = reads.places.values().any(|place| place.is_fetch);
+    let fetches = reads.unknown_fetch || reads.places.values().any(|place| place.is_fetch);
     if given.is_none() && !fetches {
         return Ok(None);
     }
@@ -91,7 +90,16 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
             }
         };
         if read.is_fetch {
-            let given = as_signed(to, out, operands[3]);
+            let given = match read.offset {
+                // It is in texels of the program, too.
+                Some(index) => {
+                    let sum = to.id();
+                    push(out, Op::IAdd, &[pair, sum, operands[3], operands.remove(index)]);
+                    operands[4] &= !OFFSETS.bits();
+                    sum
+                }
+                None => as_signed(to, out, operands[3]),
+            };
             let made = to.id();
             call(to, out, texel, given, made);
             operands[3] = made;
@@ -118,6 +126,19 @@ struct Read {
     picture: usize,
     /// The type of the coordinates, or of the size.
     kind: u32,
+    /// Index of the operand that is added to the coordinates.
+    offset: Option<usize>,
+}
+
+/// Operands that are added to the coordinates.
+const OFFSETS: ImageOperands = ImageOperands::CONST_OFFSET.union(ImageOperands::OFFSET);
+
+/// Index of the offset of a fetch: it stands behind the bias, the level and the two gradients.
+fn offset_index(fetch: &Instruction<'_>) -> Option<usize> {
+    let given = ImageOperands::from_bits_truncate(fetch.operand(4));
+    let before = given & (ImageOperands::BIAS | ImageOperands::LOD | ImageOperands::GRAD);
+    let gradients = usize::from(given.contains(ImageOperands::GRAD));
+    given.intersects(OFFSETS).then_some(5 + before.bits().count_ones() as usize + gradients)
 }
 
 /// Where a shader reads two-dimensional images by numbers.
@@ -128,6 +149,8 @@ struct Reads {
     pictures: Vec<DescriptorPlace>,
     /// Some read is of an image that is not known.
     unknown: bool,
+    /// Some fetch is.
+    unknown_fetch: bool,
 }
 
 impl Reads {
@@ -159,17 +182,23 @@ impl Reads {
             // Images of one or three dimensions, and layers, are no views.
             let Some(kind) = kind.copied() else { continue };
             let variable = sources.variable(i.operand(2), DEEPEST);
-            let Some(place) = variable.and_then(|variable| place_of(declared, variable)) else {
+            let place = variable.and_then(|variable| place_of(declared, variable));
+            if let Some(Place::Other) = place {
+                continue;
+            }
+            let offset = offset_index(i).filter(|_| is_fetch);
+            let is_pair = |index: usize| i.operands.get(index).is_some_and(|id| typed.contains_key(id));
+            let (Some(Place::Plain(place)), true) = (place, offset.is_none_or(is_pair)) else {
                 reads.unknown = true;
+                reads.unknown_fetch |= is_fetch;
                 continue;
             };
-            let Place::Plain(place) = place else { continue };
             let known = reads.pictures.iter().position(|known| *known == place);
             let picture = known.unwrap_or(reads.pictures.len());
             if known.is_none() {
                 reads.pictures.push(place);
             }
-            reads.places.insert(i.offset, Read { is_fetch, picture, kind });
+            reads.places.insert(i.offset, Read { is_fetch, picture, kind, offset });
         }
         reads
     }

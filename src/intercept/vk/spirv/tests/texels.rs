@@ -4,7 +4,7 @@ use super::module;
 use crate::intercept::vk::spirv::module::instructions;
 use crate::intercept::vk::spirv::texels;
 use crate::testing::random::Random;
-use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, Op, StorageClass};
+use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, ImageOperands, Op, StorageClass};
 
 /// A fragment stage whose function does `body`. Its FragCoord is 5, an image in set 1 at binding 6 is 16, a pair of
 /// numbers 13, of unsigned ones 18, a constant pair 14.
@@ -74,10 +74,35 @@ fn what_reads_by_texture_coordinates_is_left() {
     }
 }
 
+/// The operands of the fetch, and those of the addition that its coordinates come from.
+fn fetched_at(fetch: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let words = stage(&[LOAD, (Op::ImageFetch as u32, fetch)], Dim::Dim2D);
+    let followed = texels(&words, "go", 3, 64).expect("followed").expect("it fetches");
+    let all = instructions(&followed.words).expect("a module");
+    let fetch = all.iter().find(|i| i.is(Op::ImageFetch)).expect("it stays");
+    let call = all.iter().find(|i| i.is(Op::FunctionCall) && i.operand(1) == fetch.operand(3)).expect("a call");
+    let sum = all.iter().find(|i| i.is(Op::IAdd) && i.operand(1) == call.operand(3)).expect("a sum");
+    (fetch.rest(4).to_vec(), sum.rest(2).to_vec())
+}
+
+/// An offset is in texels of the program.
+#[test]
+fn offsets_are_added_to_the_coordinates_before() {
+    let (level, gradients) = (ImageOperands::LOD.bits(), ImageOperands::GRAD.bits());
+    let (constant, variable) = (ImageOperands::CONST_OFFSET.bits(), ImageOperands::OFFSET.bits());
+    assert_eq!(fetched_at(&[3, 21, 20, 14, level | constant, 12, 14]), (vec![level, 12], vec![14, 14]));
+    assert_eq!(fetched_at(&[3, 21, 20, 14, variable, 14]), (vec![0], vec![14, 14]));
+    assert_eq!(fetched_at(&[3, 21, 20, 14, gradients | constant, 8, 9, 14]), (vec![gradients, 8, 9], vec![14, 14]));
+    for unknown in [&[3, 21, 20, 14, constant, 40][..], &[3, 21, 20, 14, constant]] {
+        assert!(texels(&stage(&[LOAD, (Op::ImageFetch as u32, unknown)], Dim::Dim2D), "go", 3, 64).is_err());
+    }
+}
+
 #[test]
 fn images_that_are_not_known_are_refused() {
     let unknown: (u32, &[u32]) = (Op::ImageFetch as u32, &[3, 23, 30, 14]);
     assert!(texels(&stage(&[LOAD, FETCH, unknown], Dim::Dim2D), "go", 3, 64).is_err());
+    assert!(texels(&stage(&[unknown], Dim::Dim2D), "go", 3, 64).is_err(), "no other is known");
 }
 
 /// Any damage to a module is survived.
