@@ -61,7 +61,7 @@ fn images_of_other_sizes() {
         &["double", "double_fetch", "double_blit", "double_depths", "chain"],
         Limits { tolerance: 3.0, edge: 2.5, rim: false },
     );
-    right(&["half", "half_fetch", "half_blit"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+    right(&["half", "half_fetch", "half_blit", "blit_half"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
 }
 
 /// A triangle over the window that computes what it shows in a direction, by an inverse of the camera's matrix in a block.

@@ -4,7 +4,8 @@
  * another order than they are recorded in (late); its colour in two images and its depth (deferred), or the colour and
  * the depth (depths; volume: by another draw of the cube), also after a pass that draws depth alone (prepass). In images
  * of half or twice the window's size that are sampled (half, double, double_depths), fetched from (half_fetch,
- * double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain).
+ * double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain) or by a blit from an image that
+ * no shader reads (blit_half).
  *
  * Or with matrices of the camera in a block: a sky as a triangle over the window (sky, sky_rows, sky_inverted,
  * sky_columns, sky_apart, sky_forced, sky_vertices), the cube's colours from its depth (light, light_back), the cube
@@ -52,6 +53,7 @@ typedef struct {
     bool depths;         /* the last pass reads the depth */
     bool depth_first;    /* after a pass for it alone */
     bool chain;          /* through an image of the window's size */
+    bool blit_half;      /* through an image of half that size, by a blit */
     bool alone;          /* the last pass is all there is */
     bool vertices;       /* its vertices have directions */
     bool cube;           /* it draws the cube */
@@ -74,6 +76,7 @@ static const mode modes[] = {
     {.name = "double_fetch", .shader = SHADER(later_scaled), .halves = 4},
     {.name = "half_blit", .halves = 1},
     {.name = "double_blit", .halves = 4},
+    {.name = "blit_half", .shader = SHADER(later_sampled), .blit_half = true},
     {.name = "chain", .shader = SHADER(later_sampled), .halves = 4, .chain = true},
     {.name = "sky", .shader = SHADER(later_sky), .alone = true},
     {.name = "sky_rows", .shader = SHADER(later_sky_rows), .alone = true},
@@ -92,7 +95,7 @@ enum { MODES = sizeof modes / sizeof *modes };
 static direction_options options = DIRECTION_DEFAULTS;
 static const mode *chosen = &modes[0];
 static vulkan_window w;
-static VkExtent2D size;
+static VkExtent2D size, between_size;
 static picture colors[2], depth, between;
 static VkSampler sampler;
 static VkDescriptorSetLayout set_layout;
@@ -130,11 +133,13 @@ static void make_pictures(void)
 {
     const int halves = chosen->halves == 0 ? 2 : chosen->halves;
     size = (VkExtent2D){w.extent.width * (uint32_t)halves / 2, w.extent.height * (uint32_t)halves / 2};
-    const VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    between_size = chosen->blit_half ? (VkExtent2D){w.extent.width / 2, w.extent.height / 2} : w.extent;
+    const VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT, seen = VK_IMAGE_USAGE_SAMPLED_BIT;
+    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkSampleCountFlagBits one = VK_SAMPLE_COUNT_1_BIT;
     for (int i = 0; i < 2; i++)
-        colors[i] = make_picture(&w, w.format, size, one, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | read);
-    between = make_picture(&w, w.format, w.extent, one, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | read);
+        colors[i] = make_picture(&w, w.format, size, one, drawn | copied | (chosen->blit_half ? 0 : seen));
+    between = make_picture(&w, w.format, between_size, one, drawn | VK_IMAGE_USAGE_TRANSFER_DST_BIT | seen);
     depth = make_picture(&w, DEPTH_FORMAT, size, one, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
 }
 
@@ -153,7 +158,7 @@ static void make_layouts(void)
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 2, .poolSizeCount = 2, .pPoolSizes = sizes};
     expect(vkCreateDescriptorPool(w.device, &pool, NULL, &descriptors), "vkCreateDescriptorPool");
     /* Depths need not be filtered. */
-    const VkFilter smooth = chosen->depths || chosen->halves == 0 ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    const VkFilter smooth = chosen->depths || (chosen->halves == 0 && !chosen->blit_half) ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                         .magFilter = smooth,
                                         .minFilter = smooth,
@@ -167,7 +172,7 @@ static void make_layouts(void)
                                                   .pSetLayouts = both};
     expect(vkAllocateDescriptorSets(w.device, &allocate, sets), "vkAllocateDescriptorSets");
     for (int s = 0; s < 2; s++) {
-        const VkImageView first = s == 0 ? colors[0].view : between.view;
+        const VkImageView first = s == 0 && !chosen->blit_half ? colors[0].view : between.view;
         const VkDescriptorImageInfo images[] = {{sampler, first, SAMPLED},
                                                 {sampler, chosen->parts ? colors[1].view : first, SAMPLED},
                                                 {sampler, chosen->depths ? depth.view : first, SAMPLED}};
@@ -290,6 +295,17 @@ static void fill_camera(void)
     memcpy(camera.bytes, &values, sizeof values);
 }
 
+/* Blits the scene to an image, and leaves that in a layout. */
+static void blit(VkImage to, VkExtent2D to_size, VkImageLayout left)
+{
+    const VkImageSubresourceLayers layer = {OF_COLOR, 0, 0, 1};
+    const VkImageBlit region = {layer, {{0, 0, 0}, {(int)size.width, (int)size.height, 1}},
+                                layer, {{0, 0, 0}, {(int)to_size.width, (int)to_size.height, 1}}};
+    change_layout(commands, to, OF_COLOR, NEW, WRITTEN);
+    vkCmdBlitImage(commands, colors[0].image, READ, to, WRITTEN, 1, &region, VK_FILTER_LINEAR);
+    change_layout(commands, to, OF_COLOR, WRITTEN, left);
+}
+
 /* The images that the last pass reads. */
 static void record_scene(void)
 {
@@ -307,25 +323,17 @@ static void record_scene(void)
         change_layout(commands, colors[i].image, OF_COLOR, NEW, COLOR);
     begin(count, views, size, &load);
     draw_cube(&cube);
+    const VkImageLayout left = chosen->blit_half || chosen->shader.words == NULL ? READ : SAMPLED;
     for (uint32_t i = 0; i < count; i++)
-        change_layout(commands, colors[i].image, OF_COLOR, COLOR, SAMPLED);
+        change_layout(commands, colors[i].image, OF_COLOR, COLOR, left);
     if (chosen->depths)
         change_layout(commands, depth.image, OF_DEPTH, DEEP, SAMPLED);
     if (chosen->chain) {
         draw_screen(&copy, sets[0], between.image, between.view);
         change_layout(commands, between.image, OF_COLOR, COLOR, SAMPLED);
     }
-}
-
-static void blit(VkImage to)
-{
-    const VkImageSubresourceLayers layer = {OF_COLOR, 0, 0, 1};
-    const VkImageBlit region = {layer, {{0, 0, 0}, {(int)size.width, (int)size.height, 1}},
-                                layer, {{0, 0, 0}, {(int)w.extent.width, (int)w.extent.height, 1}}};
-    change_layout(commands, colors[0].image, OF_COLOR, SAMPLED, READ);
-    change_layout(commands, to, OF_COLOR, NEW, WRITTEN);
-    vkCmdBlitImage(commands, colors[0].image, READ, to, WRITTEN, 1, &region, VK_FILTER_LINEAR);
-    change_layout(commands, to, OF_COLOR, WRITTEN, COLOR);
+    if (chosen->blit_half)
+        blit(between.image, between_size, SAMPLED);
 }
 
 /* Submits what the other commands need first. */
@@ -349,7 +357,7 @@ static void record(uint32_t index)
     if (chosen->shader.words != NULL)
         draw_screen(&screen, sets[chosen->chain], w.images[index], w.views[index]);
     else
-        blit(w.images[index]);
+        blit(w.images[index], w.extent, COLOR);
     change_layout(commands, w.images[index], OF_COLOR, COLOR, SHOWN);
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
     if (chosen->late)

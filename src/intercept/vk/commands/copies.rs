@@ -90,7 +90,10 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
         (Some(read), None) => match read.layout.own() {
             Some(own) => CopyPlan::Read(read.atlas, own),
             None => {
-                device.show_flat("it copies its picture from the window");
+                // An image made of a whole scene may be followed from the next frame on.
+                if read.window || !everything || !device.images.is_candidate(to) {
+                    device.show_flat("it copies its picture from the window");
+                }
                 CopyPlan::Same
             }
         },
@@ -215,17 +218,22 @@ unsafe fn between<R: Region>(
             unsafe {
                 view_copies::read(device, buffer, &read, from_layout, || {
                     // A filter reads beside a tile, but not beside an image.
-                    for ((view_copy, from), to) in
-                        read.view_copies.iter().zip(&read.layout.views).zip(&target.layout.views)
-                    {
+                    let mut view_copies = read.view_copies.iter();
+                    for (from, to) in read.layout.views.iter().zip(&target.layout.views) {
                         let AtlasRect { width, height, .. } = from.rect;
-                        of_view(view_copy.image, AtlasRect { x: 0, y: 0, width, height }, to.rect);
+                        match view_copies.next() {
+                            Some(view_copy) => {
+                                of_view(view_copy.image, AtlasRect { x: 0, y: 0, width, height }, to.rect)
+                            }
+                            None => of_view(read.atlas, from.rect, to.rect),
+                        }
                     }
                 });
                 if let Some((from, to)) = read.layout.primary.zip(target.layout.primary) {
                     of_view(read.atlas, from, to);
                 }
-                // Nothing of it is on the panel.
+                // The panel of an off-screen scene is empty. Its middle is read, so that a filter reads nothing
+                // beside it.
                 of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
                 view_copies::make(device, buffer, &target, layout);
             }

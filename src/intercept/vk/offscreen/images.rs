@@ -168,7 +168,7 @@ impl Images {
                 .array_layers(1)
                 .samples(state.samples)
                 .usage(state.atlas_copy_usage());
-            // Between two frames all that was recorded is submitted; within one, barriers stand before a pass.
+            // At the end of a frame the submitted layout is used, since commands may be recorded ahead.
             (info, state.format, if scene { state.submitted_layout } else { state.layout })
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.

@@ -99,7 +99,7 @@ pub enum MatrixStage {
     Fragment,
 }
 
-/// A matrix between which and ours a shader chooses.
+/// A matrix of the program that a shader may replace by one of ours.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraMatrix {
     pub(in crate::intercept::vk) matrix: Matrix,
