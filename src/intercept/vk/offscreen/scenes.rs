@@ -6,7 +6,7 @@ use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
-use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies, aspects};
+use crate::intercept::vk::state::images::{Image, Images, KnownScene, PendingLayout, ViewCopies, aspects};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
@@ -25,9 +25,14 @@ impl Images {
             return;
         }
         self.candidates.store(true, Ordering::Relaxed);
-        let known = self.scenes.locked().contains(&kind)
-            || settings::settings().is_some_and(|settings| settings.rig.views.duplicate == Duplicate::Always);
-        if let Some(layout) = device.swapchains.latest_layout().filter(|layout| known && layout.window == size)
+        let always = settings::settings().is_some_and(|settings| settings.rig.views.duplicate == Duplicate::Always);
+        let is_known = |layout: &Arc<AtlasLayout>| {
+            let scenes = self.scenes.locked();
+            let mut kinds = scenes.iter().map(|scene| scene.kind);
+            layout.window == size && (always || kinds.any(|known| known == kind))
+                || scenes.iter().any(|scene| scene.is_like(kind, size, layout.window))
+        };
+        if let Some(layout) = device.swapchains.latest_layout().filter(is_known)
             && let Err(why) = self.duplicate(device, handle, &layout)
         {
             device.show_flat(why);
@@ -54,6 +59,7 @@ impl Images {
             return Ok(());
         }
         let most = device.driver.greatest_image();
+        let window = layout.window;
         let layout = &layout.of_image(size, most);
         if layout.atlas.0.max(layout.atlas.1) > most {
             return Err("an image of its scene has no room for all views".into());
@@ -104,8 +110,8 @@ impl Images {
         }
         device.scene_graph.note_scene(image);
         let mut scenes = self.scenes.locked();
-        if !scenes.contains(&kind) {
-            scenes.push(kind);
+        if !scenes.iter().any(|scene| scene.is_like(kind, size, window)) {
+            scenes.push(KnownScene { kind, size, window });
         }
         Ok(())
     }

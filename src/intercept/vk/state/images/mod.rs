@@ -66,6 +66,29 @@ pub struct PendingLayout {
 /// Format, usage and samples of an image.
 pub type ImageKind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
 
+/// An image that was found to hold a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownScene {
+    pub(in crate::intercept::vk) kind: ImageKind,
+    pub(in crate::intercept::vk) size: (u32, u32),
+    /// Size of the window at that time.
+    pub(in crate::intercept::vk) window: (u32, u32),
+}
+
+impl KnownScene {
+    /// Whether an image of this kind and size is its counterpart for a window of another size.
+    pub(in crate::intercept::vk) fn is_like(&self, kind: ImageKind, size: (u32, u32), window: (u32, u32)) -> bool {
+        // Up to rounding to whole texels.
+        let near = |size: u32, window: u32, own: u32, own_window: u32| {
+            let [size, scaled] = [(size, own_window), (window, own)].map(|(a, b)| u64::from(a) * u64::from(b));
+            size.abs_diff(scaled) <= u64::from(own_window)
+        };
+        self.kind == kind
+            && near(size.0, window.0, self.size.0, self.window.0)
+            && near(size.1, window.1, self.size.1, self.window.1)
+    }
+}
+
 /// Images and their views.
 #[derive(Default)]
 pub struct Images {
@@ -78,9 +101,8 @@ pub struct Images {
     pub(in crate::intercept::vk) candidates: AtomicBool,
     /// The size of the latest window.
     pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
-    /// Kinds of images that were found to hold a scene: after a change of size they are known at
-    /// once.
-    pub(in crate::intercept::vk) scenes: Mutex<Vec<ImageKind>>,
+    /// Images that were found to hold a scene: after a change of size, others like these are known at once.
+    pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
     /// Former targets of scenes, as long as recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
 }
@@ -350,5 +372,25 @@ impl ViewCopies {
 impl PartialEq for ViewCopies {
     fn eq(&self, other: &Self) -> bool {
         Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::KnownScene;
+    use ash::vk;
+
+    #[test]
+    fn images_have_counterparts_in_windows_of_other_sizes() {
+        let of_usage = |usage| (vk::Format::R8G8B8A8_UNORM, usage, vk::SampleCountFlags::TYPE_1);
+        let (kind, other) = (of_usage(vk::ImageUsageFlags::SAMPLED), of_usage(vk::ImageUsageFlags::TRANSFER_SRC));
+        let half = KnownScene { kind, size: (320, 180), window: (640, 360) };
+        for (size, window) in [((320, 180), (640, 360)), ((400, 300), (800, 600)), ((401, 226), (801, 451))] {
+            assert!(half.is_like(kind, size, window), "{size:?} {window:?}");
+            assert!(!half.is_like(other, size, window), "{size:?} {window:?}");
+        }
+        for (size, window) in [((640, 360), (640, 360)), ((200, 150), (800, 600)), ((400, 320), (800, 600))] {
+            assert!(!half.is_like(kind, size, window), "{size:?} {window:?}");
+        }
     }
 }
