@@ -7,6 +7,7 @@ use cupola::backend::gl::driver::api::{self, Gl};
 use cupola::backend::null;
 use cupola::correct::LowerLeftRect;
 use cupola::intercept::gl::context::current::set_driver;
+use cupola::intercept::gl::context::registry;
 use cupola::intercept::gl::entry::{contexts, table};
 use cupola::intercept::gl::state::drawable::window::Window;
 use std::collections::HashSet;
@@ -374,5 +375,5 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         }
     }
     contexts::make_current(0, gl, None, false);
-    contexts::destroyed(1);
+    registry::destroyed(1);
 });
