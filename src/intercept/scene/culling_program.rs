@@ -21,6 +21,9 @@ const ENOUGH: u64 = 12;
 /// So many frames have to tell the same.
 const FRAMES: u32 = 10;
 
+/// After so many frames nothing is looked for any more: each draw costs a little until then.
+const MOST_FRAMES: u32 = 2000;
+
 /// A program that leaves out what it does not see has so many times as many draws at the border as
 /// beside it: it leaves out larger boxes or spheres than ours.
 const FACTOR: u64 = 4;
@@ -32,6 +35,8 @@ pub struct CullingProgram {
     before: Places,
     /// Number of frames in which the program seemed to leave out something.
     frames: u32,
+    /// Number of frames that were looked at.
+    looked_at: u32,
     decided: bool,
 }
 
@@ -61,19 +66,25 @@ impl CullingProgram {
         let crossing = draws.crossing - self.before.crossing;
         let outside = draws.outside - self.before.outside;
         self.before = draws;
-        if self.decided || crossing.max(outside) < ENOUGH {
+        if self.decided {
+            return false;
+        }
+        self.looked_at += 1;
+        self.decided = self.looked_at >= MOST_FRAMES;
+        if crossing.max(outside) < ENOUGH {
             return false;
         }
         let leaves_out = outside * FACTOR < crossing;
         self.frames += u32::from(leaves_out);
-        self.decided = !leaves_out || self.frames >= FRAMES;
-        self.decided && leaves_out
+        let told = leaves_out && self.frames >= FRAMES;
+        self.decided |= !leaves_out || told;
+        told
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{CullingProgram, ENOUGH, FRAMES, Places};
+    use super::{CullingProgram, ENOUGH, FRAMES, MOST_FRAMES, Places};
 
     /// In how many of these frames a program that has so many draws in each is told.
     fn told(program: &mut CullingProgram, frames: u32, crossing: u64, outside: u64) -> usize {
@@ -96,6 +107,10 @@ mod tests {
         assert!(around.is_decided() && told(&mut around, 100, 9 * ENOUGH, 0) == 0);
         assert_eq!(told(&mut CullingProgram::default(), 10_000, 0, 0), 0);
         // A large model.
-        assert_eq!(told(&mut CullingProgram::default(), 10_000, ENOUGH - 1, 0), 0);
+        let mut large = CullingProgram::default();
+        assert_eq!(told(&mut large, MOST_FRAMES - 1, ENOUGH - 1, 0), 0);
+        assert!(!large.is_decided());
+        assert_eq!(told(&mut large, 100, ENOUGH - 1, 0), 0);
+        assert!(large.is_decided(), "it costs nothing any more");
     }
 }
