@@ -33,6 +33,7 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
+use crate::intercept::inspection;
 use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
@@ -127,12 +128,11 @@ fn perspective_or_flat(
         }
         ctx.frame.background.note_flat();
         if measure.is_some() || several_viewports(ctx) || !background::is_behind(ctx) {
-            let why = if several_viewports(ctx) {
-                Some("its viewports differ")
-            } else {
-                (!main).then_some("its viewport is smaller than that of the scene")
-            };
-            inspect(ctx, DrawClass::Flat, why);
+            if inspection::is_recording() {
+                let differ = several_viewports(ctx).then_some("its viewports differ");
+                let small = (!main).then_some("its viewport is smaller than that of the scene");
+                inspect(ctx, DrawClass::Flat, differ.or(small));
+            }
             flat(ctx, changes, measure, issue);
             return None;
         }

@@ -214,7 +214,8 @@ fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut Device
 }
 
 fn next_frame(ctx: &mut Context) {
-    if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window) {
+    let inspects = settings::settings().filter(|settings| settings.inspect.is_some());
+    if let (Some(settings), Some(window)) = (inspects, &ctx.drawable.window) {
         last_frame::begin(settings, frame_number::next(window.handle()));
     }
     if ctx.frame.times.is_none() && settings::settings().is_some_and(settings::Settings::needs_statistics) {
