@@ -12,13 +12,13 @@ use std::fmt::Write;
 
 /// Name, sources, fragment entry points.
 const PASSES: &[(&str, &[&str], &[&str])] = &[
-    ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
-    ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
-    ("Optics", &["common.wgsl", "optics.wgsl"], &["present", "map"]),
-    ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
-    ("Panorama", &["common.wgsl", "panorama.wgsl"], &["present", "map"]),
-    ("Table", &["common.wgsl", "table.wgsl"], &["present", "map"]),
-    ("Mesh", &["common.wgsl", "mesh.wgsl"], &["present", "map"]),
+    ("Fisheye", &["common.wgsl", "content.wgsl", "fisheye.wgsl"], &["present", "map"]),
+    ("Projector", &["common.wgsl", "content.wgsl", "projector.wgsl"], &["present", "map"]),
+    ("Optics", &["common.wgsl", "content.wgsl", "optics.wgsl"], &["present", "map"]),
+    ("Perspective", &["common.wgsl", "content.wgsl", "perspective.wgsl"], &["present", "map"]),
+    ("Panorama", &["common.wgsl", "content.wgsl", "panorama.wgsl"], &["present", "map"]),
+    ("Table", &["common.wgsl", "content.wgsl", "table.wgsl"], &["present", "map"]),
+    ("Mesh", &["common.wgsl", "content.wgsl", "mesh.wgsl"], &["present", "map"]),
     ("Black", &["black.wgsl"], &["present"]),
 ];
 

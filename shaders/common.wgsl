@@ -27,6 +27,8 @@ struct Shared {
     // The view is the output's own picture: atlas coordinates = own_scale·source + sole_offset.
     one_to_one: u32,
     own_scale: vec2<f32>,
+    // In place of views.
+    content: Content,
     // `offset` and `number` of the view where `view_count` is 0.
     sole_offset: vec2<f32>,
     sole_number: f32,
@@ -133,8 +135,11 @@ fn prefer(view: View, base: vec3<f32>, found: Place) -> Place {
     return Place(select(found.scaled, here.scaled, answers), select(found.offset, here.offset, answers));
 }
 
-// (atlas x, atlas y, number of the view or 0)
+// (atlas x, atlas y, number of the view, or of content's part, or 0)
 fn locate(ray: Ray, source: Source) -> vec3<f32> {
+    if constants.shared_part.content.kind != 0u {
+        return locate_content(ray);
+    }
     // Written out, not looped: constant indices let the compiler see the coefficients.
     let nowhere = vec4<f32>(0.0, 0.0, 1.0, 0.0);
     var found = Place(nowhere, vec2<f32>(0.0));
@@ -442,15 +447,23 @@ fn cubic(at: vec3<f32>) -> vec3<f32> {
 }
 
 fn cubic_row(x: vec3<f32>, y: f32, number: f32, weights: vec3<f32>) -> vec3<f32> {
-    return texel(vec3<f32>(x.x, y, number)).rgb * weights.x + texel(vec3<f32>(x.y, y, number)).rgb * weights.y
-        + texel(vec3<f32>(x.z, y, number)).rgb * weights.z;
+    return nearby(vec3<f32>(x.x, y, number)) * weights.x + nearby(vec3<f32>(x.y, y, number)) * weights.y
+        + nearby(vec3<f32>(x.z, y, number)) * weights.z;
+}
+
+// The mean of the texels around a place, weighted by nearness.
+fn nearby(at: vec3<f32>) -> vec3<f32> {
+    if constants.shared_part.content.kind != 0u {
+        return content_texel(at).rgb;
+    }
+    return texel(at).rgb;
 }
 
 fn sample(at: vec3<f32>) -> vec3<f32> {
     if constants.shared_part.cubic != 0u {
         return cubic(at);
     }
-    return texel(at).rgb;
+    return nearby(at);
 }
 
 // A place beside the pixel's centre, which is taken where that place shows nothing.

@@ -19,6 +19,7 @@ pub use cube::Face;
 pub use curve::Curve;
 pub use division::Division;
 pub use frustum::Frustum;
+pub use lenses::content::{ContentMap, ContentPicture, Region};
 pub use lenses::fisheye::Fisheye;
 pub use lenses::lens::{Circle, Lens};
 pub use lenses::optics::Optics;

@@ -3,7 +3,7 @@
 use super::file_stamp::FileStamp;
 use super::log;
 use crate::error::{Error, ErrorKind};
-use crate::rig::{self, Duplicate, Rig};
+use crate::rig::{self, Duplicate, Overrides, Rig};
 use crate::system::{is_privileged, variable};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -12,15 +12,15 @@ use std::time::{Duration, Instant};
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD` and
-    /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`crate::intercept::live::rig`] is that of the moment.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`,
+    /// `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied, as it was at the start; [`crate::intercept::live::rig`] is that of the moment.
     pub rig: Rig,
     /// The rig's file, absolute, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,
     /// Stamp of that file before it was read.
     pub rig_stamp: Option<FileStamp>,
-    /// What is applied to the rig: `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD`.
-    overrides: [Option<String>; 3],
+    /// `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD`.
+    overrides: Overrides,
     /// `CUPOLA_DUPLICATE`.
     duplicate: Option<Duplicate>,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
@@ -88,7 +88,12 @@ fn read() -> crate::Result<Settings> {
     let is_preset = rig::presets().iter().any(|preset| preset.name == name);
     let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();
     let rig_stamp = rig_file.as_deref().and_then(FileStamp::of);
-    let overrides = ["CUPOLA_CAMERA", "CUPOLA_VIEWER", "CUPOLA_METHOD"].map(text);
+    let overrides = Overrides {
+        camera: text("CUPOLA_CAMERA"),
+        viewer: text("CUPOLA_VIEWER"),
+        content: text("CUPOLA_CONTENT"),
+        method: text("CUPOLA_METHOD"),
+    };
     let window_size = match text("CUPOLA_SIZE") {
         Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),
         None => None,
@@ -161,21 +166,8 @@ impl Settings {
 }
 
 /// The rig of a preset's name or a file, with the keys that the environment replaces.
-fn loaded(
-    name_or_path: &Path,
-    [camera, viewer, method]: &[Option<String>; 3],
-    duplicate: Option<Duplicate>,
-) -> crate::Result<Rig> {
-    let mut rig = rig::load(&name_or_path.to_string_lossy())?;
-    if let Some(camera) = camera {
-        rig.camera = rig.camera.apply_override(camera)?;
-    }
-    if let Some(viewer) = viewer {
-        rig = rig.with_viewer_override(viewer)?;
-    }
-    if let Some(method) = method {
-        rig = rig.with_method_override(method)?;
-    }
+fn loaded(name_or_path: &Path, overrides: &Overrides, duplicate: Option<Duplicate>) -> crate::Result<Rig> {
+    let mut rig = overrides.apply(rig::load(&name_or_path.to_string_lossy())?)?;
     if let Some(duplicate) = duplicate {
         rig.views.duplicate = duplicate;
     }

@@ -30,6 +30,9 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
         }
         _ => {}
     }
+    if rig.passthrough && rig.content.is_some() {
+        problems.add("content", "is shown by outputs, and passthrough = true has none; leave out one of them");
+    }
     names(&rig.outputs, problems);
     windows(&rig.outputs, problems);
     viewer(rig, problems);
@@ -42,6 +45,9 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
             }
             OutputKind::Optics { optics, .. } => projector(index, rig, optics, problems),
             _ => {}
+        }
+        if let Some(why) = rig.content.as_ref().and_then(|_| Rig::refuses_content(&output.kind)) {
+            problems.add(&path(index, ".lens"), why);
         }
         if let Some(why) = impossible_method(rig, output) {
             problems.add(&path(index, ".method"), why);

@@ -4,7 +4,7 @@ use crate::cache::Cache;
 use crate::error::Result;
 use crate::geom::Frustum;
 use crate::rig::Rig;
-use crate::views::arranging::cached;
+use crate::views::arranging::{cached, content};
 use crate::views::arranging::planned_view::Arrangement;
 use crate::views::placing::{idle, layout};
 use crate::views::sampling::output_map::{self, OutputMap};
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 /// Plans the views of `rig`: deterministic, and without a graphics API.
 ///
-/// A rig with `passthrough` has no views. Every direction that an output shows at a pixel's
+/// A rig with `passthrough` has no views; one with `content` has one, the program's window. Of all others: Every direction that an output shows at a pixel's
 /// centre lies in `owned` of at least one view of `output_views[output]`, by a quarter of a texel
 /// where views meet or end, and the bilinear footprint of every sample stays inside the tile.
 ///
@@ -48,6 +48,11 @@ impl<'a> Planning<'a> {
         let rig = rig.upright();
         let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
         request.check(outputs.len(), rig.passthrough)?;
+        if rig.content.is_some() && !rig.passthrough {
+            let views = vec![content::window(request, outputs.len())];
+            let arrangement = Arrangement { views, ..Arrangement::default() };
+            return Ok(Self { rig, request, sampling_margin, output_maps: Vec::new(), arrangement });
+        }
         let output_maps = output_map::all(&rig, outputs.len(), request)?;
         let arrangement = cached::arrange(&rig, &output_maps, cache)?;
         Ok(Self { rig, request, sampling_margin, output_maps, arrangement })
@@ -61,7 +66,9 @@ impl<'a> Planning<'a> {
         loop {
             let Arrangement { views, notes } = &self.arrangement;
             let plan = layout::place(&self.rig, self.request, self.sampling_margin, views, notes)?;
-            let Some(idle) = idle::find(&plan, &self.output_maps) else { return Ok(plan) };
+            // Content is one picture, whatever of it is shown.
+            let idle = if self.rig.content.is_some() { None } else { idle::find(&plan, &self.output_maps) };
+            let Some(idle) = idle else { return Ok(plan) };
             let view = self.arrangement.views.remove(idle);
             self.arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
         }

@@ -21,6 +21,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera::default(),
         views: Views::default(),
+        content: None,
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }

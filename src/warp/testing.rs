@@ -33,6 +33,7 @@ pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
         viewer: Viewer { position, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera::default(),
         views: Views::default(),
+        content: None,
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs: kinds
             .iter()

@@ -69,6 +69,7 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
         lift: 0.0,
         dither: 0.0,
         flip: crate::rig::Flip::default(),
+        content: None,
     }
 }
 

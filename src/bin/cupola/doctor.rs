@@ -11,12 +11,13 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Environment variables that change the behaviour of `cupola run`.
-const TELLING: [&str; 15] = [
+const TELLING: [&str; 16] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
     "CUPOLA_VIEWER",
     "CUPOLA_DUPLICATE",
+    "CUPOLA_CONTENT",
     "CUPOLA_METHOD",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",

@@ -3,6 +3,7 @@
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{Environment, apply, loader};
+use cupola::rig::Overrides;
 use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
@@ -53,6 +54,10 @@ pub struct Arguments {
     /// position=0,-0.5,1,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     viewer: Option<String>,
+    /// The window already shows a projected picture: domemaster, equirectangular, cylindrical, cubemap
+    /// or flat, for example domemaster,aperture=180
+    #[arg(long, value_name = "KIND[,KEY=VALUE,…]", allow_hyphen_values = true)]
+    content: Option<String>,
     /// Correction method of the outputs: fragment, table, mesh, cube-mesh, vertex or primitive, for
     /// example mesh,max_error=0.1
     #[arg(long, value_name = "METHOD[,KEY=NUMBER]")]
@@ -103,14 +108,16 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
     let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
     let name = arguments.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into());
     let rig = cupola::rig::load(&name)?;
-    if let Some(camera) = &arguments.camera {
-        rig.camera.apply_override(camera)?;
-    }
-    if let Some(viewer) = &arguments.viewer {
-        rig.with_viewer_override(viewer)?;
-    }
-    if let Some(method) = &arguments.method {
-        rig.with_method_override(method)?;
+    let overrides = Overrides {
+        camera: arguments.camera.clone(),
+        viewer: arguments.viewer.clone(),
+        content: arguments.content.clone(),
+        method: arguments.method.clone(),
+    };
+    let rig = overrides.apply(rig)?;
+    if arguments.headless && arguments.size.is_none() && !arguments.offscreen {
+        // Without a screen nobody enlarges the window for the outputs.
+        arguments.size = rig.extent();
     }
     let mut environment = settings(&arguments, &name)?;
     if let Some(Inspection { output }) = &inspection {
@@ -125,7 +132,7 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
 
     let scratch = loader::Scratch::new()?;
     let server = if arguments.headless {
-        let size = arguments.size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
+        let size = arguments.size.unwrap_or((1920, 1200));
         Some(display::Server::start(size, scratch.path())?)
     } else {
         None
@@ -216,6 +223,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     let mut set = |name, value: Option<OsString>| environment.extend(value.map(|value| (name, Some(value))));
     set("CUPOLA_CAMERA", arguments.camera.as_ref().map(Into::into));
     set("CUPOLA_VIEWER", arguments.viewer.as_ref().map(Into::into));
+    set("CUPOLA_CONTENT", arguments.content.as_ref().map(Into::into));
     set("CUPOLA_METHOD", arguments.method.as_ref().map(Into::into));
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));

@@ -4,6 +4,7 @@ use crate::correct::passes::black::BlackPicture;
 use crate::correct::passes::facets::Facets;
 use crate::correct::passes::mask::Mask;
 use crate::correct::passes::source::Source;
+use crate::geom::ContentMap;
 use crate::geom::rectangle::PixelRect;
 use crate::rig::{AngleRamp, Filter, Flip, Transfer};
 use crate::views::ViewPlan;
@@ -57,6 +58,9 @@ pub struct OutputPass {
     pub dither: f64,
     /// Mirroring of the picture as it is drawn.
     pub flip: Flip,
+    /// The only view is no perspective one but the program's window, where this is the place of a
+    /// direction.
+    pub content: Option<ContentMap>,
 }
 
 /// Interpolation of an output's map.

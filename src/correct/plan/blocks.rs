@@ -7,6 +7,7 @@ use crate::correct::passes::source::Source;
 use crate::correct::plan::examiner::Examiner;
 use crate::correct::plan::needs::{self, Examined, Needs};
 use crate::correct::plan::rectangles::{self, BLOCK};
+use crate::geom::ContentMap;
 use crate::geom::rectangle::PixelSpan;
 use crate::rig::{Flip, Rig};
 use crate::views::{View, ViewPlan};
@@ -47,6 +48,8 @@ pub(in crate::correct) struct Picture {
     pub mask: Option<Mask>,
     /// Mirroring of the finished picture.
     pub flip: Flip,
+    /// Place of a direction in the program's window, if that is shown as it is.
+    pub content: Option<ContentMap>,
 }
 
 /// Examines the blocks of output `index` of `rig`. `cache` may know the result, or keeps it.
@@ -57,11 +60,11 @@ pub(in crate::correct) fn examine(
     plan: &ViewPlan,
     cache: &Cache,
 ) -> Examined {
-    let &Picture { ref source, size, flip, .. } = picture;
+    let &Picture { size, flip, .. } = picture;
     let output_views = &plan.output_views[index];
-    let examiner = Examiner::new(rig, source, size, plan, output_views, flip);
+    let examiner = Examiner::new(rig, picture, plan, output_views);
     let views: Vec<&View> = output_views.iter().map(|&view| &plan.views[view]).collect();
-    let key = (source, size, examiner.filter, flip, &views);
+    let key = (&picture.source, size, examiner.filter, flip, &picture.content, &views);
     needs::cached(&key, examiner.blocks(), views.len(), cache, || examiner.all())
 }
 

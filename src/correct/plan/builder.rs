@@ -12,6 +12,7 @@ use crate::correct::plan::needs::Examined;
 use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::{facets, output_source};
 use crate::error::Result;
+use crate::geom::ContentMap;
 use crate::geom::rectangle::PixelRect;
 use crate::rig::{Flip, Method, Output, Rig};
 use crate::views::planner::Planning;
@@ -40,14 +41,16 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
 /// As [`build`].
 pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let flips = rig.outputs.iter().map(|output| output.flip);
-    let rig = &*rig.upright();
+    let upright = rig.upright();
+    let content = (0..rig.outputs.len()).map(|index| rig.content_map(index, request.window)).collect::<Vec<_>>();
+    let rig = &*upright.around_content();
     // What is outside of the window is not drawn; its size only has to be one.
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
     let mut planning = Planning::new(rig, request, sampling_margin(rig, &domes), cache)?;
     let mut views = planning.place()?;
-    let pictures = pictures(rig, sizes, flips, cache)?;
+    let pictures = pictures(rig, sizes, flips.zip(content), cache)?;
     let examine = |views: &ViewPlan| -> Vec<Examined> {
         let pictures = pictures.iter().zip(&request.output_sizes).enumerate();
         let examined = pictures.map(|(index, (picture, size))| match size {
@@ -73,7 +76,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
             (0, 0) => Vec::new(),
             _ => blocks::batches(rig, index, &picture, &views, examined),
         };
-        let Picture { source, size, mask, flip } = picture;
+        let Picture { source, size, mask, flip, content } = picture;
         // A table has them in its weights.
         let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
         let batches = match output.method {
@@ -108,6 +111,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
             black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
             dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
             flip,
+            content,
         });
     }
     Ok(Plan { views, passes })
@@ -115,13 +119,18 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
 
 /// What is known of each output's picture before there are views; nothing of a rig that corrects
 /// nothing.
-fn pictures(rig: &Rig, sizes: &[(u32, u32)], flips: impl Iterator<Item = Flip>, cache: &Cache) -> Result<Vec<Picture>> {
+fn pictures(
+    rig: &Rig,
+    sizes: &[(u32, u32)],
+    given: impl Iterator<Item = (Flip, Option<ContentMap>)>,
+    cache: &Cache,
+) -> Result<Vec<Picture>> {
     let outputs = if rig.passthrough { &[] } else { rig.outputs.as_slice() };
-    let described = outputs.iter().zip(sizes).zip(flips).enumerate();
-    let picture = |(index, ((output, &size), flip)): (usize, ((&Output, _), _))| {
+    let described = outputs.iter().zip(sizes).zip(given).enumerate();
+    let picture = |(index, ((output, &size), (flip, content))): (usize, ((&Output, _), _))| {
         let source = output_source::of(rig, index, sizes, cache)?;
         let mask = output.mask.as_deref().map(mask::load).transpose()?;
-        Ok(Picture { source, size, mask, flip })
+        Ok(Picture { source, size, mask, flip, content })
     };
     described.map(picture).collect()
 }

@@ -2,11 +2,12 @@
 //! pixel where it is not.
 
 use crate::correct::passes::source::Source;
+use crate::correct::plan::blocks::Picture;
 use crate::correct::plan::needs::{Examined, Needs};
 use crate::correct::plan::rectangles::BLOCK;
 use crate::geom::rectangle::PixelSpan;
 use crate::geom::screen::Bounds;
-use crate::geom::{Frustum, Panorama, QuadraticForm};
+use crate::geom::{ContentMap, Frustum, Panorama, QuadraticForm};
 use crate::rig::{Filter, Flip, Rig};
 use crate::views::fitting::fit::LEAST_COSINE;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
@@ -23,6 +24,7 @@ const SURE: f64 = 2e-7;
 pub(super) struct Examiner<'a> {
     source: &'a Source,
     size: (u32, u32),
+    content: Option<&'a ContentMap>,
     pub(super) filter: Filter,
     flip: Flip,
     views: Vec<Answering>,
@@ -67,12 +69,11 @@ struct Corner {
 impl<'a> Examiner<'a> {
     pub(super) fn new(
         rig: &Rig,
-        source: &'a Source,
-        size: (u32, u32),
+        picture: &'a Picture,
         plan: &ViewPlan,
         output_views: &[usize],
-        flip: Flip,
     ) -> Self {
+        let &Picture { ref source, size, flip, ref content, .. } = picture;
         let answering = |&index: &usize| Answering::of(&plan.views[index]);
         let neighbours = match source {
             Source::Projector(projector) => projector.neighbours.as_slice(),
@@ -84,6 +85,7 @@ impl<'a> Examiner<'a> {
         Self {
             source,
             size,
+            content: content.as_ref(),
             filter: rig.views.filter,
             flip,
             views: output_views.iter().map(answering).collect(),
@@ -215,6 +217,9 @@ impl<'a> Examiner<'a> {
 
     /// The one view that answers for all of a patch, if the corners tell.
     fn only_view(&self, directions: &[DVec3; 4], departure: f64) -> Option<usize> {
+        if let Some(content) = self.content {
+            return content.surely_shows(directions, departure).then_some(0);
+        }
         for (index, view) in self.views.iter().enumerate() {
             match view.cone.relation(directions, departure) {
                 Relation::Inside => return Some(index),
@@ -269,12 +274,16 @@ impl<'a> Examiner<'a> {
     /// The direction at a pixel position, unit length, if something is shown there.
     fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let (x, y) = self.normalised(x, y);
-        self.source.direction(x, y).and_then(DVec3::try_normalize)
+        let direction = self.source.direction(x, y).and_then(DVec3::try_normalize)?;
+        self.content.is_none_or(|content| content.place(direction).is_some()).then_some(direction)
     }
 
     /// The view that answers for a direction: the first that contains it. Should there be none, or
     /// none that surely does, the one in which it lies deepest is to be widened, and answers.
     fn answering(&mut self, direction: DVec3) -> usize {
+        if self.content.is_some() {
+            return 0;
+        }
         let mut first = None;
         let mut deepest = (0, f64::NEG_INFINITY);
         for (index, view) in self.views.iter().enumerate() {

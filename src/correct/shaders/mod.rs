@@ -14,6 +14,7 @@ pub mod polynomials;
 pub mod response;
 pub mod spirv;
 pub mod uniforms;
-pub mod uniforms_optics;
+mod uniforms_content;
+mod uniforms_optics;
 pub mod uniforms_panorama;
 pub mod uniforms_projector;

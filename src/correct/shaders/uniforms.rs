@@ -10,7 +10,7 @@ use crate::correct::shaders::constants::{
 };
 use crate::correct::shaders::polynomials::{circular, shape, two_vectors};
 use crate::correct::shaders::response::encoding_polynomial;
-use crate::correct::shaders::{uniforms_optics, uniforms_panorama, uniforms_projector};
+use crate::correct::shaders::{uniforms_content, uniforms_optics, uniforms_panorama, uniforms_projector};
 use crate::correct::single;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
@@ -80,7 +80,7 @@ impl Placement {
 pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> Result<Constants> {
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let (base, shared_part) = views(plan, pass, batch, panel)?;
-    let pictured = samples_program_lens(plan, batch) || own_picture(plan, batch).is_some();
+    let pictured = pass.content.is_none() && samples_program_lens(plan, batch) || own_picture(plan, batch).is_some();
     let filter = if pictured { Filter::Bilinear } else { pass.filter };
     let shared_part = Shared {
         cubic: filter.is_cubic().into(),
@@ -145,13 +145,15 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     if let Some((_, view)) = own_picture(plan, batch) {
         return (view.tile.width, view.tile.height) == pass.size;
     }
-    let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
+    let (&Source::Perspective { matrix }, [index], None) = (&pass.source, batch.views.as_slice(), &pass.content) else {
+        return false;
+    };
     let Some(view) = plan.views.views.get(*index) else { return false };
     if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
         return false;
     }
     let placement = Placement::new(view, &view.owned, overlap(&plan.views), &plan.views);
-    let map = placement.scaled() * view.rotation * *matrix;
+    let map = placement.scaled() * view.rotation * matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let atlas = plan.views.picture_size(view);
     let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
@@ -215,6 +217,10 @@ pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
 
 /// Returns viewer axes → base, and the part of the constants that depends on views.
 fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) -> Result<(DMat3, Shared)> {
+    if let Some((content, view)) = pass.content.as_ref().zip(plan.views.views.first()) {
+        let (rotation, content) = (content.rotation, uniforms_content::values(content, view, &plan.views));
+        return Ok((rotation, Shared { content, ..Shared::default() }));
+    }
     limit("views", batch.views.len(), MAX_VIEWS)?;
     if let Some((index, view)) = own_picture(plan, batch) {
         return Ok((DMat3::IDENTITY, one_to_one(plan, pass, (index, view), panel)));

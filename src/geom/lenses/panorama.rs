@@ -5,7 +5,7 @@ use crate::geom::FisheyeLens;
 
 use crate::geom::lenses::lens::Circle;
 use glam::{DVec2, DVec3};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Projection of directions to a picture. Its axes: x right, y up, −z the middle of the picture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -45,7 +45,7 @@ pub const STRIP_FACES: [[DVec3; 3]; 6] = [
 
 impl Span {
     /// Latitude of the middle and half of the height.
-    fn latitudes(&self) -> (f64, f64) {
+    pub fn latitudes(&self) -> (f64, f64) {
         (0.5 * (self.bottom + self.top), 0.5 * (self.top - self.bottom))
     }
 
@@ -126,6 +126,18 @@ impl Panorama {
         }
     }
 
+    /// Half the opening, radians, of a cone around the middle in which all directions are shown;
+    /// infinite where all are, `None` where there is no simple one.
+    pub fn half_of_cap(&self) -> Option<f64> {
+        let is_whole = |span: &Span| span.width >= TAU && span.top >= FRAC_PI_2 && span.bottom <= -FRAC_PI_2;
+        match self {
+            Self::Fisheye(lens) if lens.aperture < TAU => Some(0.5 * lens.aperture),
+            Self::Fisheye(_) | Self::CubeStrip => Some(f64::INFINITY),
+            Self::Equirectangular(span) => is_whole(span).then_some(f64::INFINITY),
+            Self::Cylindrical(_) => None,
+        }
+    }
+
     /// Whether the picture is a circle.
     pub fn is_circular(&self) -> bool {
         matches!(self, Self::Fisheye(_))
@@ -136,8 +148,11 @@ fn longitude(direction: DVec3, span: &Span) -> f64 {
     direction.x.atan2(-direction.z) / (0.5 * span.width)
 }
 
+/// A place in the picture, its sides included however they are rounded.
 fn within(picture: DVec2) -> Option<DVec2> {
-    picture.abs().cmple(DVec2::ONE).all().then_some(picture)
+    const ROUNDING: f64 = 1e-12;
+    let inside = picture.abs().cmple(DVec2::splat(1.0 + ROUNDING)).all();
+    inside.then(|| picture.clamp(DVec2::NEG_ONE, DVec2::ONE))
 }
 
 #[cfg(test)]
@@ -145,7 +160,7 @@ mod tests {
     use super::*;
     use crate::geom::Projection;
     use crate::testing::random::Random;
-    use std::f64::consts::{FRAC_PI_4, TAU};
+    use std::f64::consts::FRAC_PI_4;
 
     fn all() -> [Panorama; 4] {
         let whole = Span { width: TAU, bottom: -FRAC_PI_2, top: FRAC_PI_2 };

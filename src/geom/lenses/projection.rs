@@ -104,6 +104,11 @@ impl FisheyeLens {
         (0..SAMPLES).all(|i| slope(i) > 0.0)
     }
 
+    /// The radius at an angle from the axis, radians, in the projection's own scale.
+    pub fn radius(&self, angle: f64) -> f64 {
+        self.projection.radius(angle).0
+    }
+
     /// The angle from the axis at a radius (1 = rim), radians.
     pub fn angle(&self, radius: f64) -> f64 {
         let limit = 0.5 * self.aperture;

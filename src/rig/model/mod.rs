@@ -1,21 +1,23 @@
 //! The rig: what stands where, in radians and metres.
 //!
-//! The parts are files of their own; `camera`, `viewer` and `method` can also be written on a
+//! The parts are files of their own; `camera`, `viewer`, `method` and `content` can also be written on a
 //! command line, and are read from there.
 
 pub mod black;
 pub mod blend;
 pub mod calibration;
 pub mod camera;
+pub mod content;
 pub mod flip;
 pub mod method;
+pub mod overrides;
 pub mod response;
 pub mod surface;
 pub mod viewer;
 pub mod views;
 
 use crate::geom::PixelRect;
-use crate::rig::{Black, Blend, Calibration, Flip, Method, Views};
+use crate::rig::{Black, Blend, Calibration, Content, Flip, Method, Views};
 use glam::DVec3;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -36,6 +38,8 @@ pub struct Rig {
     pub viewer: Viewer,
     /// Adaptation of the program's own camera.
     pub camera: Camera,
+    /// The program's window is already projected; `None` = the program is drawn in views.
+    pub content: Option<Content>,
     /// Choice of the views.
     pub views: Views,
     /// Where flat (orthographic) drawing appears.

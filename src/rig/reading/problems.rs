@@ -74,6 +74,12 @@ impl Problems {
         lines.join("\n")
     }
 
+    /// What was found, without lines, in one.
+    pub(in crate::rig) fn reasons(&self) -> String {
+        let found = self.found.iter().map(|(_, path, why)| format!("{path}: {why}"));
+        found.collect::<Vec<_>>().join("; ")
+    }
+
     /// The 1-based line of a byte.
     fn line_at(&self, offset: usize) -> usize {
         self.line_starts.partition_point(|start| *start <= offset).max(1)

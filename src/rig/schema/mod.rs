@@ -3,6 +3,7 @@
 
 mod blend;
 mod calibration;
+mod content;
 mod lens;
 mod method;
 mod output;
@@ -11,7 +12,7 @@ mod transfer;
 mod viewer;
 mod views;
 
-use super::Rig;
+use super::{Content, Dome, Rig};
 use super::reading::problems::Problems;
 use super::reading::reader::{Allowed, Section};
 use std::path::Path;
@@ -45,6 +46,7 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
     let surface = screen::screen(root.section("screen", problems), directory, problems);
     let viewer = viewer::viewer(root.section("viewer", problems), problems);
     let camera = viewer::camera(root.section("camera", problems), problems);
+    let content = root.section("content", problems).and_then(|section| content::content(section, &dome, problems));
     let views = views::views(root.section("views", problems), problems);
     let overlay = views::overlay(root.section("overlay", problems), problems);
     let mut sections = root.sections("output", "[[output]] with double brackets", problems);
@@ -63,7 +65,20 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
         .filter_map(|(index, section)| output::output(section, index, &dome, directory, problems))
         .collect();
     root.finish(&[("outputs", "the file as [[output]], one for each output")], problems);
-    Some(Rig { name, passthrough, dome, screen: surface, viewer, camera, views, overlay, outputs })
+    Some(Rig { name, passthrough, dome, screen: surface, viewer, camera, content, views, overlay, outputs })
+}
+
+/// Reads a text that has only the table `content`.
+pub(in crate::rig) fn content(text: &str, dome: &Dome, problems: &mut Problems) -> Option<Content> {
+    let table = match DeTable::parse(text) {
+        Ok(table) => table,
+        Err(error) => {
+            problems.add_at(error.span(), error.message().replace('\n', ", "));
+            return None;
+        }
+    };
+    let section = Section::new(table.get_ref(), String::new()).section("content", problems)?;
+    content::content(section, dome, problems)
 }
 
 /// Reads yaw, pitch and roll into radians.

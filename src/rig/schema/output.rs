@@ -134,7 +134,7 @@ fn domemaster(section: &mut Section, dome: &Dome, problems: &mut Problems) -> Op
 }
 
 /// What an unrolled picture shows; its latitudes end at most `limit` degrees up and down.
-fn span(section: &mut Section, limit: f64, problems: &mut Problems) -> Option<Span> {
+pub(super) fn span(section: &mut Section, limit: f64, problems: &mut Problems) -> Option<Span> {
     let width = section.number("width", &WIDTH, 360.0, problems).to_radians();
     let allowed = match limit {
         90.0 => Allowed::closed(-90.0, 90.0, "[bottom, top] latitudes in degrees"),

@@ -85,6 +85,7 @@ pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, di
         lift: 0.0,
         dither: 0.0,
         flip: crate::rig::Flip::default(),
+        content: None,
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
     };
