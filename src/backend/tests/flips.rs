@@ -13,7 +13,7 @@ use std::sync::Arc;
 const SIZE: (u32, u32) = (322, 203);
 
 /// An output of each source and each method, none of them the same in a mirror.
-const OUTPUTS: [(&str, &str); 11] = [
+pub(super) const OUTPUTS: [(&str, &str); 11] = [
     (
         "a domemaster",
         "[dome]\ntilt = 40.0\n[viewer]\nyaw = 20.0\nposition = [1.0, 0.5, -0.8]\n[[output]]\nkind = \"domemaster\"\n\

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod blacks;
+pub mod content;
 pub mod flips;
 pub mod methods;
 pub mod picture;
@@ -59,6 +60,7 @@ macro_rules! run_all_cases {
             blacks:
                 black_is_raised_pixel_by_pixel,
                 a_rigs_picture_of_black_is_shown;
+            content: places_are_those_of_f64, content_goes_on_across_its_seams;
             flips:
                 a_mirrored_output_shows_the_mirrored_picture,
                 a_mirrored_map_is_the_exact_one,

@@ -60,6 +60,9 @@ impl ContentPicture {
     }
 }
 
+/// Part of a pixel by which a border that is a whole one may miss it.
+const ROUNDING: f64 = 1e-6;
+
 impl Region {
     /// The whole window.
     pub const WHOLE: Self = Self { origin: DVec2::ZERO, size: DVec2::ONE };
@@ -69,6 +72,15 @@ impl Region {
     pub fn fitting(aspect: f64, window: f64) -> Self {
         let size = DVec2::new((aspect / window).min(1.0), (window / aspect).min(1.0));
         Self { origin: 0.5 * (1.0 - size), size }
+    }
+
+    /// The nearest rectangle of whole pixels, at least one, in a window of so many. Of two the left
+    /// or upper one, where players put what does not fit evenly.
+    pub fn of_whole_pixels(&self, window: DVec2) -> Self {
+        let size = (self.size * window).round().max(DVec2::ONE);
+        let corner = self.origin * window;
+        let origin = DVec2::new((corner.x - 0.5 - ROUNDING).ceil(), (corner.y + 0.5 + ROUNDING).floor());
+        Self { origin: origin.clamp(DVec2::ZERO, window - size) / window, size: size / window }
     }
 
     /// The part of this rectangle that `part` is of the whole.
@@ -111,6 +123,10 @@ mod tests {
         assert!(wide.size.distance(DVec2::new(9.0 / 16.0, 1.0)) < 1e-15 && wide.origin.y == 0.0);
         let high = Region::fitting(6.0, 3.0);
         assert!(high.size.distance(DVec2::new(1.0, 0.5)) < 1e-15 && (high.origin.y - 0.25).abs() < 1e-15);
+        let odd = Region::fitting(1.0, 161.0 / 100.0).of_whole_pixels(DVec2::new(161.0, 100.0));
+        let placed = Region { origin: DVec2::new(30.0, 0.0), size: DVec2::splat(100.0) };
+        let pixels = |part: DVec2| (part * DVec2::new(161.0, 100.0)).round();
+        assert_eq!((pixels(odd.origin), pixels(odd.size)), (placed.origin, placed.size));
         let right = Region { origin: DVec2::new(0.5, 0.0), size: DVec2::new(0.5, 1.0) };
         assert_eq!(high.part(&right), Region { origin: DVec2::new(0.5, 0.25), size: DVec2::new(0.5, 0.5) });
     }

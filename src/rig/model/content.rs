@@ -67,7 +67,8 @@ impl Stereo {
 impl Content {
     /// The map into a window of so many pixels for an eye, metres to the right of the viewer.
     fn map(&self, window: (u32, u32), eye: f64) -> ContentMap {
-        let window = f64::from(window.0.max(1)) / f64::from(window.1.max(1));
+        let pixels = DVec2::new(f64::from(window.0.max(1)), f64::from(window.1.max(1)));
+        let window = pixels.x / pixels.y;
         let (part, pictures) = self.stereo.part(eye);
         let picture = |half| match &self.kind {
             ContentKind::Directions(panorama) => ContentPicture::Directions(panorama.clone()),
@@ -75,7 +76,7 @@ impl Content {
         };
         let aspect = picture(DVec2::ONE).aspect().map(|aspect| aspect * pictures.x / pictures.y);
         let fitting = || aspect.map_or(Region::WHOLE, |aspect| Region::fitting(aspect, window));
-        let region = self.region.unwrap_or_else(fitting).part(&part);
+        let region = self.region.unwrap_or_else(fitting).part(&part).of_whole_pixels(pixels);
         let half = match self.kind {
             ContentKind::Flat { width } => {
                 let half = (0.5 * width).tan();
