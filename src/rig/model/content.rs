@@ -51,6 +51,11 @@ impl Stereo {
     pub(in crate::rig) const WORDS: [(&'static str, Self); 3] =
         [("none", Self::None), ("side-by-side", Self::SideBySide), ("top-bottom", Self::TopBottom)];
 
+    /// Its word in rig files.
+    pub fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|(_, stereo)| *stereo == self).map_or("none", |(word, _)| word)
+    }
+
     /// The part of the picture for an eye, and how many pictures there are across and above each
     /// other. An eye in the middle gets the left one.
     fn part(self, eye: f64) -> (Region, DVec2) {

@@ -1,5 +1,6 @@
 //! What a finished plan gives to outputs: sizes and shares for people and JSON (`report`), and
 //! texels per pixel, pixel by pixel (`survey`).
 
+mod answers;
 pub mod report;
 pub mod survey;

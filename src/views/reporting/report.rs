@@ -1,7 +1,7 @@
 //! What a plan costs, for people and for programs.
 
 use crate::rig::Rig;
-use crate::views::sampling::cone::Cone;
+use crate::views::reporting::answers::Answers;
 use crate::views::sampling::output_map::OutputMap;
 use crate::views::view_plan::{Tile, ViewPlan};
 use glam::DVec2;
@@ -65,9 +65,10 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
     let outputs: Vec<_> =
         rig.outputs.iter().zip(sizes).enumerate().filter(|(_, (_, size))| size.0 > 0 && size.1 > 0).collect();
     let mut coverage: Vec<Vec<OutputShare>> = vec![Vec::new(); plan.views.len()];
+    let seen = rig.around_content();
     for (&(index, (output, &size)), sampled) in outputs.iter().zip(&plan.output_views) {
-        let Ok(output_map) = OutputMap::new(rig, index, size) else { continue };
-        let shares = shares(plan, &output_map, sampled);
+        let Ok(output_map) = OutputMap::new(&seen, index, size) else { continue };
+        let shares = shares(&Answers::new(plan, rig, index), &output_map, sampled);
         for (&view, share) in sampled.iter().zip(shares) {
             coverage[view].push(OutputShare { output: output.name.clone(), share });
         }
@@ -114,9 +115,8 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
 }
 
 /// For each of the views `sampled`, the part of the lit pixels that it answers for.
-fn shares(plan: &ViewPlan, output_map: &OutputMap, sampled: &[usize]) -> Vec<f64> {
-    let cones: Vec<Cone> = sampled.iter().map(|&view| Cone::of(&plan.views[view])).collect();
-    let mut counts = vec![0u32; cones.len()];
+fn shares(answers: &Answers, output_map: &OutputMap, sampled: &[usize]) -> Vec<f64> {
+    let mut counts = vec![0u32; sampled.len()];
     let mut lit = 0u32;
     let (columns, rows) = (output_map.size.0.min(GRID), output_map.size.1.min(GRID));
     let step =
@@ -125,8 +125,9 @@ fn shares(plan: &ViewPlan, output_map: &OutputMap, sampled: &[usize]) -> Vec<f64
         let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * step;
         let Some(sample) = output_map.sample(at) else { continue };
         lit += 1;
-        if let Some(view) = cones.iter().position(|cone| cone.contains(sample.direction)) {
-            counts[view] += 1;
+        let answering = answers.view(&sample);
+        if let Some(index) = sampled.iter().position(|view| Some(*view) == answering) {
+            counts[index] += 1;
         }
     }
     counts.into_iter().map(|count| f64::from(count) / f64::from(lit.max(1))).collect()
@@ -150,7 +151,7 @@ impl fmt::Display for Report {
         for view in &self.views {
             write!(f, "  {:<16} {:>5}×{:<5} ", view.name, view.width, view.height)?;
             if view.program_lens {
-                write!(f, "the program's lens")?;
+                write!(f, "as the program draws it")?;
             } else {
                 write!(f, "{:5.1}° × {:5.1}°", view.horizontal_degrees, view.vertical_degrees)?;
             }

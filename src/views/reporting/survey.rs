@@ -2,10 +2,9 @@
 
 use crate::error::Result;
 use crate::rig::Rig;
-use crate::views::fitting::fit::sharpness;
-use crate::views::sampling::cone::Cone;
+use crate::views::reporting::answers::Answers;
 use crate::views::sampling::output_map::OutputMap;
-use crate::views::view_plan::{View, ViewPlan};
+use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
 /// A pixel of an output and what shows it.
@@ -19,16 +18,15 @@ pub struct Surveyed {
     pub view: usize,
     /// Texels per pixel in the direction in which there are fewest of them, a domemaster's pixels
     /// taken as the planner takes them (`[views] resolution`); `None` in views with the program's
-    /// own lens, and where vertices are projected straight to the output.
+    /// own lens, but for content, and where vertices are projected straight to the output.
     pub texels_per_pixel: Option<f64>,
 }
 
 /// Looks at pixels of one output.
 pub struct Surveyor<'a> {
-    plan: &'a ViewPlan,
+    answers: Answers<'a>,
     output: usize,
     output_map: OutputMap,
-    cones: Vec<(usize, Cone)>,
 }
 
 impl<'a> Surveyor<'a> {
@@ -37,21 +35,16 @@ impl<'a> Surveyor<'a> {
     /// # Errors
     /// Those of [`WarpMap::new`](crate::warp::WarpMap::new).
     pub fn new(plan: &'a ViewPlan, rig: &Rig, output: usize, size: (u32, u32)) -> Result<Self> {
-        let output_map = OutputMap::new(rig, output, size)?;
-        let views = plan.output_views.get(output).map_or(&[][..], Vec::as_slice);
-        let cones = views.iter().map(|&view| (view, Cone::of(&plan.views[view]))).collect();
-        Ok(Self { plan, output, output_map, cones })
+        let output_map = OutputMap::new(&rig.around_content(), output, size)?;
+        Ok(Self { answers: Answers::new(plan, rig, output), output, output_map })
     }
 
     /// Returns what a pixel position (from the top left, centres at +½) shows; `None` where that is
     /// nothing.
     pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
         let sample = self.output_map.sample(pixel)?;
-        let &(view, _) = self.cones.iter().find(|(_, cone)| cone.contains(sample.direction))?;
-        let answering = &self.plan.views[view];
-        let texels_per_pixel = (!answering.program_lens && answering.curved.is_none())
-            .then(|| sharpness(answering.rotation, density(answering), &sample))
-            .flatten();
+        let view = self.answers.view(&sample)?;
+        let texels_per_pixel = self.answers.texels_per_pixel(view, &sample, pixel, &self.output_map);
         Some(Surveyed { output: self.output, direction: sample.direction, view, texels_per_pixel })
     }
 }
@@ -85,10 +78,4 @@ fn steps(pixels: u32, step: f64) -> u32 {
 /// The centre of the pixel in the middle of a step.
 fn centre(index: u32, steps: u32, pixels: u32) -> f64 {
     ((f64::from(index) + 0.5) * f64::from(pixels) / f64::from(steps)).floor() + 0.5
-}
-
-/// Texels of a view per unit of tangent, across and up.
-fn density(view: &View) -> DVec2 {
-    DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height))
-        / DVec2::new(view.frustum.width(), view.frustum.height())
 }

@@ -4,7 +4,9 @@ use super::numbers::{degrees, meters, number};
 use super::words;
 use cupola::geom::PixelRect;
 use cupola::geom::{Frustum, Lens, Optics};
-use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
+use cupola::rig::{
+    Blend, Camera, Content, ContentKind, DomeAngle, Output, OutputKind, Rig, Stereo, Transfer, ViewMethod,
+};
 use cupola::views::{self, View, ViewPlan};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -39,14 +41,15 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
         [x, y, z] => format!("{} m from the dome's centre {}", number(viewer.position.length()), meters([x, y, z])),
     };
     writeln!(text, "viewer    {place}{}", aim([viewer.yaw, viewer.pitch, viewer.roll]))?;
-    writeln!(text, "camera    {}", camera(&rig.camera))?;
-    let overlay = &rig.overlay;
-    writeln!(
-        text,
-        "overlay   flat drawing fills {}{}",
-        degrees(overlay.width),
-        aim([overlay.yaw, overlay.pitch, 0.0])
-    )?;
+    match &rig.content {
+        Some(content) => writeln!(text, "content   {}", content_words(content))?,
+        None => {
+            writeln!(text, "camera    {}", camera(&rig.camera))?;
+            let overlay = &rig.overlay;
+            let (width, aim) = (degrees(overlay.width), aim([overlay.yaw, overlay.pitch, 0.0]));
+            writeln!(text, "overlay   flat drawing fills {width}{aim}")?;
+        }
+    }
     describe_outputs(text, rig, window)?;
     describe_views(text, rig, plan)?;
     let sizes = sizes(rig, window);
@@ -84,6 +87,9 @@ fn describe_views(text: &mut String, rig: &Rig, plan: &ViewPlan) -> std::fmt::Re
         ViewMethod::Cube => "faces of one cube",
         ViewMethod::Single => "one for each output",
     };
+    if rig.content.is_some() {
+        return writeln!(text, "views     none; the program's window is shown, {} × {} pixels", plan.atlas.0, plan.atlas.1);
+    }
     writeln!(
         text,
         "views     {} ({method}, quality {}) in an atlas of {} × {} texels",
@@ -112,7 +118,7 @@ fn jumps(rig: &Rig, sizes: &[(u32, u32)]) -> Vec<String> {
 fn view_words(view: &View) -> String {
     let tile = format!("{} × {} texels", view.tile.width, view.tile.height);
     if view.program_lens {
-        format!("the program's own lens, {tile}")
+        format!("as the program draws it, {tile}")
     } else {
         format!("{}, {tile}", opening(&view.owned))
     }
@@ -228,6 +234,29 @@ fn camera(camera: &Camera) -> String {
     parts.join(", ")
 }
 
+/// Description of what the program's window shows.
+fn content_words(content: &Content) -> String {
+    let picture = match &content.kind {
+        ContentKind::Directions(panorama) => words::panorama(panorama),
+        ContentKind::Flat { width } => format!("flat picture, {} wide", degrees(*width)),
+    };
+    let eyes = match content.stereo {
+        Stereo::None => "",
+        Stereo::SideBySide => ", the left eye's in its left half",
+        Stereo::TopBottom => ", the left eye's in its upper half",
+    };
+    let part = if content.region.is_some() { "a part of the program's window" } else { "the program's window" };
+    format!("{part} is shown as it is: {picture}{}{eyes}", aim(content.angles))
+}
+
+/// The word of rig files for the kind of content.
+fn content_kind(content: &Content) -> &'static str {
+    match &content.kind {
+        ContentKind::Directions(panorama) => words::kind(panorama),
+        ContentKind::Flat { .. } => "flat",
+    }
+}
+
 /// Description of angles such as `, 10° to the right, 5° up`; empty for straight ahead.
 fn aim([yaw, pitch, roll]: [f64; 3]) -> String {
     let word = |angle: f64, positive, negative| match angle {
@@ -296,6 +325,14 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             "move": camera.shift.to_array(),
             "angles": angles([camera.yaw, camera.pitch, camera.roll]),
         },
+        "content": rig.content.as_ref().map(|content| json!({
+            "kind": content_kind(content),
+            "angles": angles(content.angles),
+            "stereo": content.stereo.word(),
+            "region": content.region.map(|region| {
+                [region.origin.x, 1.0 - region.origin.y - region.size.y, region.size.x, region.size.y]
+            }),
+        })),
         "outputs": outputs,
         "atlas": [plan.atlas.0, plan.atlas.1],
         "views": plan.views.iter().map(view).collect::<Vec<_>>(),

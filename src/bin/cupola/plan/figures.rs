@@ -123,7 +123,7 @@ impl fmt::Display for Figures {
         for (view, hidden) in report.views.iter().zip(&self.hidden) {
             write!(f, "  {:<16} {:>5} × {:<5} ", view.name, view.width, view.height)?;
             if view.program_lens {
-                write!(f, "the program's lens")?;
+                write!(f, "as the program draws it")?;
             } else {
                 let part = 100.0 * *hidden as f64 / (f64::from(view.width) * f64::from(view.height));
                 write!(f, "{:5.1}° × {:5.1}°, {part:4.1} % hidden", view.horizontal_degrees, view.vertical_degrees)?;
