@@ -242,8 +242,13 @@ fn a_view_is_widened_by_what_pixels_show_beyond_it() {
     let rig = crate::rig::parse(text, "widened.toml", std::path::Path::new("")).expect("valid");
     let (request, none) = (request(&[(160, 100)]), crate::cache::Cache::none());
     let plan = build(&rig, &request).expect("a plan");
-    let picture =
-        Picture { source: plan.passes[0].source.clone(), size: (160, 100), mask: None, flip: rig.outputs[0].flip, content: None };
+    let picture = Picture {
+        source: plan.passes[0].source.clone(),
+        size: (160, 100),
+        mask: None,
+        flip: rig.outputs[0].flip,
+        content: None,
+    };
     let beyond = |plan: &ViewPlan| blocks::examine(&rig, 0, &picture, plan, &none).beyond[0];
     assert_eq!(beyond(&plan.views), None, "the planner knows a projector's picture");
     let mut narrow = plan.views.clone();

@@ -10,6 +10,8 @@ use std::time::Duration;
 
 tests! {
     ramps_follow_the_file,
+    content_follows_the_file,
+    content_follows_the_file_on_vulkan,
     the_viewer_follows_the_file,
     ramps_follow_the_file_on_vulkan,
     scenes_off_screen_follow_the_file_on_vulkan,
@@ -136,6 +138,10 @@ fn ramps(file: &Path) {
     tuned(file, &["output.*.blend.ramps=[{ angle = \"polar\", zero = 70, full = 20 }]"]);
 }
 
+fn content(file: &Path) {
+    tuned(file, &["content.kind=\"domemaster\"", "content.aperture=150"]);
+}
+
 fn viewer(file: &Path) {
     tuned(file, &["viewer.yaw=30", "viewer.position=[0.5, 0.3, -1.0]", "output.output-1.blend.black_level=0.05"]);
 }
@@ -172,6 +178,14 @@ fn fragment_and_primitive(file: &Path) {
 
 fn ramps_follow_the_file() {
     Case::opengl(Run::new("core330_mvp"), "ramps").follows(ramps);
+}
+
+fn content_follows_the_file() {
+    Case::opengl(Run::new("core330_mvp"), "content").follows(content);
+}
+
+fn content_follows_the_file_on_vulkan() {
+    Case::vulkan(Run { extra: &["--way", "clear"], ..Run::new("vk_scenes") }, "content").follows(content);
 }
 
 fn the_viewer_follows_the_file() {

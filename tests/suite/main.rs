@@ -12,6 +12,7 @@ mod cache;
 mod calls;
 mod camera_matrices;
 mod compare;
+mod content;
 mod controls;
 mod culling;
 mod dialects;
@@ -56,6 +57,7 @@ harness::tests! {
     cache,
     calls,
     camera_matrices,
+    content,
     controls,
     culling,
     dialects,

@@ -154,7 +154,9 @@ pub fn content_goes_on_across_its_seams(driver: &dyn Driver) {
             let exact = WarpMap::new(&rig, 0, SIZE, None).expect("a map");
             let mut worst = (0.0f64, DVec3::ZERO);
             for index in 0..(SIZE.0 * SIZE.1) as usize {
-                let Some(direction) = exact.direction(centre(index)).filter(|d| map.place(*d).is_some()) else { continue };
+                let Some(direction) = exact.direction(centre(index)).filter(|d| map.place(*d).is_some()) else {
+                    continue;
+                };
                 // Around a pole a picture without end is torn to its last row.
                 let local = map.rotation * direction;
                 if is_pole(&map, local) {

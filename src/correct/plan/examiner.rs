@@ -67,12 +67,7 @@ struct Corner {
 }
 
 impl<'a> Examiner<'a> {
-    pub(super) fn new(
-        rig: &Rig,
-        picture: &'a Picture,
-        plan: &ViewPlan,
-        output_views: &[usize],
-    ) -> Self {
+    pub(super) fn new(rig: &Rig, picture: &'a Picture, plan: &ViewPlan, output_views: &[usize]) -> Self {
         let &Picture { ref source, size, flip, ref content, .. } = picture;
         let answering = |&index: &usize| Answering::of(&plan.views[index]);
         let neighbours = match source {

@@ -141,7 +141,8 @@ impl Rig {
     /// Why content cannot be shown by an output of this kind, if so.
     pub(in crate::rig) fn refuses_content(kind: &OutputKind) -> Option<&'static str> {
         let own_lens = matches!(kind, OutputKind::Perspective { frustum: None, .. });
-        own_lens.then_some("has the program's own lens, so it cannot show [content]; expected fov = [horizontal, vertical]")
+        own_lens
+            .then_some("has the program's own lens, so it cannot show [content]; expected fov = [horizontal, vertical]")
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::{ROLL, TILT, YAW, angles, lens, output};
 use crate::geom::{Panorama, Projection, Region};
+use crate::rig::Dome;
 use crate::rig::model::content::{Content, ContentKind, Stereo};
 use crate::rig::reading::problems::Problems;
 use crate::rig::reading::reader::{Allowed, Section};
-use crate::rig::Dome;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
 

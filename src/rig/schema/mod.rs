@@ -12,9 +12,9 @@ mod transfer;
 mod viewer;
 mod views;
 
-use super::{Content, Dome, Rig};
 use super::reading::problems::Problems;
 use super::reading::reader::{Allowed, Section};
+use super::{Content, Dome, Rig};
 use std::path::Path;
 use toml::de::DeTable;
 

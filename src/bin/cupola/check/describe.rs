@@ -88,7 +88,11 @@ fn describe_views(text: &mut String, rig: &Rig, plan: &ViewPlan) -> std::fmt::Re
         ViewMethod::Single => "one for each output",
     };
     if rig.content.is_some() {
-        return writeln!(text, "views     none; the program's window is shown, {} × {} pixels", plan.atlas.0, plan.atlas.1);
+        return writeln!(
+            text,
+            "views     none; the program's window is shown, {} × {} pixels",
+            plan.atlas.0, plan.atlas.1
+        );
     }
     writeln!(
         text,
