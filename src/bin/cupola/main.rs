@@ -24,6 +24,7 @@ mod inspect;
 mod launch;
 mod map;
 mod plan;
+mod play;
 mod run;
 mod simulate;
 mod tune;
@@ -42,6 +43,7 @@ struct Arguments {
 #[derive(clap::Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Play(play::Arguments),
     Inspect(inspect::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
@@ -57,6 +59,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Play(arguments) => play::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),

@@ -3,7 +3,7 @@
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{Environment, apply, loader};
-use cupola::rig::Overrides;
+use cupola::rig::{Overrides, Rig};
 use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
@@ -23,15 +23,29 @@ const UNTIL_INSPECTED: Duration = Duration::from_secs(10);
     after_help = "All arguments after PROGRAM are passed to the program. With CUPOLA=0 in the environment the program runs without Cupola."
 )]
 pub struct Arguments {
+    #[command(flatten)]
+    pub options: Options,
+    /// Print the environment as shell commands and do not start a program
+    #[arg(long)]
+    print_environment: bool,
+    /// Program and its arguments
+    #[arg(trailing_var_arg = true, required_unless_present = "print_environment")]
+    program: Vec<OsString>,
+}
+
+/// Options of every subcommand that starts a program.
+#[derive(clap::Args)]
+#[group(skip)]
+pub struct Options {
     /// Rig file or name of a preset [default: $CUPOLA_RIG, or fisheye]
     #[arg(long, short, value_name = "FILE|PRESET")]
     rig: Option<String>,
     /// Set the size of the program's window in pixels
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
-    size: Option<(u32, u32)>,
+    pub size: Option<(u32, u32)>,
     /// Run on a private X server without a screen (Xvfb)
     #[arg(long)]
-    headless: bool,
+    pub headless: bool,
     /// End the program after N frames, with exit code 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
@@ -57,7 +71,7 @@ pub struct Arguments {
     /// The window already shows a projected picture: domemaster, equirectangular, cylindrical, cubemap
     /// or flat, for example domemaster,aperture=180
     #[arg(long, value_name = "KIND[,KEY=VALUE,…]", allow_hyphen_values = true)]
-    content: Option<String>,
+    pub content: Option<String>,
     /// Correction method of the outputs: fragment, table, mesh, cube-mesh, vertex or primitive, for
     /// example mesh,max_error=0.1
     #[arg(long, value_name = "METHOD[,KEY=NUMBER]")]
@@ -80,12 +94,6 @@ pub struct Arguments {
     /// Also write Cupola's messages to a file
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Print the environment as shell commands and do not start a program
-    #[arg(long)]
-    print_environment: bool,
-    /// Program and its arguments
-    #[arg(trailing_var_arg = true, required_unless_present = "print_environment")]
-    program: Vec<OsString>,
 }
 
 /// What `cupola inspect` asks for beside the options of `run`.
@@ -102,40 +110,31 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
 /// Runs the subcommand, and lets the library write a page about the last frame. Returns the exit
 /// code of the program.
 pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
-    if inspection.is_some() && arguments.frames.is_none() {
-        arguments.seconds = arguments.seconds.or(Some(UNTIL_INSPECTED));
-    }
-    let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
-    let name = arguments.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into());
-    let rig = cupola::rig::load(&name)?;
-    let overrides = Overrides {
-        camera: arguments.camera.clone(),
-        viewer: arguments.viewer.clone(),
-        content: arguments.content.clone(),
-        method: arguments.method.clone(),
-    };
-    let rig = overrides.apply(rig)?;
-    if arguments.headless && arguments.size.is_none() && !arguments.offscreen {
-        // Without a screen nobody enlarges the window for the outputs.
-        arguments.size = rig.extent();
-    }
-    let mut environment = settings(&arguments, &name)?;
-    if let Some(Inspection { output }) = &inspection {
-        environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));
+    if inspection.is_some() && arguments.options.frames.is_none() {
+        arguments.options.seconds = arguments.options.seconds.or(Some(UNTIL_INSPECTED));
     }
     if arguments.print_environment {
-        let loader = loader::Loader::persistent()?;
-        environment.extend(loader.environment(&Vec::new())?);
+        let mut environment = arguments.options.environment(inspection.as_ref())?;
+        environment.extend(loader::Loader::persistent()?.environment(&Vec::new())?);
         print_environment(&environment);
         return Ok(ExitCode::SUCCESS);
     }
+    start(arguments.options, &arguments.program, inspection)
+}
 
+/// Starts a program. Returns its exit code.
+pub fn start(mut options: Options, program: &[OsString], inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
+    let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
+    let rig = options.rig()?;
+    if options.headless && options.size.is_none() && !options.offscreen {
+        // Without a screen nobody enlarges the window for the outputs.
+        options.size = rig.extent();
+    }
+    let mut environment = options.environment(inspection.as_ref())?;
     let scratch = loader::Scratch::new()?;
-    let server = if arguments.headless {
-        let size = arguments.size.unwrap_or((1920, 1200));
-        Some(display::Server::start(size, scratch.path())?)
-    } else {
-        None
+    let server = match options.headless {
+        true => Some(display::Server::start(options.size.unwrap_or((1920, 1200)), scratch.path())?),
+        false => None,
     };
     let display = server.as_ref().map_or_else(Vec::new, display::Server::environment);
     if switched_off {
@@ -145,25 +144,54 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
     }
     environment.extend(display);
 
-    let (program, rest) = arguments.program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
+    let (program, rest) = program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
     let mut command = Command::new(program);
     command.args(rest);
     apply(&mut command, &environment);
-    let expected = Expected::new(&arguments, inspection.as_ref());
+    let expected = Expected::new(&options, inspection.as_ref());
     // The library ends the program in a frame; only one that draws none has to be stopped.
-    let limit = arguments.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
+    let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
     let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
     let code = match ended {
         Ended::Stopped => 0,
         Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
     };
     if code == 0 && !switched_off {
-        expected.check(&arguments)?;
+        expected.check(&options)?;
     }
     if let Some(Inspection { output }) = inspection.filter(|page| expected.missing().all(|file| file != page.output)) {
         eprintln!("cupola: the page is in {}", output.display());
     }
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
+}
+
+impl Options {
+    /// Name or file of the rig.
+    fn rig_name(&self) -> String {
+        self.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into())
+    }
+
+    /// The rig with what the options replace in it.
+    pub fn rig(&self) -> Result<Rig, Failure> {
+        let overrides = Overrides {
+            camera: self.camera.clone(),
+            viewer: self.viewer.clone(),
+            content: self.content.clone(),
+            method: self.method.clone(),
+        };
+        Ok(overrides.apply(cupola::rig::load(&self.rig_name())?)?)
+    }
+
+    /// Environment variables that configure the library.
+    fn environment(&self, inspection: Option<&Inspection>) -> Result<Environment, Failure> {
+        // Wrong options are told before anything starts.
+        self.rig()?;
+        let mut environment = settings(self, &self.rig_name())?;
+        if let Some(Inspection { output }) = inspection {
+            environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));
+        }
+        Ok(environment)
+    }
 }
 
 /// A file, with what tells that it was written again: its time and its length.
@@ -187,7 +215,7 @@ fn stamps(file: &Path, several: bool) -> Vec<Stamp> {
 struct Expected(Vec<(PathBuf, bool, Vec<Stamp>)>);
 
 impl Expected {
-    fn new(arguments: &Arguments, inspection: Option<&Inspection>) -> Self {
+    fn new(arguments: &Options, inspection: Option<&Inspection>) -> Self {
         let page = inspection.map(|inspection| (&inspection.output, false));
         let capture = arguments.capture.as_ref().map(|file| (file, true));
         let statistics = arguments.stats.as_ref().map(|file| (file, false));
@@ -204,7 +232,7 @@ impl Expected {
     }
 
     /// Fails if one of them was not written.
-    fn check(&self, arguments: &Arguments) -> Result<(), Failure> {
+    fn check(&self, arguments: &Options) -> Result<(), Failure> {
         let Some(file) = self.missing().next() else { return Ok(()) };
         let frames = arguments.frames.map_or_else(|| "no frame".to_owned(), |n| format!("fewer than {n} frames"));
         Err(Failure::new(format!(
@@ -216,7 +244,7 @@ impl Expected {
 }
 
 /// Environment variables that configure the library.
-fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
+fn settings(arguments: &Options, rig: &str) -> Result<Environment, Failure> {
     let is_preset = cupola::rig::presets().iter().any(|preset| preset.name == rig);
     let rig = if is_preset { rig.into() } else { absolute(Path::new(rig))? };
     let mut environment: Environment = vec![("CUPOLA_RIG", Some(rig))];
