@@ -1,4 +1,4 @@
-//! `cupola run`: what the program gets, what is left behind, and how it ends.
+//! `cupola run` and `play`: what the program gets, what is left behind, and how it ends.
 
 #![deny(dead_code)]
 
@@ -15,6 +15,7 @@ tests! {
     programs_that_cannot_be_started,
     wrong_options_start_nothing,
     the_program_gets_the_settings,
+    films_are_played_as_what_they_are,
     libglvnd_is_led_to_the_library,
     each_egl_vendor_gets_a_library_of_its_own,
     a_broken_library_leaves_the_program_alone,
@@ -27,8 +28,8 @@ tests! {
     a_missing_xvfb_is_named_with_its_package,
 }
 
-/// `cupola run` with a clean environment and a folder of its own for temporary files.
-fn cupola(folder: &Path) -> Command {
+/// A subcommand with a clean environment and a folder of its own for temporary files.
+fn command(subcommand: &str, folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     for (name, _) in std::env::vars_os().filter(|(name, _)| {
         let name = name.to_string_lossy();
@@ -39,8 +40,13 @@ fn cupola(folder: &Path) -> Command {
     }) {
         command.env_remove(name);
     }
-    command.env("CUPOLA_LIBRARY", library()).env("TMPDIR", folder).arg("run").stdin(Stdio::null());
+    command.env("CUPOLA_LIBRARY", library()).env("TMPDIR", folder).arg(subcommand).stdin(Stdio::null());
     command
+}
+
+/// `cupola run` with a clean environment and a folder of its own for temporary files.
+fn cupola(folder: &Path) -> Command {
+    command("run", folder)
 }
 
 /// The library of this build: `cargo test` leaves it beside the tests, not beside the command.
@@ -182,6 +188,53 @@ fn the_program_gets_the_settings() {
     std::fs::write(folder.join("my.toml"), "[[output]]\nkind = \"domemaster\"\n").unwrap();
     let output = cupola(&folder).current_dir(&folder).args(["--rig", "my.toml", "--", "env"]).output().unwrap();
     assert!(words(&output.stdout).contains(&format!("CUPOLA_RIG={here}/my.toml\n")));
+}
+
+/// The player is a script that tells a size when it is asked, and what it is called with when it plays.
+fn films_are_played_as_what_they_are() {
+    let folder = folder("play");
+    let script = "#!/bin/sh\ncase \"$*\" in\n*--vo=null*) echo \"cupola ${SIZE}\" ;;\n\
+        *) printf '%s\\n' \"content=$CUPOLA_CONTENT\" \"$@\" ;;\nesac\n";
+    let player = folder.join("mpv");
+    std::fs::write(&player, script).unwrap();
+    std::fs::set_permissions(&player, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let film = folder.join("a film,%1.mp4");
+    std::fs::write(&film, "").unwrap();
+    let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
+    let play = |size: &str, options: &[&str], file: &Path| {
+        let mut play = command("play", &folder);
+        play.env("PATH", &path).env("SIZE", size).args(options).arg(file).arg("--volume=50").output().unwrap()
+    };
+    let dome = play("4096 4096", &["--size", "640x480"], &film);
+    let told = words(&dome.stdout);
+    for expected in ["content=domemaster", "--geometry=640x480", "--loop-playlist=inf", "--volume=50"] {
+        assert!(told.lines().any(|line| line == expected), "{expected} is not in\n{told}{}", words(&dome.stderr));
+    }
+    assert_eq!(told.lines().last(), film.to_str());
+    assert!(words(&dome.stderr).contains("4096 × 4096 pixels and is shown as domemaster"));
+    let given = play("4096 4096", &["--content", "equirectangular,width=180", "--once"], &film);
+    let told = words(&given.stdout);
+    assert!(told.contains("content=equirectangular,width=180\n") && told.contains("--loop-playlist=no\n"), "{told}");
+    assert!(told.contains("--fullscreen\n"), "{told}");
+    // What the rig says of content stands.
+    let rig = folder.join("rig.toml");
+    std::fs::write(&rig, "[content]\nkind = \"cubemap\"\n[[output]]\nkind = \"domemaster\"\n").unwrap();
+    let by_rig = play("4096 4096", &["--rig", rig.to_str().unwrap()], &film);
+    assert!(words(&by_rig.stdout).contains("content=\n"), "{}", words(&by_rig.stdout));
+    for (size, file, why) in
+        [("", &film, "finds no picture"), ("1 1", &folder.join("none.mp4"), "none.mp4: No such file")]
+    {
+        let refused = play(size, &[], file);
+        assert_eq!(refused.status.code(), Some(2), "{}", words(&refused.stderr));
+        assert!(words(&refused.stderr).contains(why), "{}", words(&refused.stderr));
+    }
+    // Without the player it is named.
+    std::fs::remove_file(&player).unwrap();
+    let empty = folder.join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    let missing = command("play", &folder).env("PATH", &empty).arg(&film).output().unwrap();
+    assert_eq!(missing.status.code(), Some(1));
+    assert!(words(&missing.stderr).contains("apt install mpv"), "{}", words(&missing.stderr));
 }
 
 fn libglvnd_is_led_to_the_library() {

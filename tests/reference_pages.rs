@@ -129,7 +129,7 @@ fn is_of_a_path(letter: char) -> bool {
 }
 
 /// Tables of `docs/rig-file.md` by their mark, and rigs with the place of a key, `@`. A table has the keys of all its rigs.
-const SECTIONS: [(&str, &[&str]); 24] = [
+const SECTIONS: [(&str, &[&str]); 27] = [
     ("file", &["@\n[[output]]\nkind = \"domemaster\""]),
     ("dome", &["[dome]\n@"]),
     (
@@ -145,6 +145,16 @@ const SECTIONS: [(&str, &[&str]); 24] = [
     ),
     ("viewer", &["[viewer]\n@"]),
     ("camera", &["[camera]\n@"]),
+    ("content", &["[content]\nkind = \"cubemap\"\n@\n[[output]]\nkind = \"cubemap\""]),
+    ("content domemaster", &["[content]\nkind = \"domemaster\"\n@\n[[output]]\nkind = \"cubemap\""]),
+    (
+        "content others",
+        &[
+            "[content]\nkind = \"equirectangular\"\n@\n[[output]]\nkind = \"cubemap\"",
+            "[content]\nkind = \"cylindrical\"\n@\n[[output]]\nkind = \"cubemap\"",
+            "[content]\nkind = \"flat\"\n@\n[[output]]\nkind = \"cubemap\"",
+        ],
+    ),
     ("views", &["[views]\n@"]),
     ("overlay", &["[overlay]\n@"]),
     ("output", &["[[output]]\nkind = \"cubemap\"\n@"]),
@@ -353,7 +363,7 @@ fn the_rig_files_page_has_each_key_with_what_it_accepts() {
     let keys_of = |name: &str| -> Vec<String> {
         found.iter().filter(|(section, _)| *section == name).flat_map(|(_, keys)| keys.clone()).collect()
     };
-    let common = keys_of("output");
+    let (common, content) = (keys_of("output"), keys_of("content"));
     for (name, rigs) in SECTIONS {
         let described = keys_of(name);
         assert!(!described.is_empty(), "rig-file.md has no table of {name}");
@@ -362,6 +372,7 @@ fn the_rig_files_page_has_each_key_with_what_it_accepts() {
         let output_kind = name.starts_with("output ")
             && rigs.iter().all(|rig| !rig.contains("[output.") && !rig.contains("[[output."));
         possible.retain(|key| !(output_kind && common.contains(key)));
+        possible.retain(|key| !(name.starts_with("content ") && content.contains(key)));
         match name {
             "file" => possible.retain(|key| key != "output" && !SECTIONS.iter().any(|(section, _)| section == key)),
             "output" => possible.retain(|key| !["yaw", "pitch", "roll"].contains(&key.as_str())),

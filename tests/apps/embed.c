@@ -340,6 +340,52 @@ static void frame_of_another_viewer(cupola_gl *dome, int size)
     CHECK(cupola_gl_resize(dome, (uint32_t)size / 2, (uint32_t)size / 2) == CUPOLA_OK);
 }
 
+/* A picture that is projected already: red to the right, green upwards, blue everywhere. */
+static void draw_projected(const cupola_gl_view *view, void *user)
+{
+    CHECK(strcmp(view->name, "content") == 0);
+    glEnable(GL_SCISSOR_TEST);
+    for (int quarter = 0; quarter < 4; quarter++) {
+        int right = quarter % 2, up = quarter / 2;
+        glScissor(view->x + right * view->width / 2, view->y + up * view->height / 2, view->width / 2, view->height / 2);
+        glClearColor((float)right, (float)up, 1.0f, 1.0f);
+        glClear(GL_COLOR_BUFFER_BIT);
+    }
+    glDisable(GL_SCISSOR_TEST);
+    ++*(int *)user;
+}
+
+/* A rig with content has one view, which is shown on a domemaster as it was drawn. */
+static void frame_of_content(int size)
+{
+    const char *text = "[content]\nkind = \"domemaster\"\n[[output]]\nkind = \"domemaster\"\n";
+    cupola_gl_options options = {sizeof options, eglGetProcAddress, (uint32_t)size, (uint32_t)size};
+    cupola_rig *rig = NULL;
+    cupola_gl *dome = NULL;
+    uint32_t count = 0;
+    int drawn = 0;
+    CHECK(cupola_rig_parse(text, ".", &rig) == CUPOLA_OK);
+    CHECK(cupola_gl_create(rig, &options, &dome) == CUPOLA_OK);
+    cupola_rig_free(rig);
+    CHECK(cupola_gl_view_count(dome, &count) == CUPOLA_OK && count == 1);
+    target t = target_create(size, size);
+    CHECK(cupola_gl_draw_frame(dome, 1, 2, draw_projected, &drawn, t.framebuffer, 0, 0) == CUPOLA_OK && drawn == 1);
+    glBindFramebuffer(GL_FRAMEBUFFER, t.framebuffer);
+    image shown = image_read_framebuffer(size, size);
+    for (int y = 0; y < size; y++) {
+        for (int x = 0; x < size; x++) {
+            double right = x + 0.5 - 0.5 * size, up = 0.5 * size - y - 0.5, radius = hypot(right, up);
+            const unsigned char *rgb = image_at(&shown, x, y);
+            if (radius > 0.5 * size + 1.0)
+                CHECK(rgb[0] + rgb[1] + rgb[2] == 0);
+            else if (radius < 0.5 * size - 1.0 && fabs(right) > 1.0 && fabs(up) > 1.0)
+                CHECK(rgb[0] == (right > 0.0 ? 255 : 0) && rgb[1] == (up > 0.0 ? 255 : 0) && rgb[2] == 255);
+        }
+    }
+    image_free(&shown);
+    CHECK(cupola_gl_destroy(dome) == CUPOLA_OK);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 4 && argc != 5) {
@@ -363,6 +409,7 @@ int main(int argc, char **argv)
     program = program_build(stages, 2);
     cube = mesh_cube();
     check_creation(rig, options);
+    frame_of_content(size);
     CHECK(cupola_gl_create(rig, &options, &dome) == CUPOLA_OK);
     cupola_rig_free(rig); /* what was made from it lives on */
     if (dome == NULL)

@@ -55,7 +55,15 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         );
         options.content = Some(kind.to_owned());
     }
-    let fixed = ["--no-config", "--vo=gpu", "--gpu-sw=yes", "--no-osc", "--osd-level=0", "--no-border", "--keepaspect-window=no"];
+    let fixed = [
+        "--no-config",
+        "--vo=gpu",
+        "--gpu-sw=yes",
+        "--no-osc",
+        "--osd-level=0",
+        "--no-border",
+        "--keepaspect-window=no",
+    ];
     let mut program: Vec<OsString> = std::iter::once(PLAYER).chain(fixed).map(OsString::from).collect();
     program.push(if once { "--image-display-duration=5" } else { "--image-display-duration=inf" }.into());
     program.push(if once { "--loop-playlist=no" } else { "--loop-playlist=inf" }.into());

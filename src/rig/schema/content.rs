@@ -1,7 +1,7 @@
 //! `[content]`: what a program's window shows that projects by itself.
 
 use super::{ROLL, TILT, YAW, angles, lens, output};
-use crate::geom::{Panorama, Projection, Region};
+use crate::geom::{Panorama, Region};
 use crate::rig::Dome;
 use crate::rig::model::content::{Content, ContentKind, Stereo};
 use crate::rig::reading::problems::Problems;
@@ -54,7 +54,10 @@ pub(super) fn content(mut section: Section, dome: &Dome, problems: &mut Problems
             let [yaw, roll] = [("yaw", &YAW), ("roll", &ROLL)]
                 .map(|(key, allowed)| section.number(key, allowed, 0.0, problems).to_radians());
             let tilt = section.number("tilt", &TILT, dome.tilt.to_degrees(), problems).to_radians();
-            ([yaw, FRAC_PI_2 - tilt, roll], fisheye(&mut section, dome, problems))
+            ([yaw, FRAC_PI_2 - tilt, roll], {
+                let lens = lens::formula_fisheye(&mut section, dome.coverage.to_degrees(), problems);
+                lens.map(|lens| ContentKind::Directions(Panorama::Fisheye(lens)))
+            })
         }
         Kind::Flat => {
             let width = section.number("width", &PANEL, 60.0, problems).to_radians();
@@ -73,15 +76,6 @@ pub(super) fn content(mut section: Section, dome: &Dome, problems: &mut Problems
     let stereo = section.choice("stereo", &Stereo::WORDS, problems).unwrap_or_default();
     section.finish(&KINDS_OF_KEYS, problems);
     kind.map(|kind| Content { kind, angles, region, stereo })
-}
-
-fn fisheye(section: &mut Section, dome: &Dome, problems: &mut Problems) -> Option<ContentKind> {
-    let lens = lens::fisheye(section, dome.coverage.to_degrees(), problems)?;
-    if matches!(lens.projection, Projection::Measured(_)) {
-        let why = "\"measured\" is not possible for content; expected a projection with a formula";
-        problems.add(&section.path("projection"), why);
-    }
-    Some(ContentKind::Directions(Panorama::Fisheye(lens)))
 }
 
 fn region(section: &mut Section, problems: &mut Problems) -> Option<Region> {

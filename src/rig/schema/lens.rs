@@ -171,6 +171,28 @@ fn distortion(mut section: Section, problems: &mut Problems) -> Distortion {
 
 /// The lens of a fisheye with `aperture` degrees where the file says no other.
 pub(super) fn fisheye(section: &mut Section, aperture: f64, problems: &mut Problems) -> Option<FisheyeLens> {
+    let measured = Measured { curve: measured(section, problems), word: Some(("measured", usize::MAX)) };
+    any_fisheye(section, aperture, measured, problems)
+}
+
+/// As [`fisheye`], for what needs a projection with a formula.
+pub(super) fn formula_fisheye(section: &mut Section, aperture: f64, problems: &mut Problems) -> Option<FisheyeLens> {
+    any_fisheye(section, aperture, Measured::default(), problems)
+}
+
+/// A measured projection, where one is possible.
+#[derive(Default)]
+struct Measured {
+    curve: Option<Arc<Curve>>,
+    word: Option<(&'static str, usize)>,
+}
+
+fn any_fisheye(
+    section: &mut Section,
+    aperture: f64,
+    measured: Measured,
+    problems: &mut Problems,
+) -> Option<FisheyeLens> {
     let projections = [
         ("equidistant", Projection::Equidistant),
         ("equisolid", Projection::Equisolid),
@@ -179,18 +201,13 @@ pub(super) fn fisheye(section: &mut Section, aperture: f64, problems: &mut Probl
         ("polynomial", Projection::Polynomial([0.0; 4])),
     ];
     let given = section.has("projection");
-    let measured = measured(section, problems);
-    let words: Vec<(&'static str, usize)> = projections
-        .iter()
-        .enumerate()
-        .map(|(index, (word, _))| (*word, index))
-        .chain([("measured", usize::MAX)])
-        .collect();
+    let words: Vec<(&'static str, usize)> =
+        projections.iter().enumerate().map(|(index, (word, _))| (*word, index)).chain(measured.word).collect();
     let chosen = section.choice("projection", &words, problems);
     let mut projection = match (given, chosen) {
         (true, chosen) => match projections.get(chosen?) {
             Some((_, projection)) => projection.clone(),
-            None => Projection::Measured(measured.clone()?),
+            None => Projection::Measured(measured.curve?),
         },
         (false, _) => Projection::Equidistant,
     };
