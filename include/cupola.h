@@ -607,6 +607,7 @@ enum cupola_status cupola_map_direction(const struct cupola_rig *rig,
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a size out of range, a field that this version does
    not know, or a rig that corrects nothing (`identity`).
+ - `CUPOLA_INVALID_STATE`: no context is current in this thread.
  - `CUPOLA_GRAPHICS`: the context is too old, lacks a function or has no memory left.
 
  # Ownership
@@ -633,7 +634,7 @@ enum cupola_status cupola_gl_create(const struct cupola_rig *rig,
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or the size is out of range.
- - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+ - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
  - `CUPOLA_GRAPHICS`: the driver refused a request.
 
  # Threads
@@ -658,7 +659,7 @@ enum cupola_status cupola_gl_resize(struct cupola_gl *gl, uint32_t width, uint32
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a viewer outside the screen or not finite.
- - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+ - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
  - `CUPOLA_GRAPHICS`: the driver refused a request.
 
  # Threads
@@ -743,13 +744,15 @@ enum cupola_status cupola_gl_get_statistics(struct cupola_gl *gl,
  - `gl`: the object, or null, which does nothing.
 
  # Returns
- `CUPOLA_OK`, or `CUPOLA_INTERNAL`.
+ - `CUPOLA_INVALID_STATE`: called in `draw` of `cupola_gl_draw_frame`; the object lives on. Or its
+   context is not current; the object is destroyed, and what it made on the context is left to
+   the end of the context.
 
  # Threads
  Context current.
 
  # Safety
- `gl` is a live handle or null. It must not be used afterwards.
+ `gl` is a live handle or null. It must not be used afterwards, unless it was refused in `draw`.
  */
 enum cupola_status cupola_gl_destroy(struct cupola_gl *gl);
 
@@ -811,7 +814,7 @@ enum cupola_status cupola_gl_set_blend(struct cupola_gl *gl,
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `gl` is null.
- - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+ - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 
  # Threads
  Context current.
@@ -833,7 +836,8 @@ enum cupola_status cupola_gl_begin_frame(struct cupola_gl *gl);
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or there is no such view.
- - `CUPOLA_INVALID_STATE`: no frame has begun, or a view has begun and not ended.
+ - `CUPOLA_INVALID_STATE`: no frame has begun, a view has begun and not ended, or the context is not
+   current.
 
  # Threads
  Context current.
@@ -871,14 +875,15 @@ enum cupola_status cupola_gl_end_view(struct cupola_gl *gl);
  - `x`, `y`: lower left corner of the picture in the framebuffer, in pixels.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: `gl` is null.
- - `CUPOLA_INVALID_STATE`: no frame has begun, or a view has not ended.
+ - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or the context has no such framebuffer, or it is not
+   complete. The frame has not ended then.
+ - `CUPOLA_INVALID_STATE`: no frame has begun, a view has not ended, or the context is not current.
 
  # Threads
  Context current.
 
  # Safety
- `gl` is a live handle; `framebuffer` is complete.
+ `gl` is a live handle.
  */
 enum cupola_status cupola_gl_end_frame(struct cupola_gl *gl,
                                        uint32_t framebuffer,
@@ -898,15 +903,15 @@ enum cupola_status cupola_gl_end_frame(struct cupola_gl *gl,
  - `framebuffer`, `x`, `y`: as for `cupola_gl_end_frame`.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, or the planes are wrong. `draw` was not
-   called.
- - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+ - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, the planes are wrong, or the context has no such
+   framebuffer. `draw` was not called.
+ - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 
  # Threads
  Context current. `draw` is called in the calling thread, before this function returns.
 
  # Safety
- `gl` is a live handle; `framebuffer` is complete; `draw` and `user` fit each other.
+ `gl` is a live handle; `draw` and `user` fit each other.
  */
 enum cupola_status cupola_gl_draw_frame(struct cupola_gl *gl,
                                         double near,

@@ -4,7 +4,7 @@ pub mod vulkan;
 
 use super::cache;
 use super::session::{Extras, MatrixClass, Session, classify};
-use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::objects::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::LowerLeftRect;
@@ -109,6 +109,9 @@ impl Embedded {
 
     fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool, plan: Planner) -> Result<(Session, Surface, GlBackend)> {
         check_request(rig, size)?;
+        if gl.text(api::GL_VERSION).is_empty() {
+            return Err(Error::new(ErrorKind::InvalidState, NO_CONTEXT));
+        }
         let session = plan(rig, size, false, greatest_texture(gl), Extras::default())?;
         let mut backend = GlBackend::new(gl, es)?.with_cache(gl, cache::of_process());
         if let Err(error) = backend.prepare(gl, session.plan(), false) {
@@ -153,6 +156,7 @@ impl Embedded {
     }
 
     fn replan(&mut self, rig: Rig, size: (u32, u32)) -> Result<()> {
+        self.expect_context()?;
         let (session, surface, backend) = Self::prepare(&self.gl, &rig, size, self.es, self.plan)?;
         self.backend.destroy(&self.gl);
         self.surface.destroy(&self.gl);
@@ -229,9 +233,21 @@ impl Embedded {
     /// Begins a frame.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidState`] inside another frame.
+    /// [`ErrorKind::InvalidState`] inside another frame, or if the context is not current.
     pub fn begin_frame(&mut self) -> Result<()> {
         self.expect_idle()?;
+        self.expect_context()?;
+        self.state = State::Frame;
+        Ok(())
+    }
+
+    /// Begins a frame that ends in `framebuffer`.
+    ///
+    /// # Errors
+    /// As [`Self::begin_frame`] and [`Self::check_framebuffer`].
+    pub fn begin_frame_into(&mut self, framebuffer: u32) -> Result<()> {
+        self.expect_idle()?;
+        self.check_framebuffer(framebuffer)?;
         self.state = State::Frame;
         Ok(())
     }
@@ -251,6 +267,7 @@ impl Embedded {
         if index >= self.view_count() {
             return Err(no_view(index, self.view_count()));
         }
+        self.expect_context()?;
         self.state = State::View(self.surface.begin_tile(&self.gl, self.session.tile(index).0));
         self.counts.views += 1;
         Ok(())
@@ -279,7 +296,8 @@ impl Embedded {
     /// Gives the OpenGL error that the program itself had pending, which this takes out of the driver.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidState`] outside a frame or inside a view.
+    /// [`ErrorKind::InvalidState`] outside a frame or inside a view, and as
+    /// [`Self::check_framebuffer`]. The frame has not ended then.
     pub fn end_frame(&mut self, framebuffer: u32, x: i32, y: i32) -> Result<u32> {
         if !matches!(self.state, State::Frame) {
             return Err(Error::new(
@@ -287,6 +305,7 @@ impl Embedded {
                 "a frame ends after its begin and after the end of its last view",
             ));
         }
+        self.check_framebuffer(framebuffer)?;
         self.state = State::Idle;
         self.targets.clear();
         self.targets.extend(self.session.viewports().map(|place| Target { framebuffer, viewport: place.moved(x, y) }));
@@ -300,10 +319,59 @@ impl Embedded {
         EmbeddedCounts { errors: self.backend.errors(), ..self.counts }
     }
 
-    /// Deletes everything on the context, which must be current.
-    pub fn destroy(mut self) {
+    /// Deletes everything on the context.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] if the context is not current: nothing is deleted there then, as
+    /// the names would be those of other objects.
+    pub fn destroy(mut self) -> Result<()> {
+        self.expect_context()?;
         self.backend.destroy(&self.gl);
         self.surface.destroy(&self.gl);
+        Ok(())
+    }
+
+    /// Fails unless pictures can be presented into `framebuffer` (0 = the window) of the context.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] if the context is not current; [`ErrorKind::InvalidArgument`] if there is no
+    /// such framebuffer, or it is incomplete.
+    pub fn check_framebuffer(&self, framebuffer: u32) -> Result<()> {
+        self.expect_context()?;
+        let gl = &self.gl;
+        let invalid = |message: String| Err(Error::new(ErrorKind::InvalidArgument, message));
+        // SAFETY: asks the context, which is current.
+        if framebuffer != 0 && unsafe { gl.is_framebuffer(framebuffer) } == 0 {
+            return invalid(format!("the context has no framebuffer {framebuffer}"));
+        }
+        let mut bound = 0;
+        // SAFETY: writes one integer; the binding is put back.
+        let status = unsafe {
+            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+            let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+            status
+        };
+        match (status, framebuffer) {
+            (api::GL_FRAMEBUFFER_COMPLETE, _) => Ok(()),
+            (_, 0) => invalid("the context has no window to present into (framebuffer 0)".to_owned()),
+            (status, name) => invalid(format!("framebuffer {name} is not complete (status {status:#06x})")),
+        }
+    }
+
+    /// Fails unless the context on which this was made is current: vertex arrays are not shared
+    /// between contexts. One that happens to have the same name is not told apart.
+    fn expect_context(&self) -> Result<()> {
+        // SAFETY: asks; without a context the functions do nothing and answer 0.
+        if unsafe { self.gl.is_vertex_array(self.backend.vertex_array()) } != 0 {
+            return Ok(());
+        }
+        let message = match self.gl.text(api::GL_VERSION).is_empty() {
+            true => NO_CONTEXT,
+            false => "another OpenGL context is current than the one on which the object was made",
+        };
+        Err(Error::new(ErrorKind::InvalidState, message))
     }
 
     fn expect_idle(&self) -> Result<()> {
@@ -314,6 +382,8 @@ impl Embedded {
         }
     }
 }
+
+const NO_CONTEXT: &str = "no OpenGL context is current in this thread";
 
 /// Rows and lens of a view for a program with this matrix.
 fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<(ReprojectionMatrix, LensConstants)> {

@@ -340,6 +340,62 @@ static void frame_of_another_viewer(cupola_gl *dome, int size)
     CHECK(cupola_gl_resize(dome, (uint32_t)size / 2, (uint32_t)size / 2) == CUPOLA_OK);
 }
 
+/* In the callback, where nothing may be called; 2 if the object is not destroyed. */
+static void draw_and_destroy(const cupola_gl_view *view, void *user)
+{
+    cupola_gl *dome = user;
+    (void)view;
+    REFUSED(cupola_gl_destroy(dome), CUPOLA_INVALID_STATE, "draw");
+    REFUSED(cupola_gl_begin_frame(dome), CUPOLA_INVALID_STATE, "frame");
+}
+
+/* Without the context, with another one, and with framebuffers that do not exist or are not complete. */
+static void check_contexts(const cupola_rig *rig, cupola_gl_options options)
+{
+    EGLDisplay display = eglGetCurrentDisplay();
+    EGLContext own = eglGetCurrentContext(), other;
+    const double elsewhere[3] = {0.5, 0.0, 0.0};
+    cupola_gl *dome = NULL, *none = NULL, *lost = NULL;
+    GLuint empty = 0;
+    EGLint config_id = 0, count = 0;
+    EGLConfig config = NULL;
+    CHECK(cupola_gl_create(rig, &options, &dome) == CUPOLA_OK && cupola_gl_create(rig, &options, &lost) == CUPOLA_OK);
+    target t = target_create((int)options.width, (int)options.height);
+    REFUSED(cupola_gl_draw_frame(dome, 1, 2, draw, NULL, 12345, 0, 0), CUPOLA_INVALID_ARGUMENT, "12345");
+    REFUSED(cupola_gl_draw_frame(dome, 1, 2, draw, NULL, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "no window");
+    glGenFramebuffers(1, &empty);
+    glBindFramebuffer(GL_FRAMEBUFFER, empty);
+    REFUSED(cupola_gl_draw_frame(dome, 1, 2, draw, NULL, empty, 0, 0), CUPOLA_INVALID_ARGUMENT, "complete");
+    glDeleteFramebuffers(1, &empty);
+    CHECK(cupola_gl_begin_frame(dome) == CUPOLA_OK);
+    REFUSED(cupola_gl_end_frame(dome, 12345, 0, 0), CUPOLA_INVALID_ARGUMENT, "12345");
+    CHECK(cupola_gl_end_frame(dome, t.framebuffer, 0, 0) == CUPOLA_OK); /* it had not ended */
+    CHECK(cupola_gl_draw_frame(dome, 1, 2, draw_and_destroy, dome, t.framebuffer, 0, 0) == CUPOLA_OK);
+
+    CHECK(eglQueryContext(display, own, EGL_CONFIG_ID, &config_id));
+    const EGLint wanted[] = {EGL_CONFIG_ID, config_id, EGL_NONE}, version[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_NONE};
+    eglChooseConfig(display, wanted, &config, 1, &count);
+    other = eglCreateContext(display, count == 1 ? config : NULL, own, version);
+    CHECK(other != EGL_NO_CONTEXT);
+    for (int way = 0; way < 2; way++) {
+        const char *word = way == 0 ? "no OpenGL context" : "another OpenGL context";
+        CHECK(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, way == 0 ? EGL_NO_CONTEXT : other));
+        REFUSED(cupola_gl_begin_frame(dome), CUPOLA_INVALID_STATE, word);
+        REFUSED(cupola_gl_draw_frame(dome, 1, 2, draw, NULL, t.framebuffer, 0, 0), CUPOLA_INVALID_STATE, word);
+        REFUSED(cupola_gl_resize(dome, 64, 64), CUPOLA_INVALID_STATE, word);
+        REFUSED(cupola_gl_set_viewer(dome, elsewhere, 0, 0, 0), CUPOLA_INVALID_STATE, word);
+        if (way == 0) {
+            REFUSED(cupola_gl_create(rig, &options, &none), CUPOLA_INVALID_STATE, word);
+            REFUSED(cupola_gl_destroy(lost), CUPOLA_INVALID_STATE, word);
+        }
+    }
+    CHECK(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, own));
+    eglDestroyContext(display, other);
+    CHECK(cupola_gl_draw_frame(dome, 1, 2, draw, NULL, t.framebuffer, 0, 0) == CUPOLA_OK);
+    CHECK(cupola_gl_destroy(dome) == CUPOLA_OK && none == NULL);
+    CHECK(glGetError() == GL_NO_ERROR);
+}
+
 /* A picture that is projected already: red to the right, green upwards, blue everywhere. */
 static void draw_projected(const cupola_gl_view *view, void *user)
 {
@@ -410,6 +466,8 @@ int main(int argc, char **argv)
     cube = mesh_cube();
     check_creation(rig, options);
     frame_of_content(size);
+    check_contexts(rig, options);
+    target steady = target_create(size, size);
     CHECK(cupola_gl_create(rig, &options, &dome) == CUPOLA_OK);
     cupola_rig_free(rig); /* what was made from it lives on */
     if (dome == NULL)
@@ -419,7 +477,7 @@ int main(int argc, char **argv)
     frame_of_another_viewer(dome, size);
     frame_by_views(dome, size);
     for (int frame = 0; argc == 5 && frame < atoi(argv[4]); frame++) {
-        CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, 0, 0, 0) == CUPOLA_OK);
+        CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, steady.framebuffer, 0, 0) == CUPOLA_OK);
         if (steady_frame != NULL)
             steady_frame();
     }

@@ -131,7 +131,7 @@ impl Expected<'_> {
 
     fn expect(&self, shown: &Picture, what: &str) {
         let worst = self.worst(shown, what);
-        note(&format!("{what}: at most {worst:.2} of 255"));
+        note(format!("{what}: at most {worst:.2} of 255"));
         assert!(worst <= 2.0, "{what}: {worst} of 255");
         // Control: the content turned by three degrees.
         let content = match self.content {

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 /// A message for the user and the exit code that goes with it.
+#[derive(Debug)]
 pub struct Failure {
     /// The message; each line is printed after the name of the command.
     pub message: String,

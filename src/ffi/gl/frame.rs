@@ -15,7 +15,7 @@ use std::ffi::c_void;
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null.
-/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 ///
 /// # Threads
 /// Context current.
@@ -39,7 +39,8 @@ pub unsafe extern "C" fn cupola_gl_begin_frame(gl: *mut cupola_gl) -> cupola_sta
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or there is no such view.
-/// - `CUPOLA_INVALID_STATE`: no frame has begun, or a view has begun and not ended.
+/// - `CUPOLA_INVALID_STATE`: no frame has begun, a view has begun and not ended, or the context is not
+///   current.
 ///
 /// # Threads
 /// Context current.
@@ -81,14 +82,15 @@ pub unsafe extern "C" fn cupola_gl_end_view(gl: *mut cupola_gl) -> cupola_status
 /// - `x`, `y`: lower left corner of the picture in the framebuffer, in pixels.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null.
-/// - `CUPOLA_INVALID_STATE`: no frame has begun, or a view has not ended.
+/// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or the context has no such framebuffer, or it is not
+///   complete. The frame has not ended then.
+/// - `CUPOLA_INVALID_STATE`: no frame has begun, a view has not ended, or the context is not current.
 ///
 /// # Threads
 /// Context current.
 ///
 /// # Safety
-/// `gl` is a live handle; `framebuffer` is complete.
+/// `gl` is a live handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_gl_end_frame(gl: *mut cupola_gl, framebuffer: u32, x: i32, y: i32) -> cupola_status {
     // SAFETY: as this function's contract.
@@ -115,15 +117,15 @@ fn end(gl: &mut cupola_gl, framebuffer: u32, x: i32, y: i32) -> Result<()> {
 /// - `framebuffer`, `x`, `y`: as for `cupola_gl_end_frame`.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, or the planes are wrong. `draw` was not
-///   called.
-/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+/// - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, the planes are wrong, or the context has no such
+///   framebuffer. `draw` was not called.
+/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 ///
 /// # Threads
 /// Context current. `draw` is called in the calling thread, before this function returns.
 ///
 /// # Safety
-/// `gl` is a live handle; `framebuffer` is complete; `draw` and `user` fit each other.
+/// `gl` is a live handle; `draw` and `user` fit each other.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_gl_draw_frame(
     gl: *mut cupola_gl,
@@ -144,12 +146,14 @@ pub unsafe extern "C" fn cupola_gl_draw_frame(
             // Wrong planes are refused before anything begins.
             describe(gl, 0, near, far)?;
         }
-        gl.embedded.begin_frame()?;
+        gl.embedded.begin_frame_into(framebuffer)?;
         for index in 0..views {
             let view = describe(gl, index, near, far)?;
             gl.embedded.begin_view(index as usize)?;
+            gl.is_drawing = true;
             // SAFETY: the program's own function; the view lives during the call.
             unsafe { draw(&view, user) };
+            gl.is_drawing = false;
             gl.embedded.end_view()?;
         }
         end(gl, framebuffer, x, y)

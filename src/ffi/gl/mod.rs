@@ -16,7 +16,7 @@ use super::status::{call, cupola_status};
 use super::view::{Matrices, name_of};
 use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Rig, Viewer};
 use crate::runtime::embedded::Embedded;
 use glam::DVec3;
@@ -30,6 +30,8 @@ use std::ffi::c_void;
 pub struct cupola_gl {
     embedded: Embedded,
     pending_error: u32,
+    /// `cupola_gl_draw_frame` is calling the program.
+    is_drawing: bool,
 }
 
 impl Handle for cupola_gl {
@@ -47,6 +49,7 @@ impl Handle for cupola_gl {
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a size out of range, a field that this version does
 ///   not know, or a rig that corrects nothing (`identity`).
+/// - `CUPOLA_INVALID_STATE`: no context is current in this thread.
 /// - `CUPOLA_GRAPHICS`: the context is too old, lacks a function or has no memory left.
 ///
 /// # Ownership
@@ -85,7 +88,7 @@ unsafe fn create(
     // SAFETY: the program's own function, with a NUL-terminated name.
     let table = Gl::load(|name| unsafe { find(name.as_ptr()) }.map_or(std::ptr::null(), |f| f as *const c_void));
     let embedded = plan(table, &rig.rig, (options.width, options.height))?;
-    cupola_gl { embedded, pending_error: 0 }.give(gl);
+    cupola_gl { embedded, pending_error: 0, is_drawing: false }.give(gl);
     Ok(())
 }
 
@@ -98,7 +101,7 @@ unsafe fn create(
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or the size is out of range.
-/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 /// - `CUPOLA_GRAPHICS`: the driver refused a request.
 ///
 /// # Threads
@@ -125,7 +128,7 @@ pub unsafe extern "C" fn cupola_gl_resize(gl: *mut cupola_gl, width: u32, height
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a viewer outside the screen or not finite.
-/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 /// - `CUPOLA_GRAPHICS`: the driver refused a request.
 ///
 /// # Threads
@@ -267,20 +270,24 @@ pub unsafe extern "C" fn cupola_gl_get_statistics(
 /// - `gl`: the object, or null, which does nothing.
 ///
 /// # Returns
-/// `CUPOLA_OK`, or `CUPOLA_INTERNAL`.
+/// - `CUPOLA_INVALID_STATE`: called in `draw` of `cupola_gl_draw_frame`; the object lives on. Or its
+///   context is not current; the object is destroyed, and what it made on the context is left to
+///   the end of the context.
 ///
 /// # Threads
 /// Context current.
 ///
 /// # Safety
-/// `gl` is a live handle or null. It must not be used afterwards.
+/// `gl` is a live handle or null. It must not be used afterwards, unless it was refused in `draw`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_gl_destroy(gl: *mut cupola_gl) -> cupola_status {
     call(|| {
-        // SAFETY: as this function's contract.
-        if let Some(gl) = unsafe { cupola_gl::take(gl) } {
-            gl.embedded.destroy();
+        // SAFETY: as this function's contract; the object is borrowed for this question only.
+        if !gl.is_null() && unsafe { cupola_gl::borrow(gl) }?.is_drawing {
+            let message = "the object is in use: this is called in `draw` of cupola_gl_draw_frame";
+            return Err(Error::new(ErrorKind::InvalidState, message));
         }
-        Ok(())
+        // SAFETY: as this function's contract.
+        unsafe { cupola_gl::take(gl) }.map_or(Ok(()), |gl| gl.embedded.destroy())
     })
 }
