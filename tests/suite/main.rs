@@ -42,6 +42,7 @@ mod steady;
 mod vertices;
 mod vkcube;
 mod vulkan;
+mod vulkan_computed;
 mod vulkan_faults;
 mod vulkan_later;
 mod vulkan_others;
@@ -78,6 +79,7 @@ harness::tests! {
     steady,
     vertices,
     vulkan,
+    vulkan_computed,
     vulkan_faults,
     vulkan_later,
     vulkan_others,

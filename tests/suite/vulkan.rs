@@ -361,11 +361,8 @@ fn pipelines_that_are_linked() {
 
 /// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
 fn programs_that_stay_flat_say_why() {
-    let reasons = [
-        ("multiview", "notes", "multiview or layers"),
-        ("independent", "notes", "no room for a descriptor set"),
-        ("compute", "single_framebuffers", "it is read by compute shaders"),
-    ];
+    let reasons =
+        [("multiview", "notes", "multiview or layers"), ("independent", "notes", "no room for a descriptor set")];
     for (way, told, why) in reasons {
         let extra = ["--way", way, "--shot", "shot.ppm"];
         let run = scenes(&extra);

@@ -118,6 +118,8 @@ static void open_device(vulkan_window *w, bool newest)
                                            .features = {.occlusionQueryPrecise = newest,
                                                         .pipelineStatisticsQuery = newest,
                                                         .geometryShader = w->stages && there.geometryShader,
+                                                        .shaderStorageImageWriteWithoutFormat =
+                                                            there.shaderStorageImageWriteWithoutFormat,
                                                         .shaderClipDistance = there.shaderClipDistance,
                                                         .shaderCullDistance = there.shaderCullDistance,
                                                         .tessellationShader = w->stages && there.tessellationShader}};

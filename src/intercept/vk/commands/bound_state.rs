@@ -3,8 +3,7 @@
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
-use crate::intercept::vk::state::recording::PUSH_BYTES;
-use crate::intercept::vk::state::recording::bindings::BoundSet;
+use crate::intercept::vk::state::recording::bindings::{BoundSet, PUSH_BYTES};
 use ash::vk;
 
 hooks! {
@@ -26,8 +25,9 @@ hooks! {
     cmd_bind_descriptor_sets = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, first: u32, count: u32, sets: *const vk::DescriptorSet, dynamic_count: u32, dynamic: *const u32
     ) { |state, next| {
-        if point != vk::PipelineBindPoint::GRAPHICS && state.images.has_candidates() {
-            let views = slice(sets, count).iter().flat_map(|set| state.descriptors.pictures(*set));
+        let known = [vk::PipelineBindPoint::GRAPHICS, vk::PipelineBindPoint::COMPUTE];
+        if !known.contains(&point) && state.images.has_candidates() {
+            let views = slice(sets, count).iter().flat_map(|set| [state.descriptors.pictures(*set), state.descriptors.stored(*set)].concat());
             let images = views.filter_map(|view| state.images.candidate_of(view));
             images.for_each(|image| state.scene_graph.note_made(image, Made::Elsewhere));
         }
@@ -57,8 +57,12 @@ hooks! {
     cmd_push_constants = (
         buffer: vk::CommandBuffer, layout: vk::PipelineLayout, stages: vk::ShaderStageFlags, offset: u32, size: u32, values: *const std::ffi::c_void
     ) { |state, next| {
+        let given = slice(values.cast::<u8>(), size);
+        if stages.contains(vk::ShaderStageFlags::COMPUTE) {
+            state.recordings.with(buffer, |recording| recording.compute.push_constants(offset as usize, given));
+        }
         if stages != vk::ShaderStageFlags::COMPUTE {
-            let values = slice(values.cast::<u8>(), size);
+            let values = given;
             state.recordings.with(buffer, |recording| {
                 let start = (offset as usize).min(PUSH_BYTES);
                 let end = (start + values.len()).min(PUSH_BYTES);

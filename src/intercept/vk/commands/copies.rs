@@ -1,7 +1,9 @@
 //! Copies between images: from the window's image, to it, and between images of the scene.
 
+use crate::backend::vk::Use;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_TO, barrier_of, left_in, ready_in};
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
@@ -77,7 +79,7 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
         },
         (Some(read), Some(target)) if everything && read.layout.has_views_of(&target.layout) => {
             drawn(&target, true);
-            match Arc::ptr_eq(&read.layout, &target.layout) {
+            match Arc::ptr_eq(&read.layout, &target.layout) && !read.is_stored() {
                 true => CopyPlan::Views(read.atlas, target),
                 false => CopyPlan::Scaled(read, target),
             }
@@ -121,6 +123,10 @@ fn atlas(target: &ViewTarget) -> vk::Extent3D {
 
 /// Region of a command that copies, blits or resolves from image to image.
 trait Region: Clone {
+    /// It may change the size.
+    const SCALES: bool;
+    /// Samples are resolved.
+    const RESOLVES: bool;
     /// The corners of what is read.
     fn src(&self) -> [vk::Offset3D; 2];
     /// The corners of what is written.
@@ -135,7 +141,9 @@ trait Region: Clone {
 
 /// Regions with one extent.
 macro_rules! sized {
-    ($($kind:ty),+) => { $( impl Region for $kind {
+    ($($kind:ty, $resolves:literal);+) => { $( impl Region for $kind {
+        const SCALES: bool = false;
+        const RESOLVES: bool = $resolves;
         fn src(&self) -> [vk::Offset3D; 2] {
             extent(self.src_offset, self.extent)
         }
@@ -154,11 +162,13 @@ macro_rules! sized {
         }
     } )+ };
 }
-sized!(vk::ImageCopy, vk::ImageResolve, vk::ImageCopy2<'_>, vk::ImageResolve2<'_>);
+sized!(vk::ImageCopy, false; vk::ImageResolve, true; vk::ImageCopy2<'_>, false; vk::ImageResolve2<'_>, true);
 
 /// Regions with corners.
 macro_rules! scaled {
     ($($kind:ty),+) => { $( impl Region for $kind {
+        const SCALES: bool = true;
+        const RESOLVES: bool = false;
         fn src(&self) -> [vk::Offset3D; 2] {
             self.src_offsets
         }
@@ -179,6 +189,25 @@ macro_rules! scaled {
     } )+ };
 }
 scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
+
+/// Blits a rectangle of an image in a layout to a rectangle of another.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+unsafe fn scale(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    (from, read, read_layout): (vk::Image, AtlasRect, vk::ImageLayout),
+    (to, written, layout): (vk::Image, AtlasRect, vk::ImageLayout),
+) {
+    let mut region = vk::ImageBlit::default().src_subresource(COLOR_LAYER).dst_subresource(COLOR_LAYER);
+    region.take(read, written);
+    // SAFETY: as promised; the rectangles lie in the images.
+    unsafe {
+        let filter = vk::Filter::LINEAR;
+        device.driver.functions.cmd_blit_image(buffer, from, read_layout, to, layout, &[region], filter);
+    }
+}
 
 /// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of
 /// it. The layouts are those that both images are in.
@@ -211,30 +240,75 @@ unsafe fn between<R: Region>(
             unsafe { view_copies::make(device, buffer, &target, layout) };
         }
         CopyPlan::Scaled(read, target) => {
-            let of_view = |image: vk::Image, from: AtlasRect, to: AtlasRect| {
-                next(image, target.atlas, &changed(&|region| region.take(from, to)));
+            let same_size = read.layout.atlas == target.layout.atlas;
+            let same_format = device.images.format(from) == device.images.format(to);
+            if R::RESOLVES && !same_size {
+                device.show_flat("it resolves its picture into an image with other views");
+                return next(from, to, regions);
+            }
+            // A copy keeps bits, and a blit values: where the formats differ, the views are scaled in that of the first.
+            let scaled = match !R::SCALES && !same_format && !same_size {
+                true => match device.images.scaled_atlas(device, from, &target.layout) {
+                    Ok(image) => Some(image),
+                    Err(why) => {
+                        device.show_flat(why);
+                        return next(from, to, regions);
+                    }
+                },
+                false => None,
             };
+            // SAFETY: as promised.
+            let bring = |from: Use, to: Use| {
+                scaled.iter().for_each(|image| unsafe {
+                    barrier_of(&device.driver, buffer, (*image, read.aspects), from, to);
+                })
+            };
+            let of_view = |image: vk::Image, from: AtlasRect, to: AtlasRect| {
+                let (end, end_layout) = scaled.map_or((target.atlas, layout), |scaled| (scaled, COPIED_TO.layout));
+                let is_same = scaled.is_none() && (from.width, from.height) == (to.width, to.height);
+                match R::SCALES || is_same {
+                    true => next(image, target.atlas, &changed(&|region| region.take(from, to))),
+                    // SAFETY: as promised.
+                    false => unsafe { scale(device, buffer, (image, from, from_layout), (end, to, end_layout)) },
+                }
+            };
+            bring(left_in(from_layout), COPIED_TO);
+            let whole = |AtlasRect { width, height, .. }| AtlasRect { x: 0, y: 0, width, height };
             // SAFETY: as promised; the atlas has just been written in this layout.
             unsafe {
                 view_copies::read(device, buffer, &read, from_layout, || {
                     // A filter reads beside a tile, but not beside an image.
                     let mut view_copies = read.view_copies.iter();
                     for (from, to) in read.layout.views.iter().zip(&target.layout.views) {
-                        let AtlasRect { width, height, .. } = from.rect;
                         match view_copies.next() {
-                            Some(view_copy) => {
-                                of_view(view_copy.image, AtlasRect { x: 0, y: 0, width, height }, to.rect)
-                            }
+                            Some(view_copy) => of_view(view_copy.image, whole(from.rect), to.rect),
                             None => of_view(read.atlas, from.rect, to.rect),
                         }
                     }
+                    if let Some(nothing) = &read.nothing {
+                        of_view(
+                            nothing.image,
+                            AtlasRect { x: 0, y: 0, width: 1, height: 1 },
+                            target.layout.panel_with_border(),
+                        );
+                    }
                 });
-                if let Some((from, to)) = read.layout.primary.zip(target.layout.primary) {
-                    of_view(read.atlas, from, to);
+                // The program's image has what compute shaders wrote, and what was drawn if that can be copied there.
+                let in_image = read.is_stored() && !device.images.lacks_own_picture(read.given);
+                match (in_image, target.layout.primary, read.layout.primary) {
+                    (true, Some(to), _) => of_view(read.given, whole(read.layout.panel), to),
+                    (false, Some(to), Some(from)) => of_view(read.atlas, from, to),
+                    _ => {}
                 }
-                // The panel of an off-screen scene is empty. Its middle is read, so that a filter reads nothing
-                // beside it.
-                of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
+                if !read.is_stored() {
+                    // The panel of an off-screen scene is empty. Its middle is read, so that a filter reads nothing
+                    // beside it.
+                    of_view(read.atlas, read.layout.panel.middle(), target.layout.panel_with_border());
+                }
+                bring(COPIED_TO, ready_in(from_layout));
+                if let Some(scaled) = scaled {
+                    next(scaled, target.atlas, &changed(&|region| region.take_all(atlas(&target))));
+                }
                 view_copies::make(device, buffer, &target, layout);
             }
         }

@@ -8,6 +8,7 @@
 //! ```text
 //! passes ─── atlas in place of the framebuffer
 //! draws ──── one draw per view
+//! dispatches: one per view where compute shaders make pictures of the scene
 //! unsupported: commands that nothing follows; the program is shown flat
 //! ```
 
@@ -15,6 +16,7 @@ pub mod barriers_and_clears;
 pub mod bound_state;
 pub mod conditional_render;
 pub mod copies;
+pub mod dispatches;
 pub mod draws;
 pub mod passes;
 pub mod recording;

@@ -117,9 +117,7 @@ impl Copies {
                     let image = [vk::DescriptorImageInfo {
                         sampler: picture.sampler,
                         image_view: *view_copies.views.get(view)?,
-                        image_layout: picture
-                            .attachment
-                            .unwrap_or(crate::intercept::vk::offscreen::view_copies::SAMPLED),
+                        image_layout: picture.attachment.unwrap_or(view_copies.layout),
                     }];
                     Some((*place, image))
                 })

@@ -50,9 +50,9 @@ const WORK: &str = "
     BuildAccelerationStructuresKHR BuildMicromapsEXT ControlVideoCodingKHR CopyAccelerationStructureKHR
     CopyAccelerationStructureNV CopyAccelerationStructureToMemoryKHR CopyMemoryIndirectNV
     CopyMemoryToAccelerationStructureKHR CopyMemoryToMicromapEXT CopyMicromapEXT CopyMicromapToMemoryEXT
-    CuLaunchKernelNVX CudaLaunchKernelNV DecodeVideoKHR DecompressMemoryIndirectCountNV DecompressMemoryNV Dispatch
-    DispatchBase DispatchBaseKHR DispatchGraphAMDX DispatchGraphIndirectAMDX DispatchGraphIndirectCountAMDX
-    DispatchIndirect EncodeVideoKHR EndTransformFeedbackEXT EndVideoCodingKHR FillBuffer
+    CuLaunchKernelNVX CudaLaunchKernelNV DecodeVideoKHR DecompressMemoryIndirectCountNV DecompressMemoryNV
+    DispatchGraphAMDX DispatchGraphIndirectAMDX DispatchGraphIndirectCountAMDX
+    EncodeVideoKHR EndTransformFeedbackEXT EndVideoCodingKHR FillBuffer
     InitializeGraphScratchMemoryAMDX OpticalFlowExecuteNV PreprocessGeneratedCommandsNV TraceRaysIndirect2KHR
     TraceRaysIndirectKHR TraceRaysKHR TraceRaysNV UpdatePipelineIndirectBufferNV
     WriteAccelerationStructuresPropertiesKHR WriteAccelerationStructuresPropertiesNV WriteMicromapsPropertiesEXT

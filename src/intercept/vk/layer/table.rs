@@ -2,12 +2,12 @@
 
 use crate::intercept::vk::commands::passes::{dynamic_rendering, framebuffers, render_passes};
 use crate::intercept::vk::commands::{
-    barriers_and_clears, bound_state, conditional_render, copies, draws, recording, unsupported,
+    barriers_and_clears, bound_state, conditional_render, copies, dispatches, draws, recording, unsupported,
 };
 use crate::intercept::vk::descriptors::{push_descriptors, sets};
 use crate::intercept::vk::layer::device;
 use crate::intercept::vk::offscreen::images;
-use crate::intercept::vk::pipelines::{layouts, program_pipelines};
+use crate::intercept::vk::pipelines::{compute, layouts, program_pipelines};
 use crate::intercept::vk::queries::hooks as query_hooks;
 use crate::intercept::vk::submit::{host_memory, queue};
 use crate::intercept::vk::swapchain::{create, present};
@@ -41,6 +41,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             bound_state::HOOKS,
             conditional_render::HOOKS,
             copies::HOOKS,
+            dispatches::HOOKS,
             draws::hooks::HOOKS,
             dynamic_rendering::HOOKS,
             framebuffers::HOOKS,
@@ -50,6 +51,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             push_descriptors::HOOKS,
             sets::HOOKS,
             images::HOOKS,
+            compute::HOOKS,
             layouts::HOOKS,
             program_pipelines::HOOKS,
             query_hooks::HOOKS,

@@ -14,9 +14,10 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 impl Images {
-    /// The window has this layout now: images that hold its scene get it, too.
+    /// The window has this layout now, or other layouts of off-screen scenes: images that hold its scene get them, too.
     ///
     /// # Errors
     /// What the driver refuses; then such an image is the program's own.
@@ -26,7 +27,12 @@ impl Images {
                 let mut images = self.images.locked();
                 let fits = |size: (u32, u32)| viewport::has_shape(size.0.into(), size.1.into(), layout.window);
                 let state = images.get_mut(&image).filter(|state| fits(state.size));
-                let other = |target: &mut Arc<ViewTarget>| !target.layout.has_views_of(layout);
+                let even = self.even.load(Ordering::Relaxed);
+                let own_read = self.own_read.load(Ordering::Relaxed);
+                let other = |target: &mut Arc<ViewTarget>| {
+                    let known = &target.layout;
+                    !known.has_views_of(layout) || known.even != even || even && own_read && known.own().is_none()
+                };
                 state.and_then(|state| state.target.take_if(other))
             };
             if let Some(old) = old {
@@ -50,13 +56,14 @@ impl Images {
 
     /// Destroys all that was retired, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
-        let all = std::mem::take(&mut *self.retired.locked());
+        let mut all = std::mem::take(&mut *self.retired.locked());
+        all.extend(self.of_window.locked().take());
         all.iter().for_each(|target| self.destroy_view_copies(device, target));
     }
 
     /// Destroys the view copies of a scene and their views.
     pub(in crate::intercept::vk) fn destroy_view_copies(&self, device: &Device, target: &ViewTarget) {
-        for view_copy in &target.view_copies {
+        for view_copy in target.view_copies.iter().chain(&target.nothing) {
             self.pending.locked().retain(|pending| pending.image != view_copy.image);
             let mut views = self.views.locked();
             let atlas_copies =

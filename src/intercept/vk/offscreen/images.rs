@@ -31,7 +31,9 @@ impl Images {
         let mut images = self.images.locked();
         let Some(state) = images.get_mut(&image) else { return };
         state.described |= !attachment;
-        if !(descriptors::is_sampled(kind) && state.is_single()) && state.may_hold_scene() {
+        // What compute shaders make of those that they write is seen when they run.
+        let stored = kind == vk::DescriptorType::STORAGE_IMAGE;
+        if !((descriptors::is_sampled(kind) || stored) && state.is_single()) && state.may_hold_scene() {
             device.scene_graph.note_made(image, Made::Elsewhere);
         }
         // Of a scene there are view copies.
@@ -39,7 +41,8 @@ impl Images {
         let drawn = state.target.as_ref().map_or(!attachment && together, |target| target.window);
         drop(images);
         // What is sampled may be followed from the next frame on.
-        if drawn && !(descriptors::is_sampled(kind) && self.is_candidate(image)) {
+        let by_compute = stored && self.target_of_image(image).is_some_and(|target| target.window);
+        if drawn && !by_compute && !((descriptors::is_sampled(kind) || stored) && self.is_candidate(image)) {
             device.show_flat(READ_TOGETHER);
         }
     }
@@ -116,6 +119,7 @@ impl Images {
         for image in views.into_iter().filter_map(|view| self.of(view)) {
             if let Some(state) = self.images.locked().get_mut(&image) {
                 state.drawn_together = true;
+                state.attached = true;
             }
             if self.is_candidate(image) {
                 device.scene_graph.note_scene(image);
@@ -176,7 +180,8 @@ impl Images {
         let atlas_copy =
             atlas_copy.map_err(|error| format!("the driver refuses an image of {} × {}: {error}", size.0, size.1))?;
         if believed != vk::ImageLayout::UNDEFINED {
-            let pending = PendingLayout { image: atlas_copy.image, layout: believed, aspects: aspects(format) };
+            let (image, aspects) = (atlas_copy.image, aspects(format));
+            let pending = PendingLayout { image, layout: believed, aspects, cleared: false };
             self.pending.locked().push(pending);
         }
         if let Some(state) = self.images.locked().get_mut(&image) {
@@ -186,10 +191,10 @@ impl Images {
     }
 }
 
-/// Whether the image may be an attachment.
-fn may_be_attachment(info: &vk::ImageCreateInfo<'_>) -> bool {
+/// Whether the image may be an attachment, or be written by compute shaders.
+fn may_be_drawn(info: &vk::ImageCreateInfo<'_>) -> bool {
     use vk::ImageUsageFlags as U;
-    info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
+    info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT | U::STORAGE)
 }
 
 hooks! {
@@ -198,7 +203,7 @@ hooks! {
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, image);
         let info = &*info;
-        if result == vk::Result::SUCCESS && may_be_attachment(info) {
+        if result == vk::Result::SUCCESS && may_be_drawn(info) {
             let new = Image {
                 flags: info.flags,
                 kind: info.image_type,
@@ -212,6 +217,7 @@ hooks! {
                 submitted_layout: vk::ImageLayout::UNDEFINED,
                 described: false,
                 drawn_alone: false,
+                attached: false,
                 drawn_together: false,
                 target: None,
                 atlas_copies: Vec::new(),

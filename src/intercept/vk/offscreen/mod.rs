@@ -15,3 +15,4 @@ pub mod images;
 pub mod scene_graph;
 pub mod scenes;
 pub mod view_copies;
+pub mod view_images;

@@ -13,6 +13,7 @@ use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::draw_groups::MatrixSource;
 use ash::vk;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A frame ended: images that were found to hold a scene on its way to the window are drawn for
 /// each view from now on.
@@ -24,6 +25,17 @@ pub fn decide(device: &Device) {
         return;
     }
     let Some(layout) = device.swapchains.latest_layout() else { return };
+    let (even, own_read) = device.scene_graph.is_computed(&chosen);
+    let images = &device.images;
+    let is_new = |known: &AtomicBool, now: bool| now && !known.swap(true, Ordering::Relaxed);
+    if is_new(&images.even, even) | is_new(&images.own_read, even && own_read)
+        && let Err(why) = images.follow(device, &layout)
+    {
+        return device.show_flat(why);
+    }
+    if even && own_read && chosen.iter().any(|image| images.lacks_own_picture(*image)) {
+        return device.show_flat("compute shaders measure its picture in an image that nothing can be copied to");
+    }
     for image in &chosen {
         if let Err(why) = device.images.duplicate(device, *image, &layout) {
             return device.show_flat(why);
@@ -79,6 +91,7 @@ pub fn note_draw(
     cover: Cover,
 ) {
     let Some(targets) = recording.plain.clone() else { return };
+    note_stored(device, recording);
     for picture in pictures(device, recording) {
         if targets.is_empty() {
             device.scene_graph.note_made(picture, Made::Elsewhere);
@@ -94,8 +107,28 @@ pub fn note_draw(
     recording.suspect(targets, sources);
 }
 
+/// Notes the images that may hold a scene and that shaders of the next draw can write.
+pub fn note_stored(device: &Device, recording: &Recording) {
+    for view in views_by(device, recording, |set| device.descriptors.stored(set)) {
+        if device.images.target(view).is_some_and(|target| target.window) {
+            device.show_flat(READ_TOGETHER);
+        }
+        let scene = device.images.candidate_of(view);
+        scene.into_iter().for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
+    }
+}
+
 /// The images that may hold a scene among what shaders of the next draw can sample.
 pub fn pictures(device: &Device, recording: &Recording) -> Vec<vk::Image> {
+    let views = views_by(device, recording, |set| device.descriptors.pictures(set));
+    views.into_iter().filter_map(|view| device.images.candidate_of(view)).collect()
+}
+
+fn views_by(
+    device: &Device,
+    recording: &Recording,
+    of: impl Fn(vk::DescriptorSet) -> Vec<vk::ImageView>,
+) -> Vec<vk::ImageView> {
     if !device.images.has_candidates() {
         return Vec::new();
     }
@@ -106,8 +139,7 @@ pub fn pictures(device: &Device, recording: &Recording) -> Vec<vk::Image> {
         .and_then(|pipeline| pipeline.layout.as_ref())
         .map_or(0, |layout| layout.ours);
     let bound = recording.graphics.bound.iter().take(sets as usize).flatten();
-    let images = bound.flat_map(|bound| device.descriptors.pictures(bound.set)).collect::<Vec<_>>();
-    images.into_iter().filter_map(|view| device.images.candidate_of(view)).collect()
+    bound.flat_map(|bound| of(bound.set)).collect()
 }
 
 /// Draws with these matrices ran in passes to these images.
@@ -119,8 +151,14 @@ pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     }
     for target in targets {
         device.scene_graph.note_scene(*target);
-        if device.images.target_of_image(*target).is_some_and(|target| target.was_missed()) {
-            device.show_flat("the commands that draw its scene were recorded before it was seen on the window");
-        }
+    }
+    computed(device, targets);
+}
+
+/// The program's own images were drawn to, or written by compute shaders, which is missing in the views.
+pub fn computed(device: &Device, images: &[vk::Image]) {
+    let missed = |image: &vk::Image| device.images.target_of_image(*image).is_some_and(|target| target.was_missed());
+    if images.iter().filter(|image| missed(image)).count() > 0 {
+        device.show_flat("the commands that draw its scene were recorded before it was seen on the window");
     }
 }

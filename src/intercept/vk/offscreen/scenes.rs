@@ -3,13 +3,12 @@
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::viewport;
 use crate::intercept::settings;
-use crate::intercept::vk::offscreen::view_copies;
+use crate::intercept::vk::offscreen::view_images::ViewImages;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::driver::own_image::OwnImage;
-use crate::intercept::vk::state::images::{Image, Images, KnownScene, PendingLayout, ViewCopies, aspects};
+use crate::intercept::vk::state::images::{Image, Images, KnownScene, ViewCopies, aspects};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
-use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
@@ -52,7 +51,8 @@ impl Images {
             let Some(state) = images.get(&image) else { return Ok(()) };
             // Blits that change the size read these, too.
             let scaled = state.size != layout.window && state.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
-            let described = scaled || state.usage.contains(vk::ImageUsageFlags::SAMPLED);
+            let read = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE;
+            let described = scaled || state.usage.intersects(read);
             (state.kind(), state.flags, described && state.is_single(), state.size)
         };
         if !viewport::has_shape(size.0.into(), size.1.into(), layout.window) {
@@ -60,40 +60,14 @@ impl Images {
         }
         let most = device.driver.greatest_image();
         let window = layout.window;
-        let layout = &layout.of_image(size, most);
+        let layout = &self.layout_of(layout, size, most);
         if layout.atlas.0.max(layout.atlas.1) > most {
             return Err("an image of its scene has no room for all views".into());
         }
         // The atlas copy is made as for any image that is drawn to; then it is the atlas.
         let atlas = self.atlas_copy_image(device, image, layout, true)?;
-        let mut view_copies = Vec::new();
-        let tiles = layout.views.iter().map(|view| view.rect).filter(|_| described);
-        for AtlasRect { width, height, .. } in tiles {
-            let info = vk::ImageCreateInfo::default()
-                .flags(flags)
-                .image_type(vk::ImageType::TYPE_2D)
-                .format(kind.0)
-                .extent(vk::Extent3D { width: width.max(1) as u32, height: height.max(1) as u32, depth: 1 })
-                .mip_levels(1)
-                .array_layers(1)
-                .samples(vk::SampleCountFlags::TYPE_1)
-                .usage(kind.1 & vk::ImageUsageFlags::SAMPLED | ATLAS_COPY_USAGE);
-            // SAFETY: the device is live; the structure is complete.
-            match unsafe { OwnImage::new(&device.driver, &info) } {
-                Ok(view_copy) => view_copies.push(view_copy),
-                Err(error) => {
-                    // SAFETY: ours, and not used yet.
-                    view_copies.iter().for_each(|view_copy| unsafe { view_copy.destroy(&device.driver) });
-                    return Err(format!("the driver refuses an image of {width} × {height}: {error}").into());
-                }
-            }
-        }
-        let sampled = |view_copy: &OwnImage| PendingLayout {
-            image: view_copy.image,
-            layout: view_copies::SAMPLED,
-            aspects: aspects(kind.0),
-        };
-        self.pending.locked().extend(view_copies.iter().map(sampled));
+        let tiles: Vec<AtlasRect> = layout.views.iter().map(|view| view.rect).filter(|_| described).collect();
+        let ViewImages { view_copies, nothing, kept } = self.view_images(device, &tiles, flags, (kind.0, kind.1))?;
         let target = ViewTarget {
             layout: Arc::clone(layout),
             given: image,
@@ -103,6 +77,8 @@ impl Images {
             copied_to: kind.1.contains(vk::ImageUsageFlags::TRANSFER_DST),
             in_views: false.into(),
             view_copies,
+            kept,
+            nothing,
             missed: 0.into(),
         };
         if let Some(state) = self.images.locked().get_mut(&image) {
@@ -138,9 +114,12 @@ impl Images {
                 .subresource_range(state.range);
             (state.image, info, state.atlas_copies.clone())
         };
-        let Some(target) = self.target_of_image(image).filter(|target| !target.view_copies.is_empty()) else {
-            return Ok(None);
+        let target = self.target_of_image(image);
+        let target = match &target {
+            Some(window) if window.window => self.window_copies(window),
+            _ => target,
         };
+        let Some(target) = target.filter(|target| !target.view_copies.is_empty()) else { return Ok(None) };
         if (target.layout.version, target.view_copies.len()) != (layout.version, layout.views.len()) {
             return Err("a picture of its scene has other views than the window".into());
         }
@@ -158,6 +137,14 @@ impl Images {
                 state.atlas_copies.push((view_copy.image, made));
             }
         }
-        Ok(Some(ViewCopies { of: Arc::downgrade(&target), views: all }))
+        Ok(Some(ViewCopies { of: Arc::downgrade(&target), views: all, layout: target.kept }))
+    }
+
+    /// The layout of off-screen scenes of `size` that lead to a window of `layout`.
+    pub(super) fn layout_of(&self, layout: &Arc<AtlasLayout>, size: (u32, u32), most: u32) -> Arc<AtlasLayout> {
+        match self.even.load(Ordering::Relaxed) {
+            true => layout.even(size, self.own_read.load(Ordering::Relaxed)),
+            false => layout.of_image(size, most),
+        }
     }
 }

@@ -13,9 +13,6 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 
-/// As a shader finds a view copy.
-pub const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-
 /// Records by `read` commands that copy from the view copies of a scene, in this layout.
 ///
 /// # Safety
@@ -28,16 +25,16 @@ pub unsafe fn read(
     read: impl FnOnce(),
 ) {
     let change = |from: vk::ImageLayout, to: vk::ImageLayout| {
-        for view_copy in &target.view_copies {
+        for view_copy in target.view_copies.iter().chain(&target.nothing) {
             // SAFETY: as promised.
             unsafe {
                 barrier_of(&device.driver, buffer, (view_copy.image, target.aspects), left_in(from), ready_in(to))
             };
         }
     };
-    change(SAMPLED, layout);
+    change(target.kept, layout);
     read();
-    change(layout, SAMPLED);
+    change(layout, target.kept);
 }
 
 /// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a
@@ -81,7 +78,7 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
         for (view_copy, view) in target.view_copies.iter().zip(&target.layout.views) {
             barrier(view_copy.image, ANYTHING, COPIED_TO);
             copy(view_copy.image, view.rect);
-            barrier(view_copy.image, COPIED_TO, ready_in(SAMPLED));
+            barrier(view_copy.image, COPIED_TO, ready_in(target.kept));
         }
         match own {
             Some(tile) => {
@@ -92,5 +89,73 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
             None => barrier(target.given, ANYTHING, ready_in(layout)),
         }
         barrier(target.atlas, COPIED_FROM, ready_in(layout));
+    }
+}
+
+/// Records the copies of view copies that compute shaders have written to their atlas, which is in the general layout.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass; what has written the view copies is visible.
+pub unsafe fn write_back(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarget) {
+    let layer = vk::ImageSubresourceLayers { aspect_mask: target.aspects, ..COLOR_LAYER };
+    let general = vk::ImageLayout::GENERAL;
+    // SAFETY: as promised; tiles lie in the atlas, and view copies are as large as tiles.
+    unsafe {
+        let atlas = (target.atlas, target.aspects);
+        barrier_of(&device.driver, buffer, atlas, left_in(general), COPIED_TO);
+        for (view_copy, view) in target.view_copies.iter().zip(&target.layout.views) {
+            let region = vk::ImageCopy::default()
+                .src_subresource(layer)
+                .dst_subresource(layer)
+                .dst_offset(view.rect.offset())
+                .extent(view.rect.extent());
+            let functions = &device.driver.functions;
+            functions.cmd_copy_image(buffer, view_copy.image, target.kept, target.atlas, COPIED_TO.layout, &[region]);
+        }
+        barrier_of(&device.driver, buffer, atlas, COPIED_TO, ready_in(general));
+    }
+}
+
+/// Records the blits of view copies that compute shaders have written to a window, whose image they have written before and
+/// which is in the general layout.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+pub unsafe fn show(device: &Device, buffer: vk::CommandBuffer, from: &ViewTarget, window: &ViewTarget) {
+    let general = vk::ImageLayout::GENERAL;
+    let whole = |AtlasRect { width, height, .. }| AtlasRect { x: 0, y: 0, width, height };
+    let blit = |image: vk::Image, from: AtlasRect, to: AtlasRect| {
+        let corners = |rect: AtlasRect| {
+            let AtlasRect { x, y, width, height } = rect;
+            [rect.offset(), vk::Offset3D { x: x + width, y: y + height, z: 1 }]
+        };
+        let region = vk::ImageBlit::default()
+            .src_subresource(COLOR_LAYER)
+            .dst_subresource(COLOR_LAYER)
+            .src_offsets(corners(from))
+            .dst_offsets(corners(to));
+        let (functions, filter) = (&device.driver.functions, vk::Filter::LINEAR);
+        // SAFETY: as promised; the rectangles lie in the images.
+        unsafe {
+            functions.cmd_blit_image(buffer, image, general, window.atlas, COPIED_TO.layout, &[region], filter);
+        }
+    };
+    // SAFETY: as promised.
+    unsafe {
+        let (atlas, given) = ((window.atlas, window.aspects), (window.given, window.aspects));
+        barrier_of(&device.driver, buffer, given, left_in(general), ready_in(general));
+        barrier_of(&device.driver, buffer, atlas, left_in(general), COPIED_TO);
+        for (view_copy, (of_copy, view)) in
+            from.view_copies.iter().zip(from.layout.views.iter().zip(&window.layout.views))
+        {
+            blit(view_copy.image, whole(of_copy.rect), view.rect);
+        }
+        if let Some(primary) = window.layout.primary {
+            blit(window.given, whole(primary), primary);
+        }
+        if let Some(nothing) = &from.nothing {
+            blit(nothing.image, AtlasRect { x: 0, y: 0, width: 1, height: 1 }, window.layout.panel_with_border());
+        }
+        barrier_of(&device.driver, buffer, atlas, COPIED_TO, ready_in(general));
     }
 }

@@ -4,6 +4,7 @@ use crate::intercept::lens;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::Recording;
+use crate::intercept::vk::state::recording::bindings::BoundSet;
 use crate::intercept::vk::state::recording::draw_groups::{MatrixSource, MatrixValue};
 
 /// A matrix out of memory.
@@ -36,13 +37,25 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
 
 /// Place of a shader's matrix, with the descriptors and push constants that are bound.
 pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
+    let bound = |set: u32| recording.graphics.bound.get(set as usize)?.as_ref();
+    source_of(device, &recording.graphics.push, bound, matrix)
+}
+
+/// The same for a compute shader.
+pub fn compute_source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
+    source_of(device, recording.compute.pushed(), |set| recording.compute.set(set), matrix)
+}
+
+fn source_of<'a>(
+    device: &Device,
+    push: &[u8],
+    bound: impl Fn(u32) -> Option<&'a BoundSet>,
+    matrix: &Matrix,
+) -> Option<MatrixSource> {
     let value = match matrix.memory {
-        Memory::Push => MatrixValue::Known(from_bytes(
-            recording.graphics.push.get(matrix.offset as usize..)?,
-            matrix.stride as usize,
-        )?),
+        Memory::Push => MatrixValue::Known(from_bytes(push.get(matrix.offset as usize..)?, matrix.stride as usize)?),
         Memory::Buffer { set, binding } => {
-            let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
+            let bound = bound(set)?;
             let (buffer, offset) = bound.buffer(&device.descriptors, binding)?;
             MatrixValue::Buffer(buffer, offset + u64::from(matrix.offset))
         }

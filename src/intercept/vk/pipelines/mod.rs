@@ -12,6 +12,7 @@
 //!                                                 └─ dividing_stage ─ spirv::divide
 //! ```
 
+pub mod compute;
 pub mod create_info;
 pub mod dividing_stage;
 pub mod layouts;

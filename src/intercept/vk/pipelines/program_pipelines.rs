@@ -15,6 +15,8 @@ impl Pipelines {
     pub fn clear(&self, device: &Device) {
         let all = std::mem::take(&mut *self.all.locked());
         all.values().for_each(|pipeline| pipeline.destroy(device));
+        let all = std::mem::take(&mut *self.computing.locked());
+        all.values().for_each(|pipeline| pipeline.destroy(device));
     }
 }
 
@@ -48,6 +50,8 @@ hooks! {
     destroy_pipeline = (
         device: vk::Device, pipeline: vk::Pipeline, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
+        let gone = state.pipelines.computing.locked().remove(&pipeline);
+        gone.iter().for_each(|gone| gone.destroy(&state));
         let gone = state.pipelines.all.locked().remove(&pipeline);
         if let Some(gone) = gone {
             gone.destroy(&state);

@@ -97,7 +97,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         matrices.sort_by_key(|matrix| matrix.rank);
         let mut stages = parts.stages.clone();
         let mut divided = None;
-        let mut modules = Modules { device, made: Vec::new() };
+        let mut modules = Modules::new(device);
         let mut follows = libraries().any(|library| library.follows);
         if let Some((layout, index)) = layout.as_ref().zip(fragment) {
             let changed = view_stages::fragment(device, &stages[index], layout.ours);
@@ -164,13 +164,22 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
 }
 
 /// Shaders of ours, which are needed until the pipelines are made.
-struct Modules<'a> {
+pub struct Modules<'a> {
     device: &'a Device,
     made: Vec<vk::ShaderModule>,
 }
 
-impl Modules<'_> {
-    fn make(&mut self, words: &[u32]) -> Result<vk::ShaderModule, Obstacle> {
+impl<'a> Modules<'a> {
+    /// None yet.
+    pub fn new(device: &'a Device) -> Self {
+        Self { device, made: Vec::new() }
+    }
+
+    /// Makes one of these words.
+    ///
+    /// # Errors
+    /// The driver's.
+    pub fn make(&mut self, words: &[u32]) -> Result<vk::ShaderModule, Obstacle> {
         let info = vk::ShaderModuleCreateInfo::default().code(words);
         // SAFETY: the device is live.
         let made = unsafe { self.device.driver.functions.create_shader_module(&info, None) };

@@ -2,6 +2,7 @@
 //! and the place of fragments in the program's window.
 
 mod camera_matrices;
+mod compute;
 mod dependence;
 mod divide;
 mod frag_coord;
@@ -13,6 +14,7 @@ mod stage_outputs;
 mod texels;
 
 pub use camera_matrices::{CAMERA_BYTES, Chosen, MOST_CAMERAS, camera_matrices};
+pub use compute::{BufferWrites, ComputeUse, compute_use};
 pub use divide::{ENTRY, Limits, divide};
 pub use frag_coord::frag_coord;
 pub use reflect::{Matrix, Memory, asks_place, matrices};

@@ -1,7 +1,7 @@
 //! Pipelines of the program and their layouts, with what is drawn by in their place.
 
 use crate::intercept::log;
-use crate::intercept::vk::spirv::{DescriptorPlace, Matrix};
+use crate::intercept::vk::spirv::{ComputeUse, DescriptorPlace, Matrix};
 use crate::lock::Lock;
 use crate::runtime::session::ViewMatrix;
 use ash::vk;
@@ -95,7 +95,7 @@ pub struct Variants {
 pub enum MatrixStage {
     /// The vertex shader, where it computes what does not become a position.
     Vertex,
-    /// The fragment shader.
+    /// The fragment shader, or a compute shader.
     Fragment,
 }
 
@@ -110,9 +110,29 @@ pub struct CameraMatrix {
     pub(in crate::intercept::vk) inverted: bool,
 }
 
+/// A compute pipeline of the program.
+pub struct ComputePipeline {
+    /// What its shader reads and writes.
+    pub(in crate::intercept::vk) uses: ComputeUse,
+    /// Its shader has matrices that may be the camera's: the pipeline with those of a view.
+    pub(in crate::intercept::vk) variant: Option<ComputeVariant>,
+    /// There should be one, and cannot be.
+    pub(in crate::intercept::vk) loses_cameras: bool,
+}
+
+/// A compute pipeline with the camera's matrices of a view.
+pub struct ComputeVariant {
+    pub(in crate::intercept::vk) pipeline: vk::Pipeline,
+    /// Its layout, with the set of ours.
+    pub(in crate::intercept::vk) layout: Arc<PipelineLayout>,
+    /// Where the program's matrices are.
+    pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
+}
+
 /// The program's pipelines.
 #[derive(Default)]
 pub struct Pipelines {
+    pub(in crate::intercept::vk) computing: Mutex<HashMap<vk::Pipeline, Arc<ComputePipeline>>>,
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
     /// Statistics of pipelines that are divided, or should be.
     pub(in crate::intercept::vk) divided: DivisionStatistics,
@@ -144,6 +164,11 @@ impl DivisionStatistics {
 }
 
 impl Pipelines {
+    /// A compute pipeline.
+    pub fn computing(&self, handle: vk::Pipeline) -> Option<Arc<ComputePipeline>> {
+        self.computing.locked().get(&handle).cloned()
+    }
+
     /// A graphics pipeline.
     pub fn get(&self, handle: vk::Pipeline) -> Option<Arc<Pipeline>> {
         self.all.locked().get(&handle).cloned()

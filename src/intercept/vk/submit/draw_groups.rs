@@ -96,6 +96,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             Event::Suspected(targets, sources) => {
                 crate::intercept::vk::offscreen::scene_graph::ran(device, targets, sources)
             }
+            Event::Computed(images) => crate::intercept::vk::offscreen::scene_graph::computed(device, images),
             Event::BeginQuery(pool, query) => queries.push(RunningQuery::new(Arc::clone(pool), *query)),
             Event::EndQuery(pool, query) => {
                 let ended = queries.iter().position(|running| running.is(pool, *query));

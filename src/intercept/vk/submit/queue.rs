@@ -1,6 +1,8 @@
 //! Submissions: the draws of submitted command buffers get their view constants.
 
+use crate::backend::vk::COLOR;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::own_image::{barrier as barrier_of_color, left_in, ready_in};
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::PendingLayout;
@@ -49,6 +51,7 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) ->
             .subresource_range(range)
     };
     let barriers: Vec<_> = pending.iter().map(barrier).collect();
+    let cleared: Vec<_> = pending.iter().filter(|pending| pending.cleared).collect();
     let info = vk::CommandPoolCreateInfo::default().queue_family_index(family);
     // SAFETY: as promised; the pool is destroyed after the device has finished with it.
     unsafe {
@@ -58,6 +61,10 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) ->
             functions.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default())?;
             let stages = vk::PipelineStageFlags::ALL_COMMANDS;
             functions.cmd_pipeline_barrier(buffer, stages, stages, vk::DependencyFlags::empty(), &[], &[], &barriers);
+            for PendingLayout { image, layout, .. } in &cleared {
+                functions.cmd_clear_color_image(buffer, *image, *layout, &vk::ClearColorValue::default(), &[COLOR]);
+                barrier_of_color(&device.driver, buffer, *image, left_in(*layout), ready_in(*layout));
+            }
             functions.end_command_buffer(buffer)?;
             let fence = functions.create_fence(&vk::FenceCreateInfo::default(), None)?;
             let work = vk::SubmitInfo::default().command_buffers(std::slice::from_ref(&buffer));

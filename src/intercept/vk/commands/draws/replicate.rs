@@ -163,6 +163,9 @@ fn classify(
     let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
+    if !sources.is_empty() {
+        recording.y_up = y_up;
+    }
     let viewport = variants.moves_place.then(|| area(&program.viewport));
     let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen, cameras, sky };
     Some(Classified { facts, program, sets })
@@ -186,6 +189,7 @@ fn area(viewport: &vk::Viewport) -> Area {
 /// sample.
 fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
     let pictures = scene_graph::pictures(device, recording);
+    scene_graph::note_stored(device, recording);
     let Some(pass) = &recording.pass else { return };
     let (window, given) = (pass.target.window, pass.target.given);
     for picture in pictures {

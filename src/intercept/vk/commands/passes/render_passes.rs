@@ -177,9 +177,10 @@ pub fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
 /// A pass begins that is the program's own, with `views` of images.
 pub fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<ViewTarget>>, views: &[vk::ImageView]) {
     let candidates = match device.images.has_candidates() {
-        true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect(),
+        true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect::<Vec<_>>(),
         false => Vec::new(),
     };
+    candidates.iter().for_each(|image| device.images.attached(*image));
     device.recordings.with(buffer, |recording| {
         recording.plain = Some(candidates);
         recording.events.extend(target.map(|target| Event::Drawn(target, false)));

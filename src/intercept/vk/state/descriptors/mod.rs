@@ -148,11 +148,27 @@ impl Descriptors {
         sets.get(&set).map_or(Vec::new(), |set| set.contents.views().collect())
     }
 
+    /// Views of the images that shaders can write by a set.
+    pub fn stored(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
+        let sets = self.sets.locked();
+        sets.get(&set).map_or(Vec::new(), |set| set.contents.stored().collect())
+    }
+
+    /// Views of the images of a binding.
+    pub fn pictures_of(&self, set: vk::DescriptorSet, binding: u32) -> Vec<vk::ImageView> {
+        let sets = self.sets.locked();
+        let of_binding = |set: &Set| {
+            let pictures = set.contents.pictures.range((binding, 0)..=(binding, u32::MAX));
+            pictures.map(|(_, picture)| picture.view).collect()
+        };
+        sets.get(&set).map_or(Vec::new(), of_binding)
+    }
+
     /// The view of the image that shaders can sample by a descriptor.
     pub fn picture(&self, set: vk::DescriptorSet, place: DescriptorSlot) -> Option<vk::ImageView> {
         let sets = self.sets.locked();
         let picture = sets.get(&set)?.contents.pictures.get(&place)?;
-        picture.attachment.is_none().then_some(picture.view)
+        (picture.attachment.is_none() && !picture.stored).then_some(picture.view)
     }
 
     /// Whether shaders can read attachments by a set.
@@ -216,8 +232,9 @@ pub fn is_sampled(kind: vk::DescriptorType) -> bool {
 /// exchanged.
 pub(in crate::intercept::vk) fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
     let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
-    let picture = Picture { view: info.image_view, sampler: info.sampler, attachment };
-    (is_sampled(kind) || attachment.is_some()).then_some(picture)
+    let stored = kind == vk::DescriptorType::STORAGE_IMAGE;
+    let picture = Picture { view: info.image_view, sampler: info.sampler, attachment, stored };
+    (is_sampled(kind) || stored || attachment.is_some()).then_some(picture)
 }
 
 #[cfg(test)]

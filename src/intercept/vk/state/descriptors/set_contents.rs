@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub type DescriptorSlot = (u32, u32);
 
 /// Descriptor of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Picture {
     /// The view of its image.
     pub(in crate::intercept::vk) view: vk::ImageView,
@@ -17,6 +17,8 @@ pub struct Picture {
     pub(in crate::intercept::vk) sampler: vk::Sampler,
     /// Of an attachment that is read at the pixel that is drawn: the layout that it is in then.
     pub(in crate::intercept::vk) attachment: Option<vk::ImageLayout>,
+    /// Shaders may write it.
+    pub(in crate::intercept::vk) stored: bool,
 }
 
 /// Descriptors that were written to a set.
@@ -48,7 +50,13 @@ impl Contents {
 
     /// Views of the images that shaders can sample.
     pub fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
-        self.pictures.values().filter(|picture| picture.attachment.is_none()).map(|picture| picture.view)
+        let sampled = |picture: &&Picture| picture.attachment.is_none() && !picture.stored;
+        self.pictures.values().filter(sampled).map(|picture| picture.view)
+    }
+
+    /// Views of the images that shaders can write.
+    pub fn stored(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
+        self.pictures.values().filter(|picture| picture.stored).map(|picture| picture.view)
     }
 
     /// Whether shaders can read attachments.
@@ -77,8 +85,7 @@ mod tests {
 
     #[test]
     fn what_was_written_last_counts() {
-        let picture =
-            |number| Picture { view: vk::ImageView::from_raw(number), sampler: vk::Sampler::null(), attachment: None };
+        let picture = |number| Picture { view: vk::ImageView::from_raw(number), ..Picture::default() };
         let (mut from, mut to) = (Contents::default(), Contents::default());
         from.write((3, 1), Some(picture(7)));
         to.copy(&from, (3, 1), (0, 0));

@@ -68,6 +68,11 @@ entry_points! {
     cmd_draw_indirect_byte_count: PFN_vkCmdDrawIndirectByteCountEXT [c"vkCmdDrawIndirectByteCountEXT"]
     cmd_begin_transform_feedback: PFN_vkCmdBeginTransformFeedbackEXT [c"vkCmdBeginTransformFeedbackEXT"]
 
+    // Compute shaders.
+    cmd_dispatch: PFN_vkCmdDispatch [c"vkCmdDispatch"]
+    cmd_dispatch_base: PFN_vkCmdDispatchBase [c"vkCmdDispatchBase", c"vkCmdDispatchBaseKHR"]
+    cmd_dispatch_indirect: PFN_vkCmdDispatchIndirect [c"vkCmdDispatchIndirect"]
+
     // Render passes and framebuffers.
     create_render_pass: PFN_vkCreateRenderPass [c"vkCreateRenderPass"]
     create_render_pass2: PFN_vkCreateRenderPass2 [c"vkCreateRenderPass2", c"vkCreateRenderPass2KHR"]
@@ -169,6 +174,7 @@ entry_points! {
 
     // Pipelines.
     create_graphics_pipelines: PFN_vkCreateGraphicsPipelines [c"vkCreateGraphicsPipelines"]
+    create_compute_pipelines: PFN_vkCreateComputePipelines [c"vkCreateComputePipelines"]
     destroy_pipeline: PFN_vkDestroyPipeline [c"vkDestroyPipeline"]
 
     // Queries.

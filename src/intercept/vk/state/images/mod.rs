@@ -35,6 +35,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) described: bool,
     /// A pass with depth only drew to its atlas copy in its place.
     pub(in crate::intercept::vk) drawn_alone: bool,
+    /// A pass had it as an attachment.
+    pub(in crate::intercept::vk) attached: bool,
     /// So did a pass that drew to the window or to a scene.
     pub(in crate::intercept::vk) drawn_together: bool,
     pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
@@ -61,6 +63,8 @@ pub struct PendingLayout {
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
     /// Its aspects.
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
+    /// Its colour is cleared first.
+    pub(in crate::intercept::vk) cleared: bool,
 }
 
 /// Format, usage and samples of an image.
@@ -105,6 +109,12 @@ pub struct Images {
     pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
     /// Former targets of scenes, as long as recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
+    /// What compute shaders write in the place of a window's images.
+    pub(in crate::intercept::vk) of_window: Mutex<Option<Arc<ViewTarget>>>,
+    /// Compute shaders make pictures of a scene: each view of an off-screen scene is as large as the program's image.
+    pub(in crate::intercept::vk) even: AtomicBool,
+    /// They make numbers of it, too: there is the program's own picture of an off-screen scene.
+    pub(in crate::intercept::vk) own_read: AtomicBool,
 }
 
 /// Whether an image has the shape of a window, in any size.
@@ -138,8 +148,8 @@ impl Image {
     /// Whether it may hold a scene on its way to the window.
     pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
         use vk::ImageUsageFlags as U;
-        self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
-            && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC)
+        self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT | U::STORAGE)
+            && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC | U::STORAGE)
             && self.kind == vk::ImageType::TYPE_2D
             && (self.mip_levels, self.layers) == (1, 1)
             && self.target.as_ref().is_none_or(|target| !target.window)
@@ -189,6 +199,7 @@ impl Images {
             submitted_layout: vk::ImageLayout::UNDEFINED,
             described: false,
             drawn_alone: false,
+            attached: false,
             drawn_together: false,
             target: Some(target),
             atlas_copies: Vec::new(),
@@ -196,7 +207,7 @@ impl Images {
         *self.window.locked() = Some(new.size);
         self.images.locked().insert(image, new);
         let layout = vk::ImageLayout::PRESENT_SRC_KHR;
-        let pending = PendingLayout { image, layout, aspects: vk::ImageAspectFlags::COLOR };
+        let pending = PendingLayout { image, layout, aspects: vk::ImageAspectFlags::COLOR, cleared: false };
         self.pending.locked().push(pending);
     }
 
@@ -291,6 +302,29 @@ impl Images {
         of_images.zip(window).is_some_and(wide)
     }
 
+    /// A pass has this image as an attachment.
+    pub fn attached(&self, image: vk::Image) {
+        if let Some(state) = self.images.locked().get_mut(&image) {
+            state.attached = true;
+        }
+    }
+
+    /// Whether passes draw to this image, and the program's own picture cannot be copied from their atlas.
+    pub fn lacks_own_picture(&self, image: vk::Image) -> bool {
+        let to = vk::ImageUsageFlags::TRANSFER_DST;
+        self.images.locked().get(&image).is_some_and(|state| state.attached && !state.usage.contains(to))
+    }
+
+    /// Whether a pass had this image as an attachment.
+    pub fn is_attached(&self, image: vk::Image) -> bool {
+        self.images.locked().get(&image).is_some_and(|state| state.attached)
+    }
+
+    /// The format of an image.
+    pub fn format(&self, image: vk::Image) -> Option<vk::Format> {
+        self.images.locked().get(&image).map(|state| state.format)
+    }
+
     /// Whether an image is as large as the window.
     pub fn has_size_of_window(&self, image: vk::Image) -> bool {
         self.size(image) == *self.window.locked()
@@ -360,12 +394,14 @@ pub struct ViewCopies {
     pub(in crate::intercept::vk) of: Weak<ViewTarget>,
     /// One for each view of the rig.
     pub(in crate::intercept::vk) views: Vec<vk::ImageView>,
+    /// The layout that shaders find them in.
+    pub(in crate::intercept::vk) layout: vk::ImageLayout,
 }
 
 impl ViewCopies {
     /// The same image for each of `count` views.
     pub fn same(view: vk::ImageView, count: usize) -> Self {
-        Self { of: Weak::new(), views: vec![view; count] }
+        Self { of: Weak::new(), views: vec![view; count], layout: vk::ImageLayout::UNDEFINED }
     }
 }
 

@@ -17,6 +17,10 @@ pub type Made = image_graph::Made<vk::Image>;
 #[derive(Default)]
 pub(in crate::intercept::vk) struct Seen {
     pub(in crate::intercept::vk) graph: ImageGraph<vk::Image>,
+    /// Images that compute shaders make of others, or make others of.
+    pub(in crate::intercept::vk) computed: HashSet<vk::Image>,
+    /// Images that they make numbers of that all views share.
+    pub(in crate::intercept::vk) measured: HashSet<vk::Image>,
     /// Something was seen for the first time.
     pub(in crate::intercept::vk) news: bool,
 }
@@ -33,6 +37,27 @@ impl SceneGraph {
         let mut seen = self.seen.locked();
         let news = seen.graph.note_made(image, to);
         seen.news |= news;
+    }
+
+    /// Compute shaders make `image`, or something of it.
+    pub fn note_computed(&self, image: vk::Image) {
+        let mut seen = self.seen.locked();
+        let news = seen.computed.insert(image);
+        seen.news |= news;
+    }
+
+    /// Compute shaders make numbers of `image` that all views share.
+    pub fn note_measured(&self, image: vk::Image) {
+        let mut seen = self.seen.locked();
+        let news = seen.measured.insert(image);
+        seen.news |= news;
+    }
+
+    /// Whether compute shaders make, or make something of, one of these images; and whether that is numbers that all views
+    /// share.
+    pub(in crate::intercept::vk) fn is_computed(&self, images: &HashSet<vk::Image>) -> (bool, bool) {
+        let seen = self.seen.locked();
+        (!seen.computed.is_disjoint(images), !seen.measured.is_disjoint(images))
     }
 
     /// Perspective draws reach `image`.
@@ -58,6 +83,8 @@ impl SceneGraph {
     pub fn forget(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
         seen.graph.forget(image);
+        seen.computed.remove(&image);
+        seen.measured.remove(&image);
     }
 
     /// The images that have to be drawn for each view, if something new was seen since this was
@@ -76,7 +103,7 @@ impl SceneGraph {
             let reason = match rule {
                 Duplicate::Never => "the rig says so",
                 _ if seen.graph.makes(image, Made::Elsewhere) => {
-                    "it is read by compute shaders, in parts, or by passes of another shape"
+                    "it is read by compute shaders that cannot be followed, in parts, or by passes of another shape"
                 }
                 _ => "it was not seen on the window",
             };

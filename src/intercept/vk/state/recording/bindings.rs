@@ -5,6 +5,9 @@ use crate::intercept::vk::state::driver::entry_points::NextLayer;
 use crate::intercept::vk::state::driver::structures::slice;
 use ash::vk;
 
+/// Bytes of push constants that are looked at; no device of today has more.
+pub const PUSH_BYTES: usize = 256;
+
 /// A descriptor set that the program bound.
 #[derive(Clone, Default)]
 pub struct BoundSet {

@@ -2,20 +2,44 @@
 
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::driver::entry_points::NextLayer;
-use crate::intercept::vk::state::recording::bindings::{BoundSet, Pushed, Write};
+use crate::intercept::vk::state::recording::bindings::{BoundSet, PUSH_BYTES, Pushed, Write};
 use ash::vk;
 
 /// What is bound for compute shaders while a command buffer is recorded.
-#[derive(Default)]
 pub struct ComputeBindings {
     pipeline: vk::Pipeline,
+    /// Push constants.
+    push: [u8; PUSH_BYTES],
     /// Descriptor sets, by their number and with the layout that they were bound for, in the order
     /// in which that happened: a set disturbs earlier ones whose layouts are not compatible with
     /// its own.
     sets: Vec<(u32, vk::PipelineLayout, BoundSet)>,
 }
 
+impl Default for ComputeBindings {
+    fn default() -> Self {
+        Self { pipeline: vk::Pipeline::null(), push: [0; PUSH_BYTES], sets: Vec::new() }
+    }
+}
+
 impl ComputeBindings {
+    /// Push constants are set from byte `start` on.
+    pub fn push_constants(&mut self, start: usize, values: &[u8]) {
+        let start = start.min(PUSH_BYTES);
+        let end = (start + values.len()).min(PUSH_BYTES);
+        self.push[start..end].copy_from_slice(&values[..end - start]);
+    }
+
+    /// Push constants.
+    pub fn pushed(&self) -> &[u8] {
+        &self.push
+    }
+
+    /// A set by its number.
+    pub fn set(&self, number: u32) -> Option<&BoundSet> {
+        self.sets.iter().find(|(known, ..)| *known == number).map(|(.., bound)| bound)
+    }
+
     /// A pipeline is bound.
     pub fn bind(&mut self, pipeline: vk::Pipeline) {
         self.pipeline = pipeline;
@@ -34,6 +58,16 @@ impl ComputeBindings {
         let before = self.take(number).and_then(|bound| bound.pushed);
         let bound = BoundSet { pushed: Some(Pushed::after(before, writes)), ..BoundSet::default() };
         self.sets.push((number, layout, bound));
+    }
+
+    /// The pipeline.
+    pub fn pipeline(&self) -> vk::Pipeline {
+        self.pipeline
+    }
+
+    /// The sets, with the layouts that they were bound for, in the order in which that happened.
+    pub fn sets(&self) -> &[(u32, vk::PipelineLayout, BoundSet)] {
+        &self.sets
     }
 
     fn take(&mut self, number: u32) -> Option<BoundSet> {

@@ -84,7 +84,7 @@ impl std::fmt::Debug for ShownLayout {
 }
 
 /// Facts that draws of a group have in common.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawFacts {
     /// Matrices that may have the lens, the likeliest first.
     pub(in crate::intercept::vk) sources: Vec<MatrixSource>,

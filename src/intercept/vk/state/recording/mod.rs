@@ -14,7 +14,7 @@ use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::images::LayoutChange;
 use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::queries::Pool;
-use crate::intercept::vk::state::recording::bindings::BoundSet;
+use crate::intercept::vk::state::recording::bindings::{BoundSet, PUSH_BYTES};
 use crate::intercept::vk::state::recording::compute_bindings::ComputeBindings;
 use crate::intercept::vk::state::recording::draw_groups::{DrawGroup, MatrixSource};
 use crate::intercept::vk::state::views::view_constants::{ConstantChunks, ConstantPool};
@@ -23,9 +23,6 @@ use crate::lock::{Lock, SharedLock};
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, RwLock};
-
-/// Bytes of push constants that are looked at; no device of today has more.
-pub const PUSH_BYTES: usize = 256;
 
 /// Event when a command buffer runs, as far as it matters on submission.
 pub enum Event {
@@ -43,6 +40,8 @@ pub enum Event {
     Drawn(Arc<ViewTarget>, bool),
     /// Draws to images that may hold a scene, and the matrices that they may use.
     Suspected(Vec<vk::Image>, Vec<MatrixSource>),
+    /// Compute shaders write the program's own images, which may hold a scene.
+    Computed(Vec<vk::Image>),
     /// A query that is scaled begins, by its number in the pool.
     BeginQuery(Arc<Pool>, u32),
     /// It ends.
@@ -182,6 +181,8 @@ pub struct Recording {
     pub(in crate::intercept::vk) sampled: Vec<Arc<ViewTarget>>,
     /// The condition that the program has set outside of passes.
     pub(in crate::intercept::vk) condition: Option<Condition>,
+    /// The last draw that may have been one of the scene had y up.
+    pub(in crate::intercept::vk) y_up: bool,
     /// Number of queries that may count what is drawn now.
     pub(in crate::intercept::vk) counting: u32,
 }
@@ -200,6 +201,7 @@ impl Recording {
             clearers: Vec::new(),
             sampled: Vec::new(),
             condition: None,
+            y_up: false,
             counting: 0,
         }
     }

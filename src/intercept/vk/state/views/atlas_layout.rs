@@ -104,7 +104,9 @@ pub struct AtlasLayout {
     pub window: (u32, u32),
     /// Number of its pixels for each of the window's.
     pub pixels: f64,
-    /// Layouts of images of other sizes, for this window.
+    /// All tiles are as large as the program's picture.
+    pub even: bool,
+    /// Layouts of images of other sizes, for this window, and even ones.
     pub(in crate::intercept::vk) of_images: Mutex<Vec<Arc<Self>>>,
     /// Size of the atlas.
     pub atlas: (u32, u32),
@@ -153,6 +155,7 @@ impl AtlasLayout {
         let pixels = 1.0;
         let (window, version) = (size, 0);
         Ok(Self {
+            even: false,
             window,
             pixels,
             of_images,
@@ -176,12 +179,17 @@ impl AtlasLayout {
             return Arc::clone(self);
         }
         let mut known = self.of_images.locked();
-        if let Some(known) = known.iter().find(|known| known.window == size) {
+        if let Some(known) = known.iter().find(|known| known.window == size && !known.even) {
             return Arc::clone(known);
         }
         let made = Arc::new(self.scaled(size, most));
         known.push(Arc::clone(&made));
         made
+    }
+
+    /// Number of pixels of an image of `size` for each of this window's.
+    pub(super) fn pixels_of(&self, size: (u32, u32)) -> f64 {
+        f64::from(size.0) * f64::from(size.1) / (f64::from(self.window.0) * f64::from(self.window.1))
     }
 
     fn scaled(&self, size: (u32, u32), most: u32) -> Self {
@@ -211,7 +219,8 @@ impl AtlasLayout {
             plan: self.plan.clone(),
             version: self.version,
             window: size,
-            pixels: f64::from(size.0) * f64::from(size.1) / (f64::from(self.window.0) * f64::from(self.window.1)),
+            pixels: self.pixels_of(size),
+            even: false,
             of_images: Mutex::default(),
             atlas: (length(self.atlas.0, across), length(self.atlas.1, down)),
             panel: rect(self.panel),

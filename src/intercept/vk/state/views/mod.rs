@@ -7,6 +7,7 @@
 
 pub mod atlas_layout;
 pub mod division_counter;
+pub mod even_layout;
 pub mod vertices;
 pub mod view_constants;
 pub mod view_target;

@@ -44,6 +44,10 @@ pub struct ViewTarget {
     pub(in crate::intercept::vk) in_views: AtomicBool,
     /// Of a scene that shaders sample: an image for each view.
     pub(in crate::intercept::vk) view_copies: Vec<OwnImage>,
+    /// The layout in which these are kept.
+    pub(in crate::intercept::vk) kept: vk::ImageLayout,
+    /// Compute shaders may write the view copies: they are newer than the atlas. With a texel that is clear, for the panel.
+    pub(in crate::intercept::vk) nothing: Option<OwnImage>,
     /// Number of times that the program's own image was drawn to since the views are.
     pub(in crate::intercept::vk) missed: AtomicU32,
 }
@@ -60,8 +64,15 @@ impl ViewTarget {
             copied_to: false,
             in_views: false.into(),
             view_copies: Vec::new(),
+            kept: vk::ImageLayout::UNDEFINED,
+            nothing: None,
             missed: 0.into(),
         }
+    }
+
+    /// Whether compute shaders may write its view copies.
+    pub fn is_stored(&self) -> bool {
+        self.nothing.is_some()
     }
 
     /// Commands for the program's own image ran; whether that is so again and again.

@@ -1,0 +1,267 @@
+//! Dispatches of compute shaders on the way from the scene to the window.
+//!
+//! Invocations of a compute shader know places in the program's image. So images that compute shaders read or write have
+//! a picture of each view that is as large as the program's image, and a dispatch that writes such pictures is recorded
+//! once for each view, with copies of its descriptor sets. The program's own dispatch follows, on its own images: numbers
+//! that it gathers in buffers are gathered once.
+
+use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::vk::commands::draws::tiles::PerViewSet;
+use crate::intercept::vk::offscreen::images::READ_TOGETHER;
+use crate::intercept::vk::offscreen::view_copies;
+use crate::intercept::vk::pipelines::matrix_sources::compute_source;
+use crate::intercept::vk::spirv::{BufferWrites, DescriptorPlace};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::scene_graph::Made;
+use crate::intercept::vk::state::pipelines::{CameraMatrix, ComputePipeline, ComputeVariant};
+use crate::intercept::vk::state::recording::draw_groups::{CameraSource, DrawFacts, DrawGroup};
+use crate::intercept::vk::state::recording::{Event, Recording};
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_constants::{ChunkOffset, SlotParts};
+use crate::intercept::vk::state::views::view_target::ViewTarget;
+use ash::vk;
+use std::sync::Arc;
+
+/// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
+const MOST_NUMBERS: u32 = 256;
+
+/// Images that a dispatch reads and writes.
+struct Used {
+    /// Those that may hold a scene and are read.
+    read: Vec<vk::Image>,
+    /// Those that may hold a scene and are written.
+    written: Vec<vk::Image>,
+    /// The window's image, if it is written.
+    window: Option<Arc<ViewTarget>>,
+    /// It writes numbers that all views share.
+    numbers: bool,
+    /// It writes what would have to be there for each view, and cannot be.
+    lost: bool,
+}
+
+/// The images of descriptors that are bound.
+fn images<'a>(
+    device: &'a Device,
+    recording: &'a Recording,
+    places: &'a [DescriptorPlace],
+) -> impl Iterator<Item = vk::Image> + 'a {
+    places.iter().flat_map(move |(set, binding)| {
+        let bound = recording.compute.sets().iter().find(|(number, ..)| number == set);
+        let views = bound.map_or(Vec::new(), |(.., bound)| device.descriptors.pictures_of(bound.set, *binding));
+        views.into_iter().filter_map(|view| device.images.of(view))
+    })
+}
+
+impl Used {
+    /// `single`: there is one work group, so that what it writes belongs to no place.
+    fn of(device: &Device, recording: &Recording, pipeline: &ComputePipeline, single: bool) -> Self {
+        let uses = &pipeline.uses;
+        let read = images(device, recording, &uses.read).filter(|image| device.images.is_candidate(*image)).collect();
+        let mut used = Self { read, written: Vec::new(), window: None, numbers: false, lost: false };
+        let window = |image: vk::Image| device.images.target_of_image(image).filter(|target| target.window);
+        if images(device, recording, &uses.read).any(|image| window(image).is_some()) {
+            device.show_flat(READ_TOGETHER);
+        }
+        for image in images(device, recording, &uses.written) {
+            if let Some(window) = window(image) {
+                used.window = Some(window);
+                continue;
+            }
+            let few = device.images.size(image).is_some_and(|(width, height)| width * height <= MOST_NUMBERS);
+            match device.images.is_candidate(image) {
+                _ if few => used.numbers = true,
+                true => used.written.push(image),
+                false => used.lost = true,
+            }
+        }
+        match uses.buffers {
+            BufferWrites::Nothing => {}
+            BufferWrites::Places if !single => used.lost = true,
+            BufferWrites::Sums | BufferWrites::Places => used.numbers = true,
+        }
+        // With a dispatch for each view they would be gathered several times.
+        let gathers = uses.buffers != BufferWrites::Nothing || uses.image_atomics;
+        used.lost |= pipeline.loses_cameras || gathers && (!used.written.is_empty() || used.window.is_some());
+        used
+    }
+
+    /// Notes what is made of images that may hold a scene.
+    fn note(&self, device: &Device) {
+        let graph = &device.scene_graph;
+        for read in &self.read {
+            if self.lost {
+                graph.note_made(*read, Made::Elsewhere);
+            }
+            if self.numbers {
+                graph.note_measured(*read);
+            }
+            for written in self.written.iter().filter(|written| *written != read) {
+                graph.note_made(*read, Made::Image(*written));
+            }
+            if self.window.is_some() {
+                graph.note_made(*read, Made::Window);
+            }
+            graph.note_computed(*read);
+        }
+        self.written.iter().for_each(|written| graph.note_computed(*written));
+    }
+}
+
+/// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its work groups, if it is known.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u32>, issue: &dyn Fn()) {
+    let followed = device.recordings.with(buffer, |recording| {
+        let pipeline = device.pipelines.computing(recording.compute.pipeline())?;
+        let used = Used::of(device, recording, &pipeline, groups == Some(1));
+        // SAFETY: as promised.
+        let followed = unsafe { follow(device, buffer, recording, (&pipeline, &used), issue) };
+        let on_window = followed.as_ref().is_ok_and(|scenes| scenes.is_some());
+        recording.events.extend(used.window.as_ref().map(|window| Event::Drawn(Arc::clone(window), on_window)));
+        let scenes = followed.unwrap_or_else(|why| {
+            device.show_flat(why);
+            None
+        });
+        used.window.zip(scenes)
+    });
+    issue();
+    if let Some((window, scenes)) = followed.flatten() {
+        // SAFETY: as promised.
+        unsafe { view_copies::show(device, buffer, &scenes, &window) };
+    }
+}
+
+/// Issues a dispatch for each view, if it makes pictures of the scene; returns those in the place of the window's image, if it
+/// writes that.
+///
+/// # Errors
+/// Why it cannot.
+///
+/// # Safety
+/// As for [`dispatch`].
+unsafe fn follow(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    recording: &mut Recording,
+    (pipeline, used): (&ComputePipeline, &Used),
+    issue: &dyn Fn(),
+) -> Result<Option<Arc<ViewTarget>>, Obstacle> {
+    if !device.draws_views() || used.read.is_empty() && used.written.is_empty() {
+        return Ok(None);
+    }
+    used.note(device);
+    let scenes = |images: &[vk::Image]| -> Vec<Arc<ViewTarget>> {
+        images.iter().filter_map(|image| device.images.scene(*image)).collect()
+    };
+    let (read, mut written) = (scenes(&used.read), scenes(&used.written));
+    // Of images with other views new ones are made when the frame ends.
+    let is_late = written.iter().chain(&read).any(|target| !target.layout.even);
+    let window = used.window.as_ref().filter(|_| !read.is_empty() && !is_late);
+    let window = window.map(|window| device.images.make_window_copies(device, window)).transpose()?;
+    written.extend(window.clone());
+    let Some(layout) = written.first().map(|target| Arc::clone(&target.layout)).filter(|_| !is_late) else {
+        // What it writes may be followed from the next frame on, while these commands run again.
+        let images = used.written.clone();
+        recording.events.extend((!images.is_empty()).then_some(Event::Computed(images)));
+        return Ok(None);
+    };
+    let mut sets = Vec::new();
+    for (number, handle, bound) in recording.compute.sets() {
+        if let Some(copies) = device.descriptors.of_views(device, bound.set, &layout)? {
+            let set = PerViewSet { number: *number, sets: copies, dynamic: bound.dynamic.clone(), attachments: false };
+            sets.push((*handle, set));
+        }
+    }
+    let constants =
+        pipeline.variant.as_ref().map(|variant| cameras(device, recording, &layout, variant)).transpose()?;
+    let (functions, point) = (&device.driver.functions, vk::PipelineBindPoint::COMPUTE);
+    // SAFETY: as promised; the sets are like the program's, which it bound for these places.
+    unsafe {
+        wait(device, buffer);
+        if let Some(variant) = &pipeline.variant {
+            functions.cmd_bind_pipeline(buffer, point, variant.pipeline);
+        }
+        for view in 0..layout.views.len() {
+            if let Some((variant, (set, constants))) = pipeline.variant.as_ref().zip(constants) {
+                let (layout, offsets) = (&variant.layout, [constants.slot(view as u32)]);
+                functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, layout.ours, &[set], &offsets);
+            }
+            for (handle, PerViewSet { number, sets, dynamic, .. }) in &sets {
+                let Some(set) = sets.get(view) else { continue };
+                functions.cmd_bind_descriptor_sets(buffer, point, *handle, *number, &[*set], dynamic);
+            }
+            issue();
+        }
+        wait(device, buffer);
+        for target in written.iter().filter(|target| device.images.is_attached(target.given)) {
+            view_copies::write_back(device, buffer, target);
+        }
+        recording.compute.restore(&device.driver, &device.next, buffer);
+    }
+    read.into_iter().chain(written).for_each(|target| recording.samples(target));
+    Ok(window)
+}
+
+/// View constants with the camera's matrices in each view: their descriptor set and place.
+///
+/// # Errors
+/// That there is no memory.
+fn cameras(
+    device: &Device,
+    recording: &mut Recording,
+    layout: &Arc<AtlasLayout>,
+    variant: &ComputeVariant,
+) -> Result<(vk::DescriptorSet, ChunkOffset), Obstacle> {
+    let camera = |camera: &CameraMatrix| {
+        let CameraMatrix { matrix, called, stage, inverted } = *camera;
+        CameraSource { source: compute_source(device, recording, &matrix), called, stage, inverted }
+    };
+    let cameras = variant.cameras.iter().map(camera).collect();
+    let facts = DrawFacts {
+        cameras,
+        y_up: recording.y_up,
+        in_views: true,
+        off_screen: true,
+        screen: true,
+        ..Default::default()
+    };
+    let (slots, stride) = (2 + layout.views.len(), device.slot_stride(SlotParts::Cameras));
+    let taken = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride);
+    let constants = taken.map_err(|error| format!("there is no memory for the constants of {slots} tiles: {error}"))?;
+    recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
+    recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
+    let chunk = recording.constants.chunks.get(constants.chunk).ok_or("its constants are gone")?;
+    Ok((chunk.set(variant.layout.counts), constants))
+}
+
+/// What follows sees what came before.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+unsafe fn wait(device: &Device, buffer: vk::CommandBuffer) {
+    let all = vk::PipelineStageFlags::ALL_COMMANDS;
+    let memory = vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: as promised.
+    unsafe { device.driver.functions.cmd_pipeline_barrier(buffer, all, all, flags, &[memory], &[], &[]) };
+}
+
+hooks! {
+    cmd_dispatch = (buffer: vk::CommandBuffer, x: u32, y: u32, z: u32) { |state, next| {
+        let groups = x.saturating_mul(y).saturating_mul(z);
+        dispatch(&state, buffer, Some(groups), &|| next(buffer, x, y, z))
+    } }
+    cmd_dispatch_base = (
+        buffer: vk::CommandBuffer, first_x: u32, first_y: u32, first_z: u32, x: u32, y: u32, z: u32
+    ) { |state, next| {
+        let groups = x.saturating_mul(y).saturating_mul(z);
+        dispatch(&state, buffer, Some(groups), &|| next(buffer, first_x, first_y, first_z, x, y, z))
+    } }
+    cmd_dispatch_indirect = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize
+    ) { |state, next| dispatch(&state, buffer, None, &|| next(buffer, from, offset)) }
+}
