@@ -117,6 +117,22 @@ fn map_says_which_outputs_there_are() {
     assert!(!Path::new(out).exists());
 }
 
+/// A calibration's blending is often a mask: here half of the light everywhere.
+#[test]
+fn simulate_counts_masks() {
+    let mask = CUPOLA.file("half.png");
+    image::GrayImage::from_pixel(3, 2, image::Luma([128])).save(&mask).unwrap();
+    let text = "[[output]]\nkind = \"domemaster\"\nsize = [96, 96]\nflip = \"both\"\n";
+    let means = ["", "mask = { image = \"half.png\" }\n"].map(|masked| {
+        let (rig, out) = (CUPOLA.file("masked.toml"), CUPOLA.file("masked.png"));
+        std::fs::write(&rig, format!("{text}{masked}")).unwrap();
+        let (rig, out) = (rig.to_str().unwrap(), out.to_str().unwrap());
+        let answer = CUPOLA.json(&["simulate", rig, "--white", "-o", out, "--size", "64", "--json"]);
+        answer["uniformity"]["mean"].as_f64().unwrap()
+    });
+    assert!((means[0] - 1.0).abs() < 1e-3 && (means[1] - 128.0 / 255.0).abs() < 1e-3, "{means:?}");
+}
+
 #[test]
 fn simulate_finds_white_even_and_gaps_dark() {
     let out = CUPOLA.file("white.png");

@@ -25,6 +25,17 @@ const LARGEST: f64 = 16384.0;
 /// Greatest angle of a side of a viewport's opening, degrees.
 const WIDEST: f64 = 89.5;
 
+/// Why a configuration has no viewports.
+fn no_viewports(root: &Key) -> String {
+    let windows = |node: &Value| node.get("windows").and_then(Value::as_array).cloned().unwrap_or_default();
+    let nodes = root.value.get("nodes").and_then(Value::as_array);
+    let mut windows = nodes.into_iter().flatten().flat_map(windows);
+    match windows.find_map(|window| window.get("mpcdi").and_then(Value::as_str).map(str::to_owned)) {
+        Some(file) => format!("takes its viewports from the archive {file}; convert that file itself"),
+        None => "has no viewports; expected nodes[].windows[].viewports[]".to_owned(),
+    }
+}
+
 /// A configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
@@ -181,7 +192,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
     }
     if nodes.iter().all(|node| node.viewports.is_empty()) {
         return Err(match notes.is_empty() {
-            true => invalid(name, "has no viewports; expected nodes[].windows[].viewports[]"),
+            true => invalid(name, no_viewports(&root)),
             false => invalid(name, format!("nothing of it can be shown: {}", notes.join("; "))),
         });
     }

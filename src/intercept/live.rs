@@ -74,7 +74,13 @@ fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
             log::once("the rig file has changed its `passthrough`, which needs a new start; it stays as it was");
         }
         Ok(rig) if rig == *watch.live.rig => {}
-        Ok(rig) => {
+        Ok(mut rig) => {
+            if rig.views.duplicate != watch.live.rig.views.duplicate {
+                log::once(
+                    "the rig file has changed its `views.duplicate`, which needs a new start; it stays as it was",
+                );
+                rig.views.duplicate = watch.live.rig.views.duplicate;
+            }
             watch.live = Live { rig: Arc::new(rig), version: watch.live.version + 1 };
             VERSION.store(watch.live.version, Ordering::Release);
             log::once(&format!("the rig's file has changed, and windows follow it ({})", watch.live.version));

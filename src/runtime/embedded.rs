@@ -5,7 +5,7 @@ pub mod vulkan;
 use super::cache;
 use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::backend::gl::objects::surface::{Saved, Surface, greatest_texture};
+use crate::backend::gl::objects::surface::{FramebufferState, Saved, Surface, framebuffer_state, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::LowerLeftRect;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
@@ -338,33 +338,20 @@ impl Embedded {
     /// such framebuffer, or it is incomplete.
     pub fn check_framebuffer(&self, framebuffer: u32) -> Result<()> {
         self.expect_context()?;
-        let gl = &self.gl;
         let invalid = |message: String| Err(Error::new(ErrorKind::InvalidArgument, message));
-        // SAFETY: asks the context, which is current.
-        if framebuffer != 0 && unsafe { gl.is_framebuffer(framebuffer) } == 0 {
-            return invalid(format!("the context has no framebuffer {framebuffer}"));
-        }
-        let mut bound = 0;
-        // SAFETY: writes one integer; the binding is put back.
-        let status = unsafe {
-            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-            let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
-            status
-        };
-        match (status, framebuffer) {
-            (api::GL_FRAMEBUFFER_COMPLETE, _) => Ok(()),
+        match (framebuffer_state(&self.gl, framebuffer), framebuffer) {
+            (FramebufferState::Complete, _) => Ok(()),
+            (FramebufferState::Missing, name) => invalid(format!("the context has no framebuffer {name}")),
             (_, 0) => invalid("the context has no window to present into (framebuffer 0)".to_owned()),
-            (status, name) => invalid(format!("framebuffer {name} is not complete (status {status:#06x})")),
+            (FramebufferState::Incomplete(status), name) => {
+                invalid(format!("framebuffer {name} is not complete (status {status:#06x})"))
+            }
         }
     }
 
-    /// Fails unless the context on which this was made is current: vertex arrays are not shared
-    /// between contexts. One that happens to have the same name is not told apart.
+    /// Fails unless the context on which this was made is current.
     fn expect_context(&self) -> Result<()> {
-        // SAFETY: asks; without a context the functions do nothing and answer 0.
-        if unsafe { self.gl.is_vertex_array(self.backend.vertex_array()) } != 0 {
+        if self.backend.is_of_current_context(&self.gl) {
             return Ok(());
         }
         let message = match self.gl.text(api::GL_VERSION).is_empty() {

@@ -8,7 +8,7 @@ use crate::views::arranging::planned_view::Arrangement;
 use crate::views::arranging::{cached, content};
 use crate::views::placing::{idle, layout};
 use crate::views::sampling::output_map::{self, OutputMap};
-use crate::views::view_plan::{Request, ViewPlan};
+use crate::views::view_plan::{LEFT_OUT, Request, ViewPlan};
 use std::borrow::Cow;
 
 /// Plans the views of `rig`: deterministic, and without a graphics API.
@@ -70,7 +70,7 @@ impl<'a> Planning<'a> {
             let idle = if self.rig.content.is_some() { None } else { idle::find(&plan, &self.output_maps) };
             let Some(idle) = idle else { return Ok(plan) };
             let view = self.arrangement.views.remove(idle);
-            self.arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
+            self.arrangement.notes.push(format!("{LEFT_OUT}{}: the centre of no pixel lies there", view.name));
         }
     }
 

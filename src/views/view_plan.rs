@@ -85,7 +85,15 @@ pub struct ViewPlan {
     pub notes: Vec<String>,
 }
 
+/// Beginning of notes about directions that get no view because no output shows them.
+pub(crate) const LEFT_OUT: &str = "no view ";
+
 impl ViewPlan {
+    /// The notes about what is unusual: not those about directions that no output shows.
+    pub fn remarks(&self) -> impl Iterator<Item = &str> {
+        self.notes.iter().map(String::as_str).filter(|note| !note.starts_with(LEFT_OUT))
+    }
+
     /// The size of an atlas that is none.
     pub const NO_ATLAS: (u32, u32) = (0, 0);
 

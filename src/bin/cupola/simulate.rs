@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use cupola::blend::{Picture, Simulation, code_of, simulate};
 use cupola::rig::Rig;
+use glam::DVec2;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,7 +19,7 @@ pub struct Arguments {
     /// writes them
     #[arg(long, value_name = "DIR", required_unless_present = "white")]
     captures: Option<PathBuf>,
-    /// Use white pictures, dimmed by the blend weights of each output, instead of captures
+    /// Use white pictures, dimmed by the blend weights and masks of each output, instead of captures
     #[arg(long, conflicts_with = "captures")]
     white: bool,
     /// Picture to write: a fisheye of the dome as the viewer sees it
@@ -113,20 +114,38 @@ fn read(file: &Path) -> Result<Picture, Failure> {
     Ok(Picture { width: image.width(), height: image.height(), rgb: image.into_raw() })
 }
 
-/// White pictures, dimmed by the blend weights of the outputs.
+/// White pictures, dimmed by the blend weights and masks of the outputs.
 fn white(rig: &Rig) -> Result<Vec<Picture>, Failure> {
     let sizes: Vec<(u32, u32)> = (0..rig.outputs.len()).map(|output| crate::map::native_size(rig, output)).collect();
     let weights = cupola::blend::Weights::new(rig, &sizes)?;
-    let picture = |(output, &(width, height)): (usize, &(u32, u32))| {
-        let blend = &rig.outputs[output].blend;
+    let picture = |(output, &(width, height)): (usize, &(u32, u32))| -> Result<Picture, Failure> {
+        let described = &rig.outputs[output];
+        let blend = &described.blend;
+        let mask = described.mask.as_deref().map(cupola::rig::read_mask).transpose()?;
         let value = |index: u32| {
-            let pixel = glam::DVec2::new(f64::from(index % width) + 0.5, f64::from(index / width) + 0.5);
-            let light = weights.weight(output, pixel).unwrap_or(0.0);
+            let pixel = DVec2::new(f64::from(index % width) + 0.5, f64::from(index / width) + 0.5);
+            // A mask is mirrored as its picture is.
+            let place = described.flip.pixel(pixel, (width, height)) / DVec2::new(f64::from(width), f64::from(height));
+            let masked = mask.as_ref().map_or(1.0, |(size, values)| mask_at(values, *size, place));
+            let light = weights.weight(output, pixel).unwrap_or(0.0) * masked;
             [0, 1, 2].map(|channel| code_of(light, blend, channel) as f32)
         };
-        Picture { width, height, rgb: (0..width * height).flat_map(value).collect() }
+        Ok(Picture { width, height, rgb: (0..width * height).flat_map(value).collect() })
     };
-    Ok(sizes.iter().enumerate().map(picture).collect())
+    sizes.iter().enumerate().map(picture).collect()
+}
+
+/// The weight of a mask at a place, parts of width and height from the top left: between the four
+/// nearest pixels.
+fn mask_at(values: &[u16], (width, height): (u32, u32), place: DVec2) -> f64 {
+    let at = (place * DVec2::new(f64::from(width), f64::from(height)) - 0.5).max(DVec2::ZERO);
+    let last = |size: u32| size.saturating_sub(1);
+    let (x, y) = ((at.x as u32).min(last(width)), (at.y as u32).min(last(height)));
+    let (right, down) = ((x + 1).min(last(width)), (y + 1).min(last(height)));
+    let part = (at - DVec2::new(f64::from(x), f64::from(y))).clamp(DVec2::ZERO, DVec2::ONE);
+    let value = |x: u32, y: u32| f64::from(values[y as usize * width as usize + x as usize]) / f64::from(u16::MAX);
+    let row = |y: u32| value(x, y) * (1.0 - part.x) + value(right, y) * part.x;
+    row(y) * (1.0 - part.y) + row(down) * part.y
 }
 
 /// Share of the circle that is lit by 0, 1, 2 … outputs.

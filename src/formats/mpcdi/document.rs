@@ -61,7 +61,11 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
     let reader = Reader { name, document: &document };
     let root = document.root_element();
     if root.tag_name().name() != "MPCDI" {
-        return Err(reader.wrong(root, "is no description; expected <MPCDI>"));
+        let what = match root.tag_name().name() {
+            "Cluster" => "is a configuration of an old SGCT; convert it to JSON with SGCT's own converter first",
+            _ => "is no description; expected <MPCDI>",
+        };
+        return Err(reader.wrong(root, what));
     }
     let word = reader.attribute(root, "profile")?;
     let profile = Profile::ALL.into_iter().find(|profile| profile.word().eq_ignore_ascii_case(word));

@@ -1,5 +1,6 @@
 //! Typed values out of TOML, with the line of each, and the list of problems that were found.
 
+pub mod hints;
 pub mod one_line;
 pub mod problems;
 pub mod reader;

@@ -12,6 +12,8 @@ pub(in crate::rig) struct Problems {
     line_starts: Vec<usize>,
     /// Key path → line.
     lines: BTreeMap<String, usize>,
+    /// Names of outputs by their index, as far as the file gives any.
+    names: BTreeMap<usize, String>,
     /// (line, key path, reason and remedy).
     found: Vec<(usize, String, String)>,
 }
@@ -20,13 +22,30 @@ impl Problems {
     /// No problems in `text` yet.
     pub(in crate::rig) fn new(text: &str) -> Self {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
-        Self { line_starts: std::iter::once(0).chain(newlines).collect(), lines: BTreeMap::new(), found: Vec::new() }
+        Self {
+            line_starts: std::iter::once(0).chain(newlines).collect(),
+            lines: BTreeMap::new(),
+            names: BTreeMap::new(),
+            found: Vec::new(),
+        }
     }
 
     /// Remembers where the key `path` stands.
     pub(in crate::rig) fn place(&mut self, path: &str, span: &Range<usize>) {
         let line = self.line_at(span.start);
         self.lines.insert(path.to_owned(), line);
+    }
+
+    /// Remembers the name that the file gives to an output.
+    pub(in crate::rig) fn name_output(&mut self, index: usize, name: &str) {
+        self.names.insert(index, name.to_owned());
+    }
+
+    /// The name of the output that a key belongs to, in brackets, if the file gives it one.
+    fn name_of(&self, path: &str) -> String {
+        let index = path.strip_prefix("output[").and_then(|rest| rest.split_once(']')?.0.parse().ok());
+        let name = index.and_then(|index: usize| self.names.get(&index));
+        name.map_or_else(String::new, |name| format!(" ({name})"))
     }
 
     /// Adds a problem of the key `path`; where that was not in the file, its nearest parent's line
@@ -65,7 +84,7 @@ impl Problems {
             .take(SHOWN)
             .map(|(line, path, why)| {
                 let separator = if path.is_empty() { "" } else { ": " };
-                format!("{file_name}:{line}: {path}{separator}{why}")
+                format!("{file_name}:{line}: {path}{}{separator}{why}", self.name_of(path))
             })
             .collect();
         if found.len() > SHOWN {

@@ -12,6 +12,7 @@ mod transfer;
 mod viewer;
 mod views;
 
+use super::reading::hints;
 use super::reading::problems::Problems;
 use super::reading::reader::{Allowed, Section};
 use super::{Content, Dome, Rig};
@@ -34,7 +35,8 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
     let table = match DeTable::parse(text) {
         Ok(table) => table,
         Err(error) => {
-            problems.add_at(error.span(), format!("this is not TOML: {}", error.message().replace('\n', ", ")));
+            let why = format!("this is not TOML: {}", error.message().replace('\n', ", "));
+            problems.add_at(error.span(), hints::with_hint(text, error.span(), why));
             return None;
         }
     };

@@ -78,8 +78,11 @@ pub(super) fn output(
         problems.add(&path, format!("is missing; expected one of kind = {words}"));
     }
     let kind = section.choice("kind", &KINDS, problems)?;
-    let name =
-        section.text("name", "the output's name", problems).map_or(format!("output-{}", index + 1), str::to_owned);
+    let given = section.text("name", "the output's name", problems);
+    if let Some(name) = given {
+        problems.name_output(index, name);
+    }
+    let name = given.map_or(format!("output-{}", index + 1), str::to_owned);
     let sides = [(1, LARGEST_PICTURE); 2];
     let size =
         section.pixels("size", sides, "[width, height] in pixels", problems).map(|[width, height]| (width, height));

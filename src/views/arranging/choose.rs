@@ -10,6 +10,7 @@ use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::fitting::axes::facing;
 use crate::views::sampling::output_map::{OutputMap, lens_rotation, mean_direction};
 use crate::views::sampling::samples::Samples;
+use crate::views::view_plan::LEFT_OUT;
 use glam::{DMat3, DVec3};
 
 /// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
@@ -247,7 +248,7 @@ fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usi
     for direction in partition.skipped {
         arrangement
             .notes
-            .push(format!("no view {}: nothing that the outputs show lies there", direction_name(direction)));
+            .push(format!("{LEFT_OUT}{}: nothing that the outputs show lies there", direction_name(direction)));
     }
 }
 

@@ -205,6 +205,39 @@ pub fn greatest_texture(gl: &Gl) -> u32 {
     greatest.max(1024) as u32
 }
 
+/// Whether a framebuffer can be drawn to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FramebufferState {
+    /// It can.
+    Complete,
+    /// The context has none of this name.
+    Missing,
+    /// It is not complete; OpenGL's status.
+    Incomplete(u32),
+}
+
+/// The state of a framebuffer of the current context; 0 = its window. Bindings are put back.
+pub fn framebuffer_state(gl: &Gl, framebuffer: u32) -> FramebufferState {
+    // SAFETY: asks the context, which is current.
+    if framebuffer != 0 && unsafe { gl.is_framebuffer(framebuffer) } == 0 {
+        return FramebufferState::Missing;
+    }
+    let mut bound = 0;
+    // SAFETY: writes one integer; the binding is put back.
+    let status = unsafe {
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+        let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+        status
+    };
+    if status == api::GL_FRAMEBUFFER_COMPLETE {
+        FramebufferState::Complete
+    } else {
+        FramebufferState::Incomplete(status)
+    }
+}
+
 /// Bindings that making a surface disturbs.
 struct Bindings([i32; 4]);
 

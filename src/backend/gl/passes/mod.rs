@@ -280,6 +280,13 @@ impl GlBackend {
         self.names.vertex_array
     }
 
+    /// Whether the current context is that of the backend: vertex arrays are not shared between
+    /// contexts. A context that happens to have one of the same name is not told apart.
+    pub fn is_of_current_context(&self, gl: &Gl) -> bool {
+        // SAFETY: asks; without a context functions of OpenGL do nothing and answer 0.
+        unsafe { gl.is_vertex_array(self.names.vertex_array) != 0 }
+    }
+
     /// Goes on in the current context, which shares objects with the one before. All bindings are put back.
     pub fn rehome(&mut self, gl: &Gl) {
         if self.names.vertex_array != 0 {

@@ -1,6 +1,7 @@
 //! Description of a rig as text and as JSON.
 
 use super::numbers::{degrees, meters, number};
+use super::remarks::remarks;
 use super::words;
 use cupola::geom::PixelRect;
 use cupola::geom::{Frustum, Lens, Optics};
@@ -58,11 +59,11 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     if shown > 0 {
         writeln!(text, "cost      {drawn} texels drawn for {shown} pixels shown, {ratio:.2} each")?;
     }
-    for note in &plan.notes {
+    for note in plan.remarks() {
         writeln!(text, "note      {note}")?;
     }
-    for crossing in jumps(rig, &sizes) {
-        writeln!(text, "note      {crossing}")?;
+    for note in jumps(rig, &sizes).into_iter().chain(remarks(rig, &sizes)) {
+        writeln!(text, "note      {note}")?;
     }
     Ok(())
 }
@@ -235,6 +236,12 @@ fn camera(camera: &Camera) -> String {
     if !aim.is_empty() {
         parts.push(format!("turned{aim}"));
     }
+    if let Some([width, height]) = camera.lens {
+        parts.push(format!("{} × {} where the program does not tell its lens", degrees(width), degrees(height)));
+    }
+    if camera.units_per_meter != 1.0 {
+        parts.push(format!("{} units of the program in a metre", number(camera.units_per_meter)));
+    }
     parts.join(", ")
 }
 
@@ -342,6 +349,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         "views": plan.views.iter().map(view).collect::<Vec<_>>(),
         "notes": plan.notes,
         "jumps": jumps(rig, &sizes(rig, window)),
+        "remarks": remarks(rig, &sizes(rig, window)),
     })
 }
 

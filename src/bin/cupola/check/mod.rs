@@ -2,6 +2,7 @@
 
 pub mod describe;
 mod numbers;
+mod remarks;
 pub mod words;
 
 use crate::failure::Failure;
