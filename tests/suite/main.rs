@@ -12,6 +12,7 @@ mod cache;
 mod calls;
 mod camera_matrices;
 mod compare;
+mod computed;
 mod content;
 mod controls;
 mod culling;
@@ -59,6 +60,7 @@ harness::tests! {
     calls,
     camera_matrices,
     content,
+    computed,
     controls,
     culling,
     dialects,

@@ -80,6 +80,7 @@ fn scenes_that_are_drawn_off_screen() {
     steady("core330_mvp", &["--fbo"], "fisheye");
     steady("immediate", &["--fbo"], "fisheye");
     steady("post_process", &[], "fisheye");
+    steady("computed", &[], "fisheye");
 }
 
 fn several_projectors() {

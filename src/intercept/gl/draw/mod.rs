@@ -10,6 +10,7 @@
 pub mod anisotropy;
 pub mod arrays;
 pub mod commands;
+pub mod compute;
 pub mod dispatch;
 pub mod divided;
 pub mod fallback;

@@ -2,7 +2,7 @@
 
 use crate::intercept::gl::app_state::{getters, indexed_viewports, known_state, window_state};
 use crate::intercept::gl::compat::{begin_end, display_lists, list_calls, matrices, raster_position, vertex_commands};
-use crate::intercept::gl::draw::{anisotropy, arrays, commands, transform_feedback};
+use crate::intercept::gl::draw::{anisotropy, arrays, commands, compute, transform_feedback};
 use crate::intercept::gl::frame::front_buffer;
 use crate::intercept::gl::framebuffer::commands::{
     accumulation, bindings, blits, clears, direct_state, direct_state_ext, draw_buffers, textures, window_answers,
@@ -36,6 +36,7 @@ fn table() -> &'static HashMap<&'static str, usize> {
             arrays::HOOKS,
             max_width::HOOKS,
             commands::HOOKS,
+            compute::HOOKS,
             transform_feedback::HOOKS,
             anisotropy::HOOKS,
             known_state::HOOKS,

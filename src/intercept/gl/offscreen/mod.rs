@@ -3,13 +3,15 @@
 //! An image that lies between a scene and the window gets a copy with a tile per view
 //! ([`view_copies`]). [`draws`] issues draws to the copies, [`displayed`] shows them in the window's
 //! views, [`transfers`] copies between them, [`coverage`] finds out whether a draw fills the window,
-//! [`scene_graph`] which images are needed, [`sampling`] which a draw samples. [`inspected`]
+//! [`scene_graph`] which images are needed, [`sampling`] which a draw samples.
+//! [`computed`] repeats dispatches of compute shaders. [`inspected`]
 //! describes draws for `cupola inspect`.
 //!
 //! ```text
 //! scene → image of the program (a tile per view) → … → flat draw that fills the window → each view
 //! ```
 
+pub mod computed;
 pub mod coverage;
 pub mod displayed;
 pub mod draws;

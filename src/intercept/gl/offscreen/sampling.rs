@@ -18,7 +18,7 @@ fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
     unsafe {
         gl.get_integerv(api::GL_ACTIVE_TEXTURE, &mut active);
         match &shaders.program {
-            Some(program) if program.draws_vertices() => {
+            Some(program) if program.draws_vertices() || program.compute.is_some() => {
                 for sampler in program.samplers.iter().take(SAMPLERS) {
                     let mut unit = 0;
                     gl.get_uniformiv(program.name, sampler.location, &mut unit);

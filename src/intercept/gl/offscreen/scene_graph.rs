@@ -19,6 +19,9 @@ pub fn wanted(images: &[Image], always: bool) -> Vec<bool> {
         }
     }
     let between = graph.between(always);
+    if images.iter().any(|image| image.lost && between.contains(&image.name)) {
+        return vec![false; images.len()];
+    }
     images.iter().map(|image| between.contains(&image.name)).collect()
 }
 

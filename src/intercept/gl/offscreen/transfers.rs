@@ -37,6 +37,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
     if !possible(ctx) {
         return false;
     }
+    view_copies::look_at_read(ctx);
     note_blit(ctx, destination, mask);
     let (from, to) = (read_side(ctx), draw_side(ctx));
     let fills = to != Side::Window || fills_window(&ctx.drawable, destination);

@@ -18,7 +18,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
-use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
+use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::{log, settings};
 use crate::lock::Lock;
@@ -199,12 +199,19 @@ pub fn before_reading_framebuffer(ctx: &mut Context) {
 
 fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     let mut set = 0;
-    for (i, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(_, image)| which(image)) {
-        ctx.view_copies.learnt |= !image.read_back;
-        image.read_back = true;
+    for (i, _) in ctx.view_copies.images.iter().enumerate().take(64).filter(|(_, image)| which(image)) {
         set |= 1 << i;
     }
+    before_reading_images(ctx, set);
     supply(ctx, set, own_tile(ctx));
+}
+
+/// The program reads these images, as it draws them with its own lens: there is a tile for that from the next frame on.
+pub(super) fn before_reading_images(ctx: &mut Context, set: Set) {
+    for (_, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
+        ctx.view_copies.learnt |= !image.read_back;
+        image.read_back = true;
+    }
 }
 
 /// The views changed: all is learnt anew.
@@ -307,6 +314,31 @@ pub(super) fn look(ctx: &mut Context) -> usize {
         drop_errors(ctx.driver.gl);
     }
     index
+}
+
+/// Asks what is attached to the program's read framebuffer, if compute shaders may have made it: nothing was drawn to it then.
+pub(super) fn look_at_read(ctx: &mut Context) {
+    let name = ctx.app.read_framebuffer;
+    if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer {
+        return;
+    }
+    let index = ctx.view_copies.position(name).unwrap_or_else(|| {
+        ctx.view_copies.framebuffers.push(Framebuffer::new(name));
+        ctx.view_copies.framebuffers.len() - 1
+    });
+    if ctx.view_copies.framebuffers[index].known {
+        return;
+    }
+    ctx.driver.take_errors();
+    let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
+    // SAFETY: a framebuffer of the program's; the bindings are put back.
+    unsafe {
+        let bindings = Bindings::save(ctx.driver.gl);
+        ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, name);
+        framebuffers[index].examine(ctx.driver.gl, images);
+        bindings.restore(ctx.driver.gl);
+    }
+    drop_errors(ctx.driver.gl);
 }
 
 /// Puts the view copy of the program's draw framebuffer, which is at `index`, in its place. `false`: it has none.

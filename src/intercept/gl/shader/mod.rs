@@ -11,6 +11,7 @@
 pub mod assembly;
 pub mod attribute_matrices;
 pub mod camera_matrices;
+pub mod compute;
 pub mod dependence;
 pub mod elements;
 pub mod frag_coord;

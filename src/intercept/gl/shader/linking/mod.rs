@@ -11,7 +11,7 @@ use crate::intercept::gl::shader::linking::texts::{Changes, Linked, Texts};
 use crate::intercept::gl::shader::patch;
 use crate::intercept::gl::shader::programs::{forget, forget_program};
 use crate::intercept::gl::shader::uniforms::location;
-use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, dependence, samplers, uniforms};
+use crate::intercept::gl::shader::{attribute_matrices, camera_matrices, compute, dependence, samplers, uniforms};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
@@ -115,6 +115,11 @@ fn link(ctx: &mut Context, program: u32) {
     record.reads_frag_coord = asks && !linked.changes.frag_coord;
     let matrices = camera_matrices::of_program(gl, profile, program, &linked.matrices);
     record.has_camera_matrices = !matrices.substitutes.is_empty();
+    let mut computing = shaders.iter().filter(|s| s.1 == api::GL_COMPUTE_SHADER).filter_map(|s| sources.get(&s.0));
+    record.compute = computing.next().map(|source| {
+        let loses_cameras = compute::has_matrices(source) && !record.has_camera_matrices;
+        compute::of_program(gl, program, source, loses_cameras)
+    });
     record.camera_matrices = Mutex::new(matrices);
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
@@ -281,6 +286,7 @@ fn read_program(
         uploaded: Mutex::default(),
         texts: Vec::new(),
         flat: false,
+        compute: None,
         has_camera_matrices: false,
         camera_matrices: Mutex::default(),
         variants: Mutex::default(),

@@ -88,9 +88,12 @@ impl Texts<'_> {
     pub fn changed(&self, changes: Changes) -> Option<Linked> {
         let mut linked = Linked { changes, ..Default::default() };
         if changes.matrices {
-            for (kind, stage) in
-                [(api::GL_VERTEX_SHADER, MatrixStage::Vertex), (api::GL_FRAGMENT_SHADER, MatrixStage::Fragment)]
-            {
+            let stages = [
+                (api::GL_VERTEX_SHADER, MatrixStage::Vertex),
+                (api::GL_FRAGMENT_SHADER, MatrixStage::Fragment),
+                (api::GL_COMPUTE_SHADER, MatrixStage::Fragment),
+            ];
+            for (kind, stage) in stages {
                 self.choose_matrices(kind, stage, &mut linked);
             }
             if linked.matrices.is_empty() {

@@ -46,6 +46,8 @@ pub struct Image {
     pub reads: Vec<Name>,
     /// The program reads it back.
     pub read_back: bool,
+    /// Compute shaders make something of it that would have to be there for each view, and cannot be.
+    pub lost: bool,
     /// The program makes smaller pictures of it (`glGenerateMipmap`).
     pub mipmapped: bool,
     /// The driver gives no view copy.
@@ -188,6 +190,7 @@ impl Image {
             displayed: false,
             reads: Vec::new(),
             read_back: false,
+            lost: false,
             mipmapped: false,
             refused: false,
             view_copy: None,

@@ -22,6 +22,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) learnt: bool,
     /// View copies have one more tile, which is drawn with the program's own lens: it reads its pictures back.
     pub(in crate::intercept::gl) own_picture: bool,
+    /// Compute shaders make some of its images.
+    pub(in crate::intercept::gl) computes: bool,
     /// Canvases for copies to another size, each of another size or format.
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
     /// Converters of depth, each of another size or format.

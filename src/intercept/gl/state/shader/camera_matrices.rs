@@ -12,7 +12,7 @@ use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix}
 pub enum MatrixStage {
     /// The vertex shader, where it computes what does not become a position.
     Vertex,
-    /// The fragment shader.
+    /// The fragment shader, or a compute shader.
     Fragment,
 }
 

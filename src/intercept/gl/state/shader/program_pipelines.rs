@@ -19,6 +19,7 @@ pub(in crate::intercept::gl) struct Stages {
     evaluation: u32,
     geometry: u32,
     fragment: u32,
+    compute: u32,
     /// `glActiveShaderProgram`.
     pub(in crate::intercept::gl) active: u32,
 }
@@ -27,6 +28,11 @@ impl Stages {
     /// The program of fragments.
     pub(in crate::intercept::gl) fn fragment(&self) -> u32 {
         self.fragment
+    }
+
+    /// The program of compute shaders.
+    pub(in crate::intercept::gl) fn compute(&self) -> u32 {
+        self.compute
     }
 
     /// The programs before rasterisation, the last one first.
@@ -38,6 +44,9 @@ impl Stages {
     pub(in crate::intercept::gl) fn set(&mut self, stages: u32, program: u32, present: u32) {
         if stages & api::GL_FRAGMENT_SHADER_BIT != 0 {
             self.fragment = program;
+        }
+        if stages & api::GL_COMPUTE_SHADER_BIT != 0 {
+            self.compute = program;
         }
         let slots = [
             (api::GL_VERTEX_SHADER_BIT, &mut self.vertex),

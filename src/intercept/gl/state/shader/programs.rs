@@ -108,6 +108,8 @@ pub struct Program {
     pub(in crate::intercept::gl) has_vectors: bool,
     /// Its 4×4 matrices that may flow into its position.
     pub uniforms: Mutex<Uniforms>,
+    /// Its compute shader.
+    pub compute: Option<ComputeStage>,
     /// Some of its stages have choices between its matrices and ours.
     pub has_camera_matrices: bool,
     /// These matrices.
@@ -121,6 +123,28 @@ pub struct Program {
     pub flat: bool,
     /// What divides them.
     pub variants: Mutex<Variants>,
+}
+
+/// What a compute shader writes to buffers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BufferWrites {
+    /// Nothing.
+    Nothing,
+    /// Sums and other results of atomic functions.
+    Sums,
+    /// Values at places.
+    Places,
+}
+
+/// A compute shader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ComputeStage {
+    /// Locations of its images.
+    pub images: Vec<i32>,
+    /// What it writes to buffers.
+    pub buffers: BufferWrites,
+    /// It has matrices that may be the camera's, and gets none of a view.
+    pub loses_cameras: bool,
 }
 
 /// What a program has of a view.

@@ -1,0 +1,175 @@
+//! Dispatches of compute shaders between the scene and the window: once for each view, in the program's own images, which
+//! have each view's content in turn.
+
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::intercept::gl::context::errors::drop_errors;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::sampling;
+use crate::intercept::gl::offscreen::view_copies::{
+    before_reading_images, copy_count, leave, own_tile, possible, supply, views, without_scissor,
+};
+use crate::intercept::gl::shader::camera_matrices::upload;
+use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
+use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
+
+/// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
+const MOST_NUMBERS: i32 = 256;
+
+/// Images that a dispatch reads and writes.
+struct Used {
+    read: Set,
+    /// Pictures.
+    written: Set,
+    /// It writes numbers for the whole picture.
+    numbers: bool,
+    /// It writes values of each place, or numbers and pictures at once.
+    lost: bool,
+}
+
+/// Issues a dispatch. `groups`: number of its work groups, if it is known.
+pub fn dispatch(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&Gl)) {
+    if ctx.shaders.pipelines.used != 0 {
+        return dispatch_by_program(ctx, groups, issue);
+    }
+    let computing = programs::record(&ctx.share, ctx.shaders.pipelines.stages().compute());
+    let drawing = std::mem::replace(&mut ctx.shaders.program, computing);
+    dispatch_by_program(ctx, groups, issue);
+    ctx.shaders.program = drawing;
+}
+
+/// Issues a dispatch of the chosen program.
+fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&Gl)) {
+    let gl = ctx.driver.gl;
+    let program = ctx.shaders.program.clone();
+    let stage = program.as_ref().and_then(|program| program.compute.as_ref());
+    let Some(stage) = stage.filter(|_| ctx.view_copies.any() && possible(ctx)) else { return issue(gl) };
+    let used = used(ctx, stage, groups == Some(1));
+    ctx.view_copies.computes |= used.written != 0;
+    note(ctx, &used);
+    let has_view_copy = |ctx: &Context, set: Set| {
+        let images = ctx.view_copies.images.iter().enumerate().take(64);
+        images.filter(|(i, _)| set >> i & 1 != 0).any(|(_, image)| image.view_copy.is_some())
+    };
+    if used.lost || !has_view_copy(ctx, used.written) {
+        if used.numbers && used.read != 0 {
+            before_reading_images(ctx, used.read);
+        }
+        supply(ctx, used.read, own_tile(ctx));
+        return issue(gl);
+    }
+    leave(ctx);
+    let own = views(ctx);
+    for view in 0..copy_count(ctx) {
+        supply(ctx, used.read | used.written, view);
+        match view < own {
+            true => upload::load_view(ctx, view, DrawClass::Flat),
+            false => upload::load_own(ctx),
+        }
+        barrier(gl);
+        issue(gl);
+        barrier(gl);
+        without_scissor(ctx, |ctx| {
+            let images = ctx.view_copies.images.iter_mut().enumerate().take(64);
+            for (_, image) in images.filter(|(i, _)| used.written >> i & 1 != 0) {
+                image.store(gl, ctx.driver.id, view);
+            }
+        });
+    }
+    upload::load_own(ctx);
+}
+
+/// What shaders have written is seen by copies and by shaders.
+fn barrier(gl: &Gl) {
+    // SAFETY: there is the command where there are compute shaders.
+    unsafe { gl.memory_barrier(api::GL_ALL_BARRIER_BITS) };
+}
+
+/// Looks which images a dispatch uses. Those that it writes and that are not known yet are known from now on.
+fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
+    let mut used = Used { read: sampling::sampled(ctx), written: 0, numbers: false, lost: stage.loses_cameras };
+    let program = ctx.shaders.program.as_ref().map_or(0, |program| program.name);
+    for location in &stage.images {
+        let Some(bound) = bound_image(ctx.driver.gl, program, *location) else { continue };
+        let Some(index) = index_of(ctx, &bound) else { continue };
+        let [width, height] = ctx.view_copies.images[index].size;
+        let bit = if index < 64 { 1 << index } else { 0 };
+        if bound.read {
+            used.read |= bit;
+        }
+        if bound.written {
+            match i64::from(width) * i64::from(height) <= i64::from(MOST_NUMBERS) {
+                true => used.numbers = true,
+                false => used.written |= bit,
+            }
+        }
+    }
+    match stage.buffers {
+        BufferWrites::Nothing => {}
+        BufferWrites::Places if !single => used.lost = true,
+        BufferWrites::Sums | BufferWrites::Places => used.numbers = true,
+    }
+    used.lost |= stage.buffers != BufferWrites::Nothing && used.written != 0;
+    used
+}
+
+/// A texture that is bound as an image.
+struct Bound {
+    texture: u32,
+    level: i32,
+    read: bool,
+    written: bool,
+}
+
+/// What is bound where a program has an image at this location.
+fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
+    let (mut unit, [mut texture, mut level, mut access]) = (0, [0; 3]);
+    // SAFETY: each writes one integer.
+    unsafe {
+        gl.get_uniformiv(program, location, &mut unit);
+        gl.get_integeri_v(api::GL_IMAGE_BINDING_NAME, unit as u32, &mut texture);
+        gl.get_integeri_v(api::GL_IMAGE_BINDING_LEVEL, unit as u32, &mut level);
+        gl.get_integeri_v(api::GL_IMAGE_BINDING_ACCESS, unit as u32, &mut access);
+    }
+    let (read, written) = (access as u32 != api::GL_WRITE_ONLY, access as u32 != api::GL_READ_ONLY);
+    (texture != 0).then_some(Bound { texture: texture as u32, level, read, written })
+}
+
+/// The place in the list of what is bound.
+fn index_of(ctx: &mut Context, bound: &Bound) -> Option<usize> {
+    let is_it = |image: &Image| matches!(image.name, Name::Texture { name, level, .. } if (name, level) == (bound.texture, bound.level));
+    if let Some(index) = ctx.view_copies.images.iter().position(is_it) {
+        return Some(index);
+    }
+    if !bound.written {
+        return None;
+    }
+    ctx.driver.take_errors();
+    let image = Image::examine_texture(ctx.driver.gl, bound.texture, bound.level);
+    drop_errors(ctx.driver.gl);
+    ctx.view_copies.images.push(image?);
+    Some(ctx.view_copies.images.len() - 1)
+}
+
+/// Remembers what is made of images.
+fn note(ctx: &mut Context, used: &Used) {
+    let images = &mut ctx.view_copies.images;
+    let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
+    for (i, image) in images.iter_mut().enumerate().take(64) {
+        if used.lost && used.read >> i & 1 != 0 && !image.lost {
+            image.lost = true;
+            ctx.view_copies.learnt = true;
+        }
+        if used.lost || used.written >> i & 1 == 0 {
+            continue;
+        }
+        let sources = names.iter().enumerate().filter(|(j, _)| *j != i && used.read >> j & 1 != 0);
+        for source in sources.filter_map(|(_, name)| *name) {
+            if !image.reads.contains(&source) {
+                image.reads.push(source);
+                ctx.view_copies.learnt = true;
+            }
+        }
+    }
+}
