@@ -6,8 +6,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Finds `libcupola.so`: the path in `CUPOLA_LIBRARY`, or the folder of this command, or `../lib`
-/// or `../lib/cupola` relative to it.
+/// Finds `libcupola.so`: the path in `CUPOLA_LIBRARY`, or the folder of this command, or one of
+/// the folders for libraries beside it.
 pub fn find() -> Result<PathBuf, Failure> {
     if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
         let path = PathBuf::from(path);
@@ -19,14 +19,23 @@ pub fn find() -> Result<PathBuf, Failure> {
     let command = std::env::current_exe()
         .map_err(|error| Failure::new(format!("the path of this command is unknown: {error}")))?;
     let folder = command.parent().unwrap_or(Path::new("/"));
-    let places =
-        [folder.join("libcupola.so"), folder.join("../lib/libcupola.so"), folder.join("../lib/cupola/libcupola.so")];
+    let places = places(folder);
     places.iter().find_map(|place| place.canonicalize().ok()).ok_or_else(|| {
-        let listed = places.map(|place| format!("  {}", place.display())).join("\n");
+        let listed = places.iter().map(|place| format!("  {}", place.display())).collect::<Vec<_>>().join("\n");
         Failure::new(format!(
             "libcupola.so was not found; set CUPOLA_LIBRARY to its path, or put it in one of\n{listed}"
         ))
     })
+}
+
+/// Where the library may be, for a command in `folder`: beside it, as cargo leaves both, or in the
+/// folders for libraries of the prefix, as distributions have them.
+fn places(folder: &Path) -> Vec<PathBuf> {
+    let of_debian = format!("lib/{}-linux-gnu", std::env::consts::ARCH);
+    let of_prefix = ["lib", &of_debian, "lib64"].map(|lib| folder.join("..").join(lib));
+    let folders = std::iter::once(folder.to_owned())
+        .chain(of_prefix.iter().flat_map(|folder| [folder.clone(), folder.join("cupola")]));
+    folders.map(|folder| folder.join("libcupola.so")).collect()
 }
 
 /// Whether a file contains `bytes`. Reads no further than necessary: the string table is near the start of a library, which has
@@ -82,6 +91,16 @@ pub fn refusal(library: &Path, entry: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn libraries_of_distributions_are_found() {
+        let places = places(Path::new("/usr/bin"));
+        assert_eq!(places[0], Path::new("/usr/bin/libcupola.so"));
+        let debian = format!("/usr/bin/../lib/{}-linux-gnu/libcupola.so", std::env::consts::ARCH);
+        for expected in [debian.as_str(), "/usr/bin/../lib64/libcupola.so", "/usr/bin/../lib/cupola/libcupola.so"] {
+            assert!(places.iter().any(|place| place == Path::new(expected)), "{expected} in {places:?}");
+        }
+    }
 
     #[test]
     fn bytes_are_found_wherever_they_are() {
