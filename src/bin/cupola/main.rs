@@ -17,14 +17,17 @@ mod planning;
 #[path = "../shared/terminal.rs"]
 mod terminal;
 
+mod canvas;
 mod check;
 mod convert;
 mod doctor;
 mod inspect;
 mod launch;
 mod map;
+mod pattern;
 mod plan;
 mod play;
+mod player;
 mod run;
 mod simulate;
 mod tune;
@@ -48,6 +51,7 @@ enum Command {
     Check(check::Arguments),
     Doctor(doctor::Arguments),
     Plan(plan::Arguments),
+    Pattern(pattern::Arguments),
     Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
@@ -63,6 +67,7 @@ fn main() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Pattern(arguments) => pattern::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),

@@ -2,14 +2,12 @@
 
 use crate::failure::Failure;
 use crate::launch::loader::Scratch;
+use crate::player::{self, PLAYER};
 use crate::run::{self, Options};
 use std::ffi::OsString;
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-
-/// The player: one that draws with OpenGL, keeps the picture's shape, and takes files of all kinds.
-const PLAYER: &str = "mpv";
 
 /// Width over height of a picture is told apart from others within this part.
 const SHAPE: f64 = 0.02;
@@ -40,7 +38,7 @@ pub struct Arguments {
 
 /// Runs the subcommand. Returns the exit code of the player.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    let Arguments { mut options, fps, once, file, player } = arguments;
+    let Arguments { mut options, fps, once, file, player: more } = arguments;
     if !(fps.is_finite() && fps > 0.0) {
         return Err(Failure::usage(format!("--fps {fps}: expected a number above 0")));
     }
@@ -55,23 +53,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         );
         options.content = Some(kind.to_owned());
     }
-    let fixed = [
-        "--no-config",
-        "--vo=gpu",
-        "--gpu-sw=yes",
-        "--no-osc",
-        "--osd-level=0",
-        "--no-border",
-        "--keepaspect-window=no",
-    ];
-    let mut program: Vec<OsString> = std::iter::once(PLAYER).chain(fixed).map(OsString::from).collect();
+    let mut program: Vec<OsString> = std::iter::once(PLAYER).chain(player::OPTIONS).map(OsString::from).collect();
     program.push(if once { "--image-display-duration=5" } else { "--image-display-duration=inf" }.into());
     program.push(if once { "--loop-playlist=no" } else { "--loop-playlist=inf" }.into());
     match options.size.or(if options.headless { options.rig()?.extent() } else { None }) {
         Some((width, height)) => program.push(format!("--geometry={width}x{height}").into()),
         None => program.push("--fullscreen".into()),
     }
-    program.extend(player);
+    program.extend(more);
     program.append(&mut source.arguments);
     run::start(options, &program, None)
 }
@@ -126,13 +115,7 @@ impl Source {
             .arg("--term-playing-msg=cupola ${width} ${height}")
             .args(&self.arguments)
             .output()
-            .map_err(|error| match error.kind() {
-                std::io::ErrorKind::NotFound => Failure::new(format!(
-                    "the player {PLAYER} is not installed (Debian: apt install {PLAYER}); any other player can be used with \
-                     cupola run --content KIND -- PLAYER FILE"
-                )),
-                _ => Failure::new(format!("{PLAYER} cannot be started: {error}")),
-            })?;
+            .map_err(|error| player::cannot_start(&error))?;
         let words = String::from_utf8_lossy(&output.stdout);
         let size = words.lines().find_map(|line| {
             let (width, height) = line.trim().strip_prefix("cupola ")?.split_once(' ')?;

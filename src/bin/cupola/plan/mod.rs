@@ -1,7 +1,6 @@
 //! `cupola plan`: the views that a rig needs, their cost, and a picture of them on the sphere of
 //! directions.
 
-mod canvas;
 mod figures;
 mod picture;
 

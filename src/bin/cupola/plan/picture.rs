@@ -1,8 +1,8 @@
 //! A picture of the views on the sphere of directions: two halves with equal areas, coloured by
 //! sharpness.
 
-use super::canvas::{Canvas, Color, Letters};
 use super::figures::Figures;
+use crate::canvas::{Canvas, Color, Letters};
 use crate::failure::Failure;
 use cupola::geom::Frustum;
 use cupola::geom::cube::Face;

@@ -40,11 +40,42 @@ impl Canvas {
 
     /// Blends a colour over a pixel with opacity `part` (0…1). Does nothing outside the picture.
     pub fn blend(&mut self, x: i64, y: i64, color: Color, part: f32) {
-        let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
-        if let Some(pixel) = self.pixels.get_mut(y as usize * self.width + x as usize).filter(|_| inside) {
-            for (old, new) in pixel.iter_mut().zip(color) {
-                *old += part * (new - *old);
-            }
+        if x < 0 || y < 0 || x as usize >= self.width || y as usize >= self.height {
+            return;
+        }
+        for (old, new) in self.pixels[y as usize * self.width + x as usize].iter_mut().zip(color) {
+            *old += part * (new - *old);
+        }
+    }
+
+    /// The colour of a pixel inside the picture.
+    #[cfg(test)]
+    pub fn at(&self, x: usize, y: usize) -> Color {
+        self.pixels[y * self.width + x]
+    }
+
+    /// Gives each pixel the colour of its column and row.
+    pub fn fill(&mut self, color: impl Fn(usize, usize) -> Color) {
+        let width = self.width;
+        for (index, pixel) in self.pixels.iter_mut().enumerate() {
+            *pixel = color(index % width, index / width);
+        }
+    }
+
+    /// Fills a rectangle, as far as it is inside the picture.
+    pub fn rectangle(&mut self, (x, y): (u32, u32), (width, height): (u32, u32), color: Color) {
+        let columns = (x as usize).min(self.width)..((x + width) as usize).min(self.width);
+        for row in (y as usize).min(self.height)..((y + height) as usize).min(self.height) {
+            self.pixels[row * self.width..][columns.clone()].fill(color);
+        }
+    }
+
+    /// Copies another picture to a place, as far as it is inside this one.
+    pub fn paste(&mut self, other: &Self, x: usize, y: usize) {
+        let width = other.width.min(self.width.saturating_sub(x));
+        for row in 0..other.height.min(self.height.saturating_sub(y)) {
+            let from = &other.pixels[row * other.width..][..width];
+            self.pixels[(y + row) * self.width + x..][..width].copy_from_slice(from);
         }
     }
 
@@ -81,7 +112,11 @@ impl Canvas {
 
     /// Draws text around a centre, with a shadow so that it can be read on any background.
     pub fn label(&mut self, text: &str, centre: [f64; 2], color: Color) {
-        let letters = Letters::Small;
+        self.heading(text, centre, Letters::Small, color);
+    }
+
+    /// The same in letters of any size.
+    pub fn heading(&mut self, text: &str, centre: [f64; 2], letters: Letters, color: Color) {
         let width = text.chars().count() * get_raster_width(FontWeight::Regular, letters.height());
         let (x, y) = (centre[0] as i64 - width as i64 / 2, centre[1] as i64 - letters.height().val() as i64 / 2);
         for (across, down) in [(-1, 0), (1, 0), (0, -1), (0, 1), (1, 1), (2, 1)] {

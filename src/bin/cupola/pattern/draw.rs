@@ -1,0 +1,365 @@
+//! One output's pattern, through its exact map.
+
+use crate::canvas::{Canvas, Color, Letters};
+use crate::failure::Failure;
+use cupola::rig::{OutputKind, Rig};
+use cupola::warp::WarpMap;
+use glam::{DMat3, DVec2, DVec3};
+
+/// Part of a pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Part {
+    /// White everywhere
+    White,
+    /// Grey and colour ramps
+    Ramps,
+    /// Lines of one, two and four pixels, for sharpness
+    Focus,
+    /// Number of outputs that light each place: grey one, green two, blue three, red more
+    Overlap,
+    /// Grid of azimuth and elevation
+    Horizon,
+    /// Grid of angles from the dome's pole and around it
+    Dome,
+    /// Border, diagonals, number, name and size
+    Border,
+}
+
+const HORIZON: Color = [0.2, 0.9, 0.3];
+const DOME: Color = [0.3, 0.7, 1.0];
+const AXIS: Color = [1.0, 0.85, 0.2];
+const CROSS: Color = [1.0, 0.2, 0.2];
+const WHITE: Color = [1.0; 3];
+
+/// Half the width of lines, pixels.
+const HALF: f64 = 0.75;
+/// Every so many degrees lines are brighter and have labels.
+const LABELLED: f64 = 30.0;
+/// Length of the arms of a cross, radians.
+const ARM: f64 = 0.09;
+/// Side of the squares in which overlaps are looked at, pixels.
+const SQUARE: u32 = 8;
+
+/// A pattern for a rig.
+pub struct Pattern<'a> {
+    rig: &'a Rig,
+    maps: Vec<WarpMap>,
+    parts: &'a [Part],
+    /// Degrees.
+    step: f64,
+    /// Unit vectors, dome axes.
+    crosses: Vec<DVec3>,
+}
+
+impl<'a> Pattern<'a> {
+    /// For outputs of these sizes; `step` and the azimuth and elevation of crosses in degrees.
+    pub fn new(
+        rig: &'a Rig,
+        sizes: &[(u32, u32)],
+        parts: &'a [Part],
+        step: f64,
+        crosses: &[[f64; 2]],
+    ) -> Result<Self, Failure> {
+        let maps = sizes.iter().enumerate().map(|(index, size)| WarpMap::new(rig, index, *size, None));
+        let crosses = crosses.iter().map(|[azimuth, elevation]| towards(*azimuth, *elevation)).collect();
+        Ok(Self { rig, maps: maps.collect::<Result<_, _>>()?, parts, step, crosses })
+    }
+
+    /// The picture of an output.
+    pub fn draw(&self, index: usize) -> Canvas {
+        let (width, height) = self.maps[index].size();
+        let mut canvas = Canvas::new(width as usize, height as usize, [0.0; 3]);
+        let needs_directions = self.parts.iter().any(|part| matches!(part, Part::Horizon | Part::Dome));
+        let directions = if needs_directions || !self.crosses.is_empty() { self.directions(index) } else { Vec::new() };
+        for part in self.parts {
+            match part {
+                Part::White => canvas.fill(|_, _| WHITE),
+                Part::Ramps => ramps(&mut canvas),
+                Part::Focus => focus(&mut canvas),
+                Part::Overlap => self.overlap(index, &mut canvas),
+                Part::Horizon => self.grid(index, &directions, DMat3::IDENTITY, HORIZON, &mut canvas),
+                // The pole to the top, the front ahead.
+                Part::Dome => {
+                    let axes = DMat3::from_rotation_x(self.rig.dome.tilt);
+                    self.grid(index, &directions, axes, DOME, &mut canvas);
+                }
+                Part::Border => self.border(index, &mut canvas),
+            }
+        }
+        for cross in &self.crosses {
+            self.cross(index, &directions, *cross, &mut canvas);
+        }
+        canvas
+    }
+
+    /// The direction from the dome's centre to the point that a pixel lights, dome axes.
+    fn direction(&self, index: usize, pixel: DVec2) -> Option<DVec3> {
+        let map = &self.maps[index];
+        match self.rig.outputs[index].kind {
+            // It has no place on the screen.
+            OutputKind::Perspective { .. } => Some(map.viewer().rotation * map.direction(pixel)?),
+            _ => map.hit(pixel)?.try_normalize(),
+        }
+    }
+
+    /// The directions of all pixels and of one column and one row more, row by row.
+    fn directions(&self, index: usize) -> Vec<Option<DVec3>> {
+        let (width, height) = self.maps[index].size();
+        let centre = |column: u32, row: u32| DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let places = (0..=height).flat_map(|row| (0..=width).map(move |column| centre(column, row)));
+        places.map(|place| self.direction(index, place)).collect()
+    }
+
+    /// Lines where `axes` times a direction has multiples of the step as latitude or longitude.
+    fn grid(&self, index: usize, directions: &[Option<DVec3>], axes: DMat3, color: Color, canvas: &mut Canvas) {
+        let latitude = |d: DVec3| d.y.clamp(-1.0, 1.0).asin().to_degrees();
+        let longitude = |d: DVec3| d.x.atan2(-d.z).to_degrees();
+        let step = self.step;
+        each_pixel(canvas, directions, |here, right, below| {
+            let [here, right, below] = [here, right, below].map(|direction| axes * direction);
+            // Around the poles lines would be nothing but a blot.
+            let crowded = here.x.hypot(here.z) < 0.04;
+            let mut covered = [(0.0, color); 2];
+            let angles = [
+                (latitude(here), latitude(right), latitude(below)),
+                (longitude(here), longitude(right), longitude(below)),
+            ];
+            for (slot, (angle, right, below)) in covered.iter_mut().zip(angles) {
+                let nearest = (angle / step).round() * step;
+                let slope = turned(right - angle).hypot(turned(below - angle));
+                let brightness = if (nearest / LABELLED).fract().abs() < 1e-9 { 1.0 } else { 0.45 };
+                let axis = nearest.abs() < 1e-9;
+                *slot = (coverage(turned(angle - nearest).abs(), slope) * brightness, if axis { AXIS } else { color });
+            }
+            if crowded {
+                covered[1].0 = 0.0;
+            }
+            covered
+        });
+        for (azimuth, elevation) in labelled() {
+            let direction = axes.transpose() * towards(azimuth, elevation);
+            // Of the dome, angles are counted from the pole.
+            let text = if axes == DMat3::IDENTITY {
+                format!("{azimuth:.0}/{elevation:.0}")
+            } else {
+                format!("{:.0} at {azimuth:.0}", 90.0 - elevation)
+            };
+            if let Some(at) = self.place(index, direction) {
+                canvas.label(&text, [at.x, at.y - 12.0], WHITE);
+            }
+        }
+    }
+
+    /// Where an output shows a direction from the dome's centre.
+    fn place(&self, index: usize, direction: DVec3) -> Option<DVec2> {
+        let map = &self.maps[index];
+        let point = match self.rig.outputs[index].kind {
+            OutputKind::Perspective { .. } => map.viewer().position + direction,
+            _ => map.screen().unbounded_hit(DVec3::ZERO, direction)?.point,
+        };
+        map.pixel(point)
+    }
+
+    /// Two arcs that cross in a direction.
+    fn cross(&self, index: usize, directions: &[Option<DVec3>], target: DVec3, canvas: &mut Canvas) {
+        let right = DVec3::Y.cross(-target).try_normalize().unwrap_or(DVec3::X);
+        let up = target.cross(-right);
+        each_pixel(canvas, directions, |here, beside, below| {
+            let place = |d: DVec3| DVec2::new(d.dot(right), d.dot(up)) / d.dot(target).max(1e-6);
+            let (at, x, y) = (place(here), place(beside), place(below));
+            let near = here.dot(target) > 0.5 && at.abs().max_element() < ARM;
+            let line = |value: f64, by_x: f64, by_y: f64| {
+                if near { coverage(value.abs(), (by_x - value).hypot(by_y - value)) } else { 0.0 }
+            };
+            [(line(at.x, x.x, y.x), CROSS), (line(at.y, x.y, y.y), CROSS)]
+        });
+        if let Some(at) = self.place(index, target) {
+            let (azimuth, elevation) = (target.x.atan2(-target.z).to_degrees(), target.y.asin().to_degrees());
+            canvas.label(&format!("{azimuth:.2}, {elevation:.2}"), [at.x, at.y + 16.0], CROSS);
+        }
+    }
+
+    /// Squares in the colour of the number of outputs that light them.
+    fn overlap(&self, index: usize, canvas: &mut Canvas) {
+        let (width, height) = self.maps[index].size();
+        for (row, column) in
+            (0..height.div_ceil(SQUARE)).flat_map(|row| (0..width.div_ceil(SQUARE)).map(move |column| (row, column)))
+        {
+            let middle = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * f64::from(SQUARE);
+            let Some(point) = self.maps[index].hit(middle) else { continue };
+            let others = self.maps.iter().enumerate();
+            let others = others.filter(|(other, map)| *other != index && map.pixel(point).is_some()).count();
+            let color = match others {
+                0 => [0.25; 3],
+                1 => [0.1, 0.45, 0.15],
+                2 => [0.12, 0.2, 0.6],
+                _ => [0.55, 0.12, 0.12],
+            };
+            canvas.rectangle((column * SQUARE, row * SQUARE), (SQUARE, SQUARE), color);
+        }
+    }
+
+    fn border(&self, index: usize, canvas: &mut Canvas) {
+        let (width, height) = (canvas.width as f64, canvas.height as f64);
+        let corners = [[0.5, 0.5], [width - 0.5, 0.5], [width - 0.5, height - 0.5], [0.5, height - 0.5]];
+        for side in 0..4 {
+            canvas.line(corners[side], corners[(side + 1) % 4], 1.0, WHITE);
+        }
+        canvas.line(corners[0], corners[2], 1.0, [0.35; 3]);
+        canvas.line(corners[1], corners[3], 1.0, [0.35; 3]);
+        let output = &self.rig.outputs[index];
+        let text = format!("{}  {}  {} × {}", index + 1, output.name, canvas.width, canvas.height);
+        canvas.heading(&text, [0.5 * width, 0.5 * height], Letters::Large, WHITE);
+    }
+}
+
+/// The unit vector of an azimuth and an elevation in degrees.
+fn towards(azimuth: f64, elevation: f64) -> DVec3 {
+    let ((sine, cosine), (up, level)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
+    DVec3::new(level * sine, up, -level * cosine)
+}
+
+/// Directions with labels: where lines of 30° cross.
+fn labelled() -> impl Iterator<Item = (f64, f64)> {
+    let elevations = (-2..=2).map(|step| LABELLED * f64::from(step));
+    elevations.flat_map(|elevation| (-5..=6).map(move |step| (LABELLED * f64::from(step), elevation)))
+}
+
+/// An angle in degrees as one of −180…180.
+fn turned(angle: f64) -> f64 {
+    angle - (angle / 360.0).round() * 360.0
+}
+
+/// How much a line covers a pixel whose value is so far from the line's, if values change by `slope`
+/// over a pixel.
+fn coverage(distance: f64, slope: f64) -> f64 {
+    // A leap is no slope.
+    if (1e-12..20.0).contains(&slope) { (HALF + 0.5 - distance / slope).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Blends two colours over each pixel that shows something, given the directions of the pixel, of the
+/// next one to the right and of the next one below.
+fn each_pixel(
+    canvas: &mut Canvas,
+    directions: &[Option<DVec3>],
+    covered: impl Fn(DVec3, DVec3, DVec3) -> [(f64, Color); 2],
+) {
+    let (width, columns) = (canvas.width, canvas.width + 1);
+    for (row, column) in (0..canvas.height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        let at = row * columns + column;
+        let Some(here) = directions[at] else { continue };
+        // At the right and the lower side what lies before is as good.
+        let beside = |next: usize, before: Option<usize>| {
+            let mirrored = || Some(2.0 * here - directions[before?]?);
+            directions[next].or_else(mirrored).unwrap_or(here)
+        };
+        let right = beside(at + 1, column.checked_sub(1).map(|_| at - 1));
+        let below = beside(at + columns, row.checked_sub(1).map(|_| at - columns));
+        for (part, color) in covered(here, right, below) {
+            canvas.blend(column as i64, row as i64, color, part as f32);
+        }
+    }
+}
+
+/// Sixteen steps of grey and a ramp of each primary, and of all.
+fn ramps(canvas: &mut Canvas) {
+    let (width, height) = (canvas.width as f32, canvas.height as f32);
+    canvas.fill(|x, y| {
+        let (along, band) = ((x as f32 + 0.5) / width, (5.0 * (y as f32 + 0.5) / height) as usize);
+        match band {
+            0 => [(along * 16.0).floor().min(15.0) / 15.0; 3],
+            1 => [along; 3],
+            band => std::array::from_fn(|channel| if channel == band - 2 { along } else { 0.0 }),
+        }
+    });
+}
+
+/// Squares of upright, level and crossed lines of one, two and four pixels.
+fn focus(canvas: &mut Canvas) {
+    const FIELD: usize = 48;
+    canvas.fill(|x, y| {
+        let (column, row) = (x / FIELD, y / FIELD);
+        let wide = [1, 2, 4][(column + row) % 3];
+        let (upright, level) = (x / wide % 2 == 0, y / wide % 2 == 0);
+        let lit = [upright, level, upright ^ level][(column + 2 * row) % 3];
+        if lit { WHITE } else { [0.0; 3] }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn rig(text: &str) -> Rig {
+        cupola::rig::parse(text, "rig.toml", Path::new("")).expect("a rig")
+    }
+
+    fn brightness(canvas: &Canvas, x: f64, y: f64) -> f32 {
+        canvas.at(x as usize, y as usize).iter().sum()
+    }
+
+    /// On a domemaster with the zenith in its middle, an elevation is a circle: the radius falls evenly.
+    #[test]
+    fn lines_are_where_the_closed_form_says() {
+        let rig = rig("[[output]]\nkind = \"domemaster\"\n");
+        let parts = [Part::Horizon];
+        let pattern = Pattern::new(&rig, &[(400, 400)], &parts, 10.0, &[]).expect("a pattern");
+        let canvas = pattern.draw(0);
+        for (elevation, azimuth) in [(20.0, 15.0_f64), (50.0, 165.0), (70.0, -75.0)] {
+            let (sine, cosine) = azimuth.to_radians().sin_cos();
+            let at = |elevation: f64| {
+                let radius = 200.0 * (90.0 - elevation) / 90.0;
+                // The front is at the bottom. Of the pixels around the place one has the line.
+                let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (f64::from(x), f64::from(y))));
+                let (x, y) = (200.0 + radius * sine, 200.0 + radius * cosine);
+                around.map(|(by_x, by_y)| brightness(&canvas, x + by_x, y + by_y)).fold(0.0, f32::max)
+            };
+            assert!(at(elevation) > 0.3, "{elevation}: {}", at(elevation));
+            assert!(at(elevation + 5.0) == 0.0, "{elevation}: {}", at(elevation + 5.0));
+        }
+        // The rim's outside stays dark.
+        assert_eq!(brightness(&canvas, 2.0, 2.0), 0.0);
+    }
+
+    #[test]
+    fn a_cross_is_in_its_direction_on_every_output() {
+        let text = "[dome]\ntilt = 20\n[[output]]\nkind = \"projector\"\nposition = [0, 0, 1]\npitch = 30\nfov = [80, 60]\n\
+            [[output]]\nkind = \"equirectangular\"\n[[output]]\nkind = \"perspective\"\nfov = [90, 90]\npitch = 30\n";
+        let rig = rig(text);
+        let (sizes, crosses) = ([(320, 240), (720, 360), (200, 200)], [[12.0, 34.0]]);
+        let pattern = Pattern::new(&rig, &sizes, &[], 10.0, &crosses).expect("a pattern");
+        for index in 0..3 {
+            let at = pattern.place(index, towards(12.0, 34.0)).expect("it is shown");
+            let canvas = pattern.draw(index);
+            assert!(brightness(&canvas, at.x, at.y) > 0.8, "{index}: {at}");
+            let lit = |x: f64, y: f64| canvas.at(x as usize, y as usize)[0] > 0.4;
+            assert!(!lit(at.x + 7.0, at.y - 7.0), "{index}");
+        }
+        // By hand: longitude across, latitude up.
+        let at = pattern.place(1, towards(12.0, 34.0)).expect("it is shown");
+        assert!(
+            (at.x - 720.0 * (0.5 + 12.0 / 360.0)).abs() < 1e-6 && (at.y - 360.0 * (0.5 - 34.0 / 180.0)).abs() < 1e-6
+        );
+    }
+
+    #[test]
+    fn overlaps_are_counted() {
+        let text = "[[output]]\nkind = \"projector\"\npitch = 30\nyaw = -20\nfov = [60, 40]\n\
+            [[output]]\nkind = \"projector\"\npitch = 30\nyaw = 20\nfov = [60, 40]\n";
+        let rig = rig(text);
+        let parts = [Part::Overlap];
+        let pattern = Pattern::new(&rig, &[(160, 96); 2], &parts, 10.0, &[]).expect("a pattern");
+        let left = pattern.draw(0);
+        assert_eq!(left.at(4, 48), [0.25; 3]);
+        assert_eq!(left.at(150, 48), [0.1, 0.45, 0.15]);
+    }
+
+    #[test]
+    fn steps_of_grey_are_even() {
+        let mut canvas = Canvas::new(160, 50, [0.0; 3]);
+        ramps(&mut canvas);
+        let codes: Vec<u8> = (0..16).map(|step| (canvas.at(step * 10 + 5, 2)[1] * 255.0 + 0.5) as u8).collect();
+        assert_eq!(codes, (0..16).map(|step| step * 17).collect::<Vec<u8>>());
+    }
+}
