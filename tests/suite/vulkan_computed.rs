@@ -54,10 +54,11 @@ fn pictures_that_compute_shaders_make() {
     planetarium_of("vk_computed", &["--mode", "sampled"], Run::vulkan_under);
 }
 
-/// Several dispatches, also by an image of half the size.
+/// Several dispatches, also by an image of half the size, by levels of one image, and with the picture of the frame before.
 fn several_dispatches_in_a_chain() {
     right(&["chain"], ROUNDED);
-    right(&["half"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+    right(&["history"], ROUNDED);
+    right(&["half", "levels"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
 }
 
 /// Atomic sums of the whole picture in a buffer are those of the program's own picture.

@@ -2,9 +2,10 @@
  * The direction test's cube, drawn with inverted colours to an image of which compute shaders make the window's picture
  * (--mode): by one dispatch that samples it (sampled), loads from it (stored), writes to it (same), or reads its depth, too
  * (depths); with the size in push constants (pushed); by an indirect dispatch (indirect); by three, one after the other
- * (chain); with an image of half the size (half); with numbers of the whole picture in a buffer (exposure); with a matrix of
- * the camera (light). The result is drawn to the window, or goes on being drawn to before (drawn), is blitted (blit) or copied
- * (copy), or is the window's image (written). With values of each place in a buffer (places) there is no picture of each view.
+ * (chain); with an image of half the size (half) or two levels of one (levels); with the picture of the frame before
+ * (history); with numbers of the whole picture in a buffer (exposure); with a matrix of the camera (light). The result is
+ * drawn to the window, or goes on being drawn to before (drawn), is blitted (blit) or copied (copy), or is the window's image
+ * (written). With values of each place in a buffer (places) there is no picture of each view.
  */
 #include "direction.h"
 #include "frames.h"
@@ -12,6 +13,8 @@
 
 /* Compiled by glslangValidator. */
 #include "computed_any.h"
+#include "computed_blended.h"
+#include "computed_copied.h"
 #include "computed_count.h"
 #include "computed_depths.h"
 #include "computed_expose.h"
@@ -20,6 +23,7 @@
 #include "computed_join.h"
 #include "computed_judge.h"
 #include "computed_light.h"
+#include "computed_mixed.h"
 #include "computed_places.h"
 #include "computed_pushed.h"
 #include "computed_same.h"
@@ -35,7 +39,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STEPS = 3, IMAGES = 4, SCENE = 0, FIRST = 1, SECOND = 2, HALF = 3, WINDOW = 4 };
+enum { MOST_STEPS = 3, IMAGES = 6, SCENE = 0, FIRST = 1, SECOND = 2, HALF = 3, LEVEL = 4, NEXT_LEVEL = 5, WINDOW = 6 };
 typedef enum { DRAW, LOAD, BLIT, COPY, WRITE } way_kind;
 
 /* A dispatch: what it reads, reads beside that, and writes. */
@@ -67,6 +71,14 @@ static const mode modes[] = {
      FIRST, DRAW, false},
     {"half",
      {{SHADER(computed_halve), SCENE, 0, HALF, false}, {SHADER(computed_join), SCENE, HALF, FIRST, false}}, FIRST, DRAW, false},
+    {"levels",
+     {{SHADER(computed_inverted), SCENE, 0, LEVEL, false},
+      {SHADER(computed_halve), LEVEL, 0, NEXT_LEVEL, false},
+      {SHADER(computed_mixed), LEVEL, NEXT_LEVEL, FIRST, false}},
+     FIRST, DRAW, false},
+    {"history",
+     {{SHADER(computed_blended), SCENE, SECOND, FIRST, false}, {SHADER(computed_copied), FIRST, 0, SECOND, false}},
+     FIRST, DRAW, false},
     {"exposure",
      {{SHADER(computed_count), SCENE, 0, FIRST, false},
       {SHADER(computed_judge), SCENE, 0, FIRST, true},
@@ -133,7 +145,32 @@ static bool scene_is_stored(void)
 
 static VkExtent2D size_of(int image)
 {
-    return image == HALF ? (VkExtent2D){w.extent.width / 2, w.extent.height / 2} : w.extent;
+    return image == HALF || image == NEXT_LEVEL ? (VkExtent2D){w.extent.width / 2, w.extent.height / 2} : w.extent;
+}
+
+/* Two levels of one image. */
+static void make_levels(VkImageUsageFlags usage)
+{
+    const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                    .imageType = VK_IMAGE_TYPE_2D,
+                                    .format = FORMAT,
+                                    .extent = {w.extent.width, w.extent.height, 1},
+                                    .mipLevels = 2,
+                                    .arrayLayers = 1,
+                                    .samples = VK_SAMPLE_COUNT_1_BIT,
+                                    .usage = usage};
+    VkImage image;
+    expect(vkCreateImage(w.device, &info, NULL, &image), "vkCreateImage");
+    images[LEVEL].image = image;
+    images[LEVEL].memory = image_memory(&w, image);
+    for (uint32_t level = 0; level < 2; level++) {
+        const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                            .image = image,
+                                            .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                            .format = FORMAT,
+                                            .subresourceRange = {OF_COLOR, level, 1, 0, 1}};
+        expect(vkCreateImageView(w.device, &view, NULL, &images[LEVEL + level].view), "vkCreateImageView");
+    }
 }
 
 static void make_pictures(void)
@@ -141,12 +178,13 @@ static void make_pictures(void)
     const VkImageUsageFlags seen = VK_IMAGE_USAGE_SAMPLED_BIT, drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
                             stored = VK_IMAGE_USAGE_STORAGE_BIT, copied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     const VkImageUsageFlags counted = is("exposure") ? VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0;
-    for (int i = 0; i < IMAGES; i++) {
+    for (int i = 0; i < LEVEL; i++) {
         const VkImageUsageFlags of_scene = drawn | seen | counted | (scene_is_stored() ? stored : 0);
         const VkImageUsageFlags of_result = stored | seen | copied | (chosen->way == LOAD ? drawn : 0);
         images[i] = make_picture(&w, FORMAT, size_of(i), VK_SAMPLE_COUNT_1_BIT, i == SCENE ? of_scene : of_result);
     }
     depth = make_picture(&w, DEPTH_FORMAT, w.extent, VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | seen);
+    make_levels(seen | stored);
     const matrix4 back = matrix_inverse(direction_matrix(&options, w.extent, false));
     camera = make_block(&w, sizeof back, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true);
     memcpy(camera.bytes, &back, sizeof back);
@@ -250,10 +288,11 @@ static void make_sets(void)
         for (uint32_t i = 0; i < (of->to == WINDOW ? w.count : 1); i++) {
             const VkDescriptorSet set = sets[s][i] = make_set(set_layout);
             const bool is_stored = of->from == SCENE && scene_is_stored();
-            describe(set, 0, seen, images[of->from].view, is_stored ? GENERAL : SAMPLED);
+            describe(set, 0, seen, images[of->from].view, is_stored || of->from == LEVEL ? GENERAL : SAMPLED);
             describe(set, 1, stored, of->to == WINDOW ? w.views[i] : images[of->to].view, GENERAL);
             describe(set, 2, seen, depth.view, SAMPLED);
-            describe(set, 3, seen, images[of->beside].view, of->beside == SCENE && is_stored ? GENERAL : SAMPLED);
+            const bool beside_stored = of->beside == NEXT_LEVEL || (of->beside == SCENE && scene_is_stored());
+            describe(set, 3, seen, images[of->beside].view, beside_stored ? GENERAL : SAMPLED);
             if (is_stored)
                 describe(set, 4, stored, images[SCENE].view, GENERAL);
             describe_block(set, 5, shared, numbers.buffer);
@@ -339,6 +378,25 @@ static void record_cube(void)
     change_layout(commands, depth.image, OF_DEPTH, DEEP, SAMPLED);
 }
 
+/* What is not written before it is read in a frame. */
+static void prepare(void)
+{
+    static bool again;
+    const VkImageMemoryBarrier levels = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+                                         .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT,
+                                         .oldLayout = NEW,
+                                         .newLayout = GENERAL,
+                                         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                         .image = images[LEVEL].image,
+                                         .subresourceRange = {OF_COLOR, 0, 2, 0, 1}};
+    const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+    vkCmdPipelineBarrier(commands, all, all, 0, 0, NULL, 0, NULL, 1, &levels);
+    if (!again)
+        change_layout(commands, images[SECOND].image, OF_COLOR, NEW, SAMPLED);
+    again = true;
+}
+
 static void record_steps(uint32_t index)
 {
     const float extent[] = {(float)w.extent.width, (float)w.extent.height};
@@ -348,9 +406,11 @@ static void record_steps(uint32_t index)
                                      .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
     for (int s = 0; s < MOST_STEPS && steps[s] != VK_NULL_HANDLE; s++) {
         const step *of = &chosen->steps[s];
-        const VkImage to = of->to == WINDOW ? w.images[index] : images[of->to].image;
+        const VkImage to = of->to == WINDOW ? w.images[index] : images[of->to == NEXT_LEVEL ? LEVEL : of->to].image;
         const VkExtent2D size = size_of(of->to);
-        change_layout(commands, to, OF_COLOR, NEW, GENERAL);
+        const bool level = of->to == LEVEL || of->to == NEXT_LEVEL;
+        if (!level)
+            change_layout(commands, to, OF_COLOR, NEW, GENERAL);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, steps[s]);
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &sets[s][of->to == WINDOW ? index : 0], 0,
                                 NULL);
@@ -360,7 +420,8 @@ static void record_steps(uint32_t index)
         else
             vkCmdDispatch(commands, of->single ? 1 : (size.width + 7) / 8, of->single ? 1 : (size.height + 7) / 8, 1);
         vkCmdPipelineBarrier(commands, computing, computing, 0, 1, &written, 0, NULL, 0, NULL);
-        change_layout(commands, to, OF_COLOR, GENERAL, of->to == WINDOW ? SHOWN : SAMPLED);
+        if (!level)
+            change_layout(commands, to, OF_COLOR, GENERAL, of->to == WINDOW ? SHOWN : SAMPLED);
     }
 }
 
@@ -401,6 +462,7 @@ static void record(uint32_t index)
     const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     expect(vkBeginCommandBuffer(commands, &info), "vkBeginCommandBuffer");
     record_cube();
+    prepare();
     record_steps(index);
     if (scene_is_stored())
         change_layout(commands, images[SCENE].image, OF_COLOR, GENERAL, SAMPLED);
@@ -434,7 +496,8 @@ int main(int argc, char **argv)
     vkDestroyDescriptorSetLayout(w.device, screen_set_layout, NULL);
     vkDestroySampler(w.device, sampler, NULL);
     free_frame_objects(&w, &objects);
-    for (int i = 0; i < IMAGES; i++)
+    vkDestroyImageView(w.device, images[NEXT_LEVEL].view, NULL);
+    for (int i = 0; i <= LEVEL; i++)
         free_picture(&w, &images[i]);
     free_picture(&w, &depth);
     free_block(&w, &camera);

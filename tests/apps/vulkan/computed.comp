@@ -57,6 +57,13 @@ void main()
     imageStore(result, at, inverted(texelFetch(picture, at, 0)).bgra);
 #elif defined(HALVE)
     imageStore(result, at, textureLod(picture, (vec2(at) + 0.5) / vec2(size), 0.0));
+#elif defined(COPIED)
+    imageStore(result, at, texelFetch(picture, at, 0));
+#elif defined(BLENDED)
+    imageStore(result, at, mix(texelFetch(second, at, 0), inverted(texelFetch(picture, at, 0)), 0.9));
+#elif defined(MIXED)
+    vec4 small = textureLod(second, (vec2(at) + 0.5) / vec2(size), 0.0);
+    imageStore(result, at, 0.5 * (texelFetch(picture, at, 0) + small));
 #elif defined(JOIN)
     vec4 small = textureLod(second, (vec2(at) + 0.5) / vec2(size), 0.0);
     imageStore(result, at, inverted(0.5 * (texelFetch(picture, at, 0) + small)));

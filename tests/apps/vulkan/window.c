@@ -295,6 +295,15 @@ static VkDeviceMemory allocate(const vulkan_window *w, const VkMemoryRequirement
     return memory;
 }
 
+VkDeviceMemory image_memory(const vulkan_window *w, VkImage image)
+{
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(w->device, image, &needs);
+    const VkDeviceMemory memory = allocate(w, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    expect(vkBindImageMemory(w->device, image, memory, 0), "vkBindImageMemory");
+    return memory;
+}
+
 picture make_picture(const vulkan_window *w, VkFormat format, VkExtent2D size, VkSampleCountFlagBits samples,
                      VkImageUsageFlags usage)
 {
@@ -309,10 +318,7 @@ picture make_picture(const vulkan_window *w, VkFormat format, VkExtent2D size, V
                                     .samples = samples,
                                     .usage = usage};
     expect(vkCreateImage(w->device, &info, NULL, &p.image), "vkCreateImage");
-    VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(w->device, p.image, &needs);
-    p.memory = allocate(w, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-    expect(vkBindImageMemory(w->device, p.image, p.memory, 0), "vkBindImageMemory");
+    p.memory = image_memory(w, p.image);
     const VkImageAspectFlags aspect = depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
     const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                         .image = p.image,

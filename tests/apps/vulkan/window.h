@@ -71,6 +71,8 @@ void window_shot(const vulkan_window *w, const char *path);
 /* An image with a view. */
 picture make_picture(const vulkan_window *w, VkFormat format, VkExtent2D size, VkSampleCountFlagBits samples,
                      VkImageUsageFlags usage);
+/* Memory of the device for an image. */
+VkDeviceMemory image_memory(const vulkan_window *w, VkImage image);
 void free_picture(const vulkan_window *w, picture *p);
 
 /* A buffer, in memory that the host writes or in the device's own. */

@@ -1,6 +1,7 @@
 //! Barriers and clears: atlas copies follow the layouts of their images, clears reach each tile.
 //! Writes to buffers are recorded as events, for `submit`.
 
+use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
@@ -177,6 +178,9 @@ hooks! {
     ) { |state, next| {
         for atlas_copy in state.images.atlas_copies(image) {
             next(buffer, atlas_copy, layout, color, count, ranges);
+        }
+        if let Some(scene) = state.images.scene(image).filter(|scene| scene.is_stored()) {
+            view_copies::change(&state, buffer, &scene, |view_copy| next(buffer, view_copy, scene.kept, color, count, ranges));
         }
         next(buffer, image, layout, color, count, ranges)
     } }

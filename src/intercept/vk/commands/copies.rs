@@ -45,7 +45,9 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
         let [first, last] = corners;
         (first.x, first.y, last.x, last.y) == (0, 0, width as i32, height as i32)
     };
-    let everything = whole(from, src) && whole(to, dst);
+    // Nothing is copied to an image of several levels that only compute shaders write.
+    let has_atlas = written.as_ref().is_none_or(|target| target.atlas != vk::Image::null());
+    let everything = whole(from, src) && whole(to, dst) && has_atlas;
     if device.images.is_candidate(from) {
         let made = if everything { end_of(device, to) } else { Made::Elsewhere };
         // What leaves the window's way is the program's own picture, where there is one.
@@ -64,6 +66,7 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
         return CopyPlan::Same;
     }
     match (read, written) {
+        (Some(read), None) if has_own_picture(device, &read) => CopyPlan::Same,
         (None, Some(target)) if everything => match device.images.atlas_copy_of_size(from, target.layout.atlas) {
             Some(atlas_copy) => {
                 drawn(&target, true);
@@ -101,6 +104,12 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
         },
         (None, None) => CopyPlan::Same,
     }
+}
+
+/// Whether the program's own image has its own picture, of what compute shaders may write.
+fn has_own_picture(device: &Device, target: &ViewTarget) -> bool {
+    let drawn = device.images.is_attached(target.given);
+    target.is_stored() && !device.images.lacks_own_picture(target.given) && (!drawn || target.layout.own().is_some())
 }
 
 fn moved(offset: vk::Offset3D, AtlasRect { x, y, .. }: AtlasRect) -> vk::Offset3D {

@@ -108,13 +108,27 @@ impl Used {
     }
 }
 
+/// A dispatch of a shader that is not known may do anything with the images that are bound.
+fn note_unknown(device: &Device, recording: &Recording) {
+    if !device.images.has_candidates() {
+        return;
+    }
+    let sets = recording.compute.sets().iter().map(|(.., bound)| bound.set);
+    let views = sets.flat_map(|set| [device.descriptors.pictures(set), device.descriptors.stored(set)].concat());
+    let images = views.filter_map(|view| device.images.candidate_of(view));
+    images.for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
+}
+
 /// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its work groups, if it is known.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
 unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u32>, issue: &dyn Fn()) {
     let followed = device.recordings.with(buffer, |recording| {
-        let pipeline = device.pipelines.computing(recording.compute.pipeline())?;
+        let Some(pipeline) = device.pipelines.computing(recording.compute.pipeline()) else {
+            note_unknown(device, recording);
+            return None;
+        };
         let used = Used::of(device, recording, &pipeline, groups == Some(1));
         // SAFETY: as promised.
         let followed = unsafe { follow(device, buffer, recording, (&pipeline, &used), issue) };
@@ -179,7 +193,7 @@ unsafe fn follow(
     let (functions, point) = (&device.driver.functions, vk::PipelineBindPoint::COMPUTE);
     // SAFETY: as promised; the sets are like the program's, which it bound for these places.
     unsafe {
-        wait(device, buffer);
+        view_copies::wait(device, buffer);
         if let Some(variant) = &pipeline.variant {
             functions.cmd_bind_pipeline(buffer, point, variant.pipeline);
         }
@@ -194,7 +208,7 @@ unsafe fn follow(
             }
             issue();
         }
-        wait(device, buffer);
+        view_copies::wait(device, buffer);
         for target in written.iter().filter(|target| device.images.is_attached(target.given)) {
             view_copies::write_back(device, buffer, target);
         }
@@ -234,20 +248,6 @@ fn cameras(
     recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
     let chunk = recording.constants.chunks.get(constants.chunk).ok_or("its constants are gone")?;
     Ok((chunk.set(variant.layout.counts), constants))
-}
-
-/// What follows sees what came before.
-///
-/// # Safety
-/// The command buffer is being recorded, outside of a pass.
-unsafe fn wait(device: &Device, buffer: vk::CommandBuffer) {
-    let all = vk::PipelineStageFlags::ALL_COMMANDS;
-    let memory = vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
-        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
-    let flags = vk::DependencyFlags::empty();
-    // SAFETY: as promised.
-    unsafe { device.driver.functions.cmd_pipeline_barrier(buffer, all, all, flags, &[memory], &[], &[]) };
 }
 
 hooks! {

@@ -261,6 +261,7 @@ hooks! {
                 format: info.format,
                 components: info.components,
                 range: info.subresource_range,
+                usage: said.map(|said| said.usage),
                 atlas_copies: Vec::new(),
             };
             state.images.views.locked().insert(*view, new);

@@ -46,14 +46,14 @@ impl Images {
         if self.target_of_image(image).is_some() {
             return Ok(());
         }
-        let (kind, flags, described, size) = {
+        let (kind, flags, described, size, levels) = {
             let images = self.images.locked();
             let Some(state) = images.get(&image) else { return Ok(()) };
             // Blits that change the size read these, too.
             let scaled = state.size != layout.window && state.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
             let read = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE;
             let described = scaled || state.usage.intersects(read);
-            (state.kind(), state.flags, described && state.is_single(), state.size)
+            (state.kind(), state.flags, described && state.is_single(), state.size, state.mip_levels)
         };
         if !viewport::has_shape(size.0.into(), size.1.into(), layout.window) {
             return Ok(());
@@ -65,9 +65,14 @@ impl Images {
             return Err("an image of its scene has no room for all views".into());
         }
         // The atlas copy is made as for any image that is drawn to; then it is the atlas.
-        let atlas = self.atlas_copy_image(device, image, layout, true)?;
+        let atlas = match levels {
+            1 => self.atlas_copy_image(device, image, layout, true)?,
+            // Nothing is drawn to it.
+            _ => vk::Image::null(),
+        };
         let tiles: Vec<AtlasRect> = layout.views.iter().map(|view| view.rect).filter(|_| described).collect();
-        let ViewImages { view_copies, nothing, kept } = self.view_images(device, &tiles, flags, (kind.0, kind.1))?;
+        let ViewImages { view_copies, nothing, kept } =
+            self.view_images(device, (&tiles, levels), flags, (kind.0, kind.1))?;
         let target = ViewTarget {
             layout: Arc::clone(layout),
             given: image,
@@ -104,7 +109,7 @@ impl Images {
         view: vk::ImageView,
         layout: &AtlasLayout,
     ) -> Result<Option<ViewCopies>, Obstacle> {
-        let (image, info, known) = {
+        let (image, mut info, known, mut usage) = {
             let views = self.views.locked();
             let Some(state) = views.get(&view) else { return Ok(None) };
             let info = vk::ImageViewCreateInfo::default()
@@ -112,7 +117,8 @@ impl Images {
                 .format(state.format)
                 .components(state.components)
                 .subresource_range(state.range);
-            (state.image, info, state.atlas_copies.clone())
+            let usage = state.usage.map(|usage| vk::ImageViewUsageCreateInfo::default().usage(usage));
+            (state.image, info, state.atlas_copies.clone(), usage)
         };
         let target = self.target_of_image(image);
         let target = match &target {
@@ -122,6 +128,9 @@ impl Images {
         let Some(target) = target.filter(|target| !target.view_copies.is_empty()) else { return Ok(None) };
         if (target.layout.version, target.view_copies.len()) != (layout.version, layout.views.len()) {
             return Err("a picture of its scene has other views than the window".into());
+        }
+        if let Some(usage) = &mut usage {
+            info = info.push_next(usage);
         }
         let mut all = Vec::with_capacity(target.view_copies.len());
         for view_copy in &target.view_copies {

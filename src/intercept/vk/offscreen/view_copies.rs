@@ -159,3 +159,30 @@ pub unsafe fn show(device: &Device, buffer: vk::CommandBuffer, from: &ViewTarget
         barrier_of(&device.driver, buffer, atlas, COPIED_TO, ready_in(general));
     }
 }
+
+/// What follows sees what came before.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+pub unsafe fn wait(device: &Device, buffer: vk::CommandBuffer) {
+    let all = vk::PipelineStageFlags::ALL_COMMANDS;
+    let memory = vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: as promised.
+    unsafe { device.driver.functions.cmd_pipeline_barrier(buffer, all, all, flags, &[memory], &[], &[]) };
+}
+
+/// Records a change of each view copy of a scene by `change`, which is given the image.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+pub unsafe fn change(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarget, change: impl Fn(vk::Image)) {
+    // SAFETY: as promised.
+    unsafe {
+        wait(device, buffer);
+        target.view_copies.iter().for_each(|view_copy| change(view_copy.image));
+        wait(device, buffer);
+    }
+}

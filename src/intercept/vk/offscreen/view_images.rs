@@ -27,7 +27,7 @@ pub struct ViewImages {
 /// What the driver refuses.
 fn image(
     device: &Device,
-    (width, height): (u32, u32),
+    ((width, height), levels): ((u32, u32), u32),
     flags: vk::ImageCreateFlags,
     (format, usage): (vk::Format, vk::ImageUsageFlags),
 ) -> Result<OwnImage, Obstacle> {
@@ -40,7 +40,7 @@ fn image(
         .image_type(vk::ImageType::TYPE_2D)
         .format(format)
         .extent(vk::Extent3D { width, height, depth: 1 })
-        .mip_levels(1)
+        .mip_levels(levels)
         .array_layers(1)
         .samples(vk::SampleCountFlags::TYPE_1)
         .usage(usage | ATLAS_COPY_USAGE);
@@ -53,14 +53,14 @@ fn image(
 }
 
 impl Images {
-    /// Images as large as these tiles, like an image of this kind.
+    /// Images as large as these tiles, like an image of this kind and as many levels.
     ///
     /// # Errors
     /// What the driver refuses.
     pub(super) fn view_images(
         &self,
         device: &Device,
-        tiles: &[AtlasRect],
+        (tiles, levels): (&[AtlasRect], u32),
         flags: vk::ImageCreateFlags,
         (format, usage): (vk::Format, vk::ImageUsageFlags),
     ) -> Result<ViewImages, Obstacle> {
@@ -72,7 +72,8 @@ impl Images {
         let usage = usage & (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE);
         let mut made: Vec<OwnImage> = Vec::with_capacity(tiles.len() + 1);
         let of_tiles = tiles.iter().map(|tile| (tile.width.max(1) as u32, tile.height.max(1) as u32));
-        for size in of_tiles.chain(stored.then_some((1, 1))) {
+        let of_tiles = of_tiles.map(|size| (size, levels));
+        for size in of_tiles.chain(stored.then_some(((1, 1), 1))) {
             let new = image(device, size, flags, (format, usage)).inspect_err(|_| {
                 // SAFETY: ours, and not used yet.
                 made.iter().for_each(|image| unsafe { image.destroy(&device.driver) });
@@ -109,7 +110,7 @@ impl Images {
         let flags = vk::ImageCreateFlags::MUTABLE_FORMAT | vk::ImageCreateFlags::EXTENDED_USAGE;
         let tiles: Vec<AtlasRect> = layout.views.iter().map(|view| view.rect).collect();
         let ViewImages { view_copies, nothing, kept } =
-            self.view_images(device, &tiles, flags, (format, vk::ImageUsageFlags::STORAGE))?;
+            self.view_images(device, (&tiles, 1), flags, (format, vk::ImageUsageFlags::STORAGE))?;
         let of_window = ViewTarget::of_window(layout, vk::Image::null(), vk::Image::null());
         let made = Arc::new(ViewTarget { window: false, view_copies, nothing, kept, ..of_window });
         let old = self.of_window.locked().replace(Arc::clone(&made));
@@ -128,7 +129,7 @@ impl Images {
         }
         let mut images = self.images.locked();
         let state = images.get_mut(&of).ok_or("it copies an image that is not known")?;
-        let made = image(device, layout.atlas, state.flags, (state.format, state.usage))?;
+        let made = image(device, (layout.atlas, 1), state.flags, (state.format, state.usage))?;
         let (image, aspects) = (made.image, aspects(state.format));
         state.atlas_copies.push((layout.atlas, made));
         self.pending.locked().push(PendingLayout { image, layout: state.layout, aspects, cleared: false });

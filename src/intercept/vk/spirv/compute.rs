@@ -30,6 +30,9 @@ pub struct ComputeUse {
     pub buffers: BufferWrites,
 }
 
+/// Values that come from more places are not followed.
+const MOST_STEPS: usize = 256;
+
 /// Deeper chains of pointers, or of calls, are not followed.
 const DEEPEST: usize = 16;
 
@@ -150,7 +153,9 @@ impl Origins {
     /// Those of `known` that a value comes from; `None` where it may come from elsewhere.
     fn variables(&self, id: u32, known: &[u32]) -> Option<Vec<u32>> {
         let (mut open, mut found) = (vec![(id, DEEPEST)], Vec::new());
+        let mut left = MOST_STEPS;
         while let Some((id, depth)) = open.pop() {
+            left = left.checked_sub(1)?;
             if known.contains(&id) {
                 found.push(id);
                 continue;

@@ -1,6 +1,7 @@
 //! The splice and the search on modules of our own.
 
 mod camera_matrices;
+mod compute;
 mod division;
 mod frag_coord;
 mod texels;

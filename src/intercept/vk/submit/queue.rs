@@ -38,7 +38,7 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) ->
     let barrier = |pending: &PendingLayout| {
         let range = vk::ImageSubresourceRange {
             aspect_mask: pending.aspects,
-            level_count: 1,
+            level_count: vk::REMAINING_MIP_LEVELS,
             layer_count: 1,
             ..Default::default()
         };

@@ -50,6 +50,8 @@ pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) format: vk::Format,
     pub(in crate::intercept::vk) components: vk::ComponentMapping,
     pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
+    /// What it is used for, where that is less than its image is.
+    pub(in crate::intercept::vk) usage: Option<vk::ImageUsageFlags>,
     /// Atlas copies, by the image that they are views of.
     pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,
 }
@@ -151,8 +153,15 @@ impl Image {
         self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT | U::STORAGE)
             && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC | U::STORAGE)
             && self.kind == vk::ImageType::TYPE_2D
-            && (self.mip_levels, self.layers) == (1, 1)
+            && self.layers == 1
+            && (self.mip_levels == 1 || !self.may_be_attached())
             && self.target.as_ref().is_none_or(|target| !target.window)
+    }
+
+    /// Whether passes may draw to it. What only compute shaders write may have several levels.
+    pub(in crate::intercept::vk) fn may_be_attached(&self) -> bool {
+        use vk::ImageUsageFlags as U;
+        self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
     }
 
     /// Usage of a copy of it that passes draw to in its place.
