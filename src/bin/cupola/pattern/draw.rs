@@ -306,7 +306,7 @@ mod tests {
         let parts = [Part::Horizon];
         let pattern = Pattern::new(&rig, &[(400, 400)], &parts, 10.0, &[]).expect("a pattern");
         let canvas = pattern.draw(0);
-        for (elevation, azimuth) in [(20.0, 15.0_f64), (50.0, 165.0), (70.0, -75.0)] {
+        for (elevation, azimuth) in [(20.0, 15.0_f64), (40.0, 75.0), (40.0, -105.0)] {
             let (sine, cosine) = azimuth.to_radians().sin_cos();
             let at = |elevation: f64| {
                 let radius = 200.0 * (90.0 - elevation) / 90.0;
