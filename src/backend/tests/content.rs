@@ -68,7 +68,8 @@ fn pixel_angle(map: &ContentMap, window: (u32, u32)) -> f64 {
 pub fn places_are_those_of_f64(driver: &dyn Driver) {
     let window = (8000, 6000);
     let mut worst = 0.0f64;
-    for (number, (name, text)) in OUTPUTS.iter().enumerate() {
+    let others = [("a mirror", include_str!("../../rig/presets/idome.toml"))];
+    for (number, (name, text)) in OUTPUTS.iter().chain(&others).enumerate() {
         // All kinds for one output, all outputs for one kind, and each pair in one of three runs.
         let kinds = KINDS.iter().enumerate().filter(|(kind, _)| number == 0 || *kind == 0 || (kind + number) % 3 == 0);
         for (_, content) in kinds {
