@@ -50,7 +50,7 @@ fn right(modes: &[&str], limits: Limits) {
 /// One dispatch between the scene and the window: it reads the scene by a sampler or as it writes it, its depth, and knows the
 /// picture's size from the image or from push constants.
 fn pictures_that_compute_shaders_make() {
-    right(&["sampled", "stored", "same", "depths", "pushed", "indirect"], ROUNDED);
+    right(&["sampled", "stored", "same", "depths", "pushed", "descriptors", "indirect"], ROUNDED);
     planetarium_of("vk_computed", &["--mode", "sampled"], Run::vulkan_under);
 }
 

@@ -1,7 +1,7 @@
 /*
  * The direction test's cube, drawn with inverted colours to an image of which compute shaders make the window's picture
  * (--mode): by one dispatch that samples it (sampled), loads from it (stored), writes to it (same), or reads its depth, too
- * (depths); with the size in push constants (pushed); by an indirect dispatch (indirect); by three, one after the other
+ * (depths); with the size in push constants (pushed); with descriptors that are pushed (descriptors); by an indirect dispatch (indirect); by three, one after the other
  * (chain); with an image of half the size (half) or two levels of one (levels); with the picture of the frame before
  * (history); with numbers of the whole picture in a buffer (exposure); with a matrix of the camera (light). The result is
  * drawn to the window, or goes on being drawn to before (drawn), is blitted (blit) or copied (copy), or is the window's image
@@ -63,6 +63,7 @@ static const mode modes[] = {
     {"same", {{SHADER(computed_same), SCENE, 0, FIRST, false}}, SCENE, DRAW, false},
     {"depths", {{SHADER(computed_depths), SCENE, 0, FIRST, false}}, FIRST, DRAW, false},
     {"pushed", {{SHADER(computed_pushed), SCENE, 0, FIRST, false}}, FIRST, DRAW, false},
+    {"descriptors", {{SHADER(computed_inverted), SCENE, 0, FIRST, false}}, FIRST, DRAW, false},
     {"indirect", {{SHADER(computed_inverted), SCENE, 0, FIRST, false}}, FIRST, DRAW, true},
     {"chain",
      {{SHADER(computed_inverted), SCENE, 0, FIRST, false},
@@ -196,6 +197,24 @@ static void make_pictures(void)
     memcpy(groups.bytes, count, sizeof count);
 }
 
+/* Descriptors are pushed, where the device can. */
+static bool pushes(void)
+{
+    return is("descriptors") && w.has.push_descriptor;
+}
+
+/* Into a set, or pushed where that is null. */
+static void write_descriptor(const VkWriteDescriptorSet *write)
+{
+    if (write->dstSet != VK_NULL_HANDLE) {
+        vkUpdateDescriptorSets(w.device, 1, write, 0, NULL);
+        return;
+    }
+    PFN_vkCmdPushDescriptorSetKHR push =
+        (PFN_vkCmdPushDescriptorSetKHR)vkGetDeviceProcAddr(w.device, "vkCmdPushDescriptorSetKHR");
+    push(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, write);
+}
+
 static void describe(VkDescriptorSet set, uint32_t binding, VkDescriptorType kind, VkImageView view, VkImageLayout used)
 {
     const VkDescriptorImageInfo image = {sampler, view, used};
@@ -205,7 +224,7 @@ static void describe(VkDescriptorSet set, uint32_t binding, VkDescriptorType kin
                                         .descriptorCount = 1,
                                         .descriptorType = kind,
                                         .pImageInfo = &image};
-    vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+    write_descriptor(&write);
 }
 
 static void describe_block(VkDescriptorSet set, uint32_t binding, VkDescriptorType kind, VkBuffer buffer)
@@ -217,7 +236,7 @@ static void describe_block(VkDescriptorSet set, uint32_t binding, VkDescriptorTy
                                         .descriptorCount = 1,
                                         .descriptorType = kind,
                                         .pBufferInfo = &info};
-    vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+    write_descriptor(&write);
 }
 
 static VkDescriptorSet make_set(VkDescriptorSetLayout of)
@@ -243,7 +262,9 @@ static void make_layouts(void)
     const VkDescriptorSetLayoutBinding of_screen = {0, seen, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
     VkDescriptorSetLayoutCreateInfo set = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 7, .pBindings = bindings};
+    set.flags = pushes() ? VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR : 0;
     expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
+    set.flags = 0;
     set.bindingCount = 1;
     set.pBindings = &of_screen;
     expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &screen_set_layout), "vkCreateDescriptorSetLayout");
@@ -278,27 +299,31 @@ static void make_layouts(void)
     expect(vkCreatePipelineLayout(w.device, &info, NULL, &layout), "vkCreatePipelineLayout");
 }
 
+/* The descriptors of a step, for the window's image `index`. */
+static void fill_set(VkDescriptorSet set, const step *of, uint32_t index)
+{
+    const bool is_stored = of->from == SCENE && scene_is_stored();
+    describe(set, 0, seen, images[of->from].view, is_stored || of->from == LEVEL ? GENERAL : SAMPLED);
+    describe(set, 1, stored, of->to == WINDOW ? w.views[index] : images[of->to].view, GENERAL);
+    describe(set, 2, seen, depth.view, SAMPLED);
+    const bool beside_stored = of->beside == NEXT_LEVEL || (of->beside == SCENE && scene_is_stored());
+    describe(set, 3, seen, images[of->beside].view, beside_stored ? GENERAL : SAMPLED);
+    if (is_stored)
+        describe(set, 4, stored, images[SCENE].view, GENERAL);
+    describe_block(set, 5, shared, numbers.buffer);
+    describe_block(set, 6, uniform, camera.buffer);
+}
+
 /* A set for each step; where it writes the window, for each of its images. */
 static void make_sets(void)
 {
     screen_set = make_set(screen_set_layout);
     describe(screen_set, 0, seen, images[chosen->shown].view, SAMPLED);
-    for (int s = 0; s < MOST_STEPS && chosen->steps[s].shader.words != NULL; s++) {
-        const step *of = &chosen->steps[s];
-        for (uint32_t i = 0; i < (of->to == WINDOW ? w.count : 1); i++) {
-            const VkDescriptorSet set = sets[s][i] = make_set(set_layout);
-            const bool is_stored = of->from == SCENE && scene_is_stored();
-            describe(set, 0, seen, images[of->from].view, is_stored || of->from == LEVEL ? GENERAL : SAMPLED);
-            describe(set, 1, stored, of->to == WINDOW ? w.views[i] : images[of->to].view, GENERAL);
-            describe(set, 2, seen, depth.view, SAMPLED);
-            const bool beside_stored = of->beside == NEXT_LEVEL || (of->beside == SCENE && scene_is_stored());
-            describe(set, 3, seen, images[of->beside].view, beside_stored ? GENERAL : SAMPLED);
-            if (is_stored)
-                describe(set, 4, stored, images[SCENE].view, GENERAL);
-            describe_block(set, 5, shared, numbers.buffer);
-            describe_block(set, 6, uniform, camera.buffer);
+    for (int s = 0; s < MOST_STEPS && chosen->steps[s].shader.words != NULL && !pushes(); s++)
+        for (uint32_t i = 0; i < (chosen->steps[s].to == WINDOW ? w.count : 1); i++) {
+            sets[s][i] = make_set(set_layout);
+            fill_set(sets[s][i], &chosen->steps[s], i);
         }
-    }
 }
 
 static VkPipeline make_step(shader_words shader)
@@ -412,8 +437,11 @@ static void record_steps(uint32_t index)
         if (!level)
             change_layout(commands, to, OF_COLOR, NEW, GENERAL);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, steps[s]);
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &sets[s][of->to == WINDOW ? index : 0], 0,
-                                NULL);
+        const VkDescriptorSet *set = &sets[s][of->to == WINDOW ? index : 0];
+        if (pushes())
+            fill_set(VK_NULL_HANDLE, of, index);
+        else
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, set, 0, NULL);
         vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof extent, extent);
         if (chosen->indirect)
             vkCmdDispatchIndirect(commands, groups.buffer, 0);
@@ -475,7 +503,7 @@ int main(int argc, char **argv)
 {
     parse(argc, argv);
     const VkImageUsageFlags usage = chosen->way == WRITE ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-    window_open(&w, options.x, options.y, options.width, options.height, false, false, usage);
+    window_open(&w, options.x, options.y, options.width, options.height, false, is("descriptors"), usage);
     make_pictures();
     make_layouts();
     make_sets();

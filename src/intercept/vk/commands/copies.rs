@@ -295,11 +295,10 @@ unsafe fn between<R: Region>(
                         }
                     }
                     if let Some(nothing) = &read.nothing {
-                        of_view(
-                            nothing.image,
-                            AtlasRect { x: 0, y: 0, width: 1, height: 1 },
-                            target.layout.panel_with_border(),
-                        );
+                        // In the window's atlas tiles are apart, and a filter reads beside the panel.
+                        let layout = &target.layout;
+                        let panel = if target.window { layout.panel_with_border() } else { layout.panel };
+                        of_view(nothing.image, AtlasRect { x: 0, y: 0, width: 1, height: 1 }, panel);
                     }
                 });
                 // The program's image has what compute shaders wrote, and what was drawn if that can be copied there.
@@ -312,7 +311,7 @@ unsafe fn between<R: Region>(
                 if !read.is_stored() {
                     // The panel of an off-screen scene is empty. Its middle is read, so that a filter reads nothing
                     // beside it.
-                    of_view(read.atlas, read.layout.panel.middle(), target.layout.panel_with_border());
+                    of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
                 }
                 bring(COPIED_TO, ready_in(from_layout));
                 if let Some(scaled) = scaled {

@@ -15,6 +15,7 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::pipelines::{CameraMatrix, ComputePipeline, ComputeVariant};
+use crate::intercept::vk::state::recording::bindings::Write;
 use crate::intercept::vk::state::recording::draw_groups::{CameraSource, DrawFacts, DrawGroup};
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
@@ -48,7 +49,13 @@ fn images<'a>(
 ) -> impl Iterator<Item = vk::Image> + 'a {
     places.iter().flat_map(move |(set, binding)| {
         let bound = recording.compute.sets().iter().find(|(number, ..)| number == set);
-        let views = bound.map_or(Vec::new(), |(.., bound)| device.descriptors.pictures_of(bound.set, *binding));
+        let views = bound.map_or(Vec::new(), |(.., bound)| match &bound.pushed {
+            Some(pushed) => {
+                let of_binding = pushed.writes.iter().filter(|write| write.binding == *binding);
+                of_binding.flat_map(Write::views).collect()
+            }
+            None => device.descriptors.pictures_of(bound.set, *binding),
+        });
         views.into_iter().filter_map(|view| device.images.of(view))
     })
 }
@@ -113,8 +120,10 @@ fn note_unknown(device: &Device, recording: &Recording) {
     if !device.images.has_candidates() {
         return;
     }
-    let sets = recording.compute.sets().iter().map(|(.., bound)| bound.set);
-    let views = sets.flat_map(|set| [device.descriptors.pictures(set), device.descriptors.stored(set)].concat());
+    let views = recording.compute.sets().iter().flat_map(|(.., bound)| match &bound.pushed {
+        Some(pushed) => pushed.writes.iter().flat_map(Write::views).collect(),
+        None => [device.descriptors.pictures(bound.set), device.descriptors.stored(bound.set)].concat(),
+    });
     let images = views.filter_map(|view| device.images.candidate_of(view));
     images.for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
 }
@@ -181,9 +190,11 @@ unsafe fn follow(
         recording.events.extend((!images.is_empty()).then_some(Event::Computed(images)));
         return Ok(None);
     };
-    let mut sets = Vec::new();
+    let (mut sets, mut pushes) = (Vec::new(), Vec::new());
     for (number, handle, bound) in recording.compute.sets() {
-        if let Some(copies) = device.descriptors.of_views(device, bound.set, &layout)? {
+        if let Some(pushed) = &bound.pushed {
+            pushes.extend(pushed.of_views(device, &layout)?.map(|of_views| (*handle, *number, of_views)));
+        } else if let Some(copies) = device.descriptors.of_views(device, bound.set, &layout)? {
             let set = PerViewSet { number: *number, sets: copies, dynamic: bound.dynamic.clone(), attachments: false };
             sets.push((*handle, set));
         }
@@ -205,6 +216,11 @@ unsafe fn follow(
             for (handle, PerViewSet { number, sets, dynamic, .. }) in &sets {
                 let Some(set) = sets.get(view) else { continue };
                 functions.cmd_bind_descriptor_sets(buffer, point, *handle, *number, &[*set], dynamic);
+            }
+            for (handle, number, of_views) in &pushes {
+                if let Some(pushed) = of_views.get(view) {
+                    pushed.repeat(&device.next, buffer, point, *handle, *number);
+                }
             }
             issue();
         }

@@ -1,6 +1,7 @@
 //! Push descriptors. They are kept, so that matrices are found in them, and pushed again where a
 //! set of ours took their place.
 
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::descriptors::Template;
 use crate::intercept::vk::state::device::Device;
@@ -9,18 +10,44 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::bindings::{BoundSet, Content, Pushed, Write};
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use ash::vk;
 
-/// Descriptors were pushed: what they show cannot be exchanged for a view's.
-fn seen(device: &Device, write: &Write) {
+/// Descriptors were pushed: for graphics, what they show cannot be exchanged for a view's.
+fn seen(device: &Device, write: &Write, graphics: bool) {
     let Content::Images(images) = &write.content else { return };
     if write.kind == vk::DescriptorType::INPUT_ATTACHMENT {
         device.show_flat("it sets descriptors of attachments by vkCmdPushDescriptorSetKHR");
     }
     for view in images.iter().map(|info| info.image_view).filter(|_| descriptors::is_picture(write.kind)) {
         device.images.described(device, view, write.kind);
-        let scene = device.images.candidate_of(view).filter(|_| device.images.has_candidates());
+        let scene = device.images.candidate_of(view).filter(|_| graphics && device.images.has_candidates());
         scene.into_iter().for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
+    }
+}
+
+impl Pushed {
+    /// For each view of `layout` the same with its own images; `None` where it shows nothing of the scene.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub fn of_views(&self, device: &Device, layout: &AtlasLayout) -> Result<Option<Vec<Self>>, Obstacle> {
+        let mut all = vec![self.clone(); layout.views.len()];
+        let mut any = false;
+        for (number, write) in self.writes.iter().enumerate() {
+            for (place, view) in write.views().enumerate() {
+                let Some(copies) = device.images.view_copies(device, view, layout)? else { continue };
+                any = true;
+                for (pushed, view) in all.iter_mut().zip(&copies.views) {
+                    if let Some(Content::Images(infos)) = pushed.writes.get_mut(number).map(|write| &mut write.content)
+                        && let Some(info) = infos.get_mut(place)
+                    {
+                        (info.image_view, info.image_layout) = (*view, copies.layout);
+                    }
+                }
+            }
+        }
+        Ok(any.then_some(all))
     }
 }
 
@@ -46,7 +73,7 @@ fn pushed(
     let Some(writes) = writes else {
         return device.show_flat("it sets descriptors of an unknown kind by vkCmdPushDescriptorSetKHR");
     };
-    writes.iter().for_each(|write| seen(device, write));
+    writes.iter().for_each(|write| seen(device, write, graphics));
     device.recordings.with(buffer, |recording| match graphics {
         true => keep(recording, number as usize, writes),
         false => recording.compute.push(layout, number, writes),

@@ -91,6 +91,15 @@ impl Write {
         Some(Self { binding: entry.binding, element: entry.first, kind: entry.kind, content })
     }
 
+    /// Views of the images that it shows, or of nothing.
+    pub(in crate::intercept::vk) fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
+        let infos = match &self.content {
+            Content::Images(infos) => &infos[..],
+            _ => &[],
+        };
+        infos.iter().map(|info| info.image_view)
+    }
+
     /// For the driver; it lives as long as this.
     pub(in crate::intercept::vk) fn plain(&self) -> vk::WriteDescriptorSet<'_> {
         let write = vk::WriteDescriptorSet::default()
