@@ -75,6 +75,9 @@ fn half_masked((width, height): (u32, u32)) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
+/// A window that is already projected.
+const CONTENT: &str = "[content]\nkind = \"domemaster\"\naperture = 180\n";
+
 /// What is compared: name and rig; the first output is drawn. `mask`: of an output that is masked.
 fn rigs(mask: &Path) -> Result<Vec<(String, Rig)>, Failure> {
     let projector = |yaw: f64, more: &str| {
@@ -95,6 +98,9 @@ fn rigs(mask: &Path) -> Result<Vec<(String, Rig)>, Failure> {
         ("the same, views shared by all", three),
         ("fisheye 180°", dome(180)),
         ("fisheye 240°", dome(240)),
+        ("projector, a domemaster", format!("{CONTENT}{}", projector(0.0, alone))),
+        ("projector, equirectangular", format!("[content]\nkind = \"equirectangular\"\n{}", projector(0.0, alone))),
+        ("fisheye 180°, a domemaster", format!("{CONTENT}{}", dome(180))),
     ]
     .into_iter()
     .map(|(name, outputs)| {
