@@ -109,3 +109,15 @@ matrix4 matrix_inverse(matrix4 m)
         result.m[i] = (float)a[i % 4][4 + i / 4];
     return result;
 }
+
+unsigned pixels_to_the_left(const matrix4 *back, unsigned width, unsigned height)
+{
+    unsigned count = 0;
+    for (unsigned i = 0; i < width * height; i++) {
+        const double x = 2.0 * (i % width + 0.5) / width - 1.0, y = 2.0 * (i / width + 0.5) / height - 1.0;
+        const double across = back->m[0] * x + back->m[4] * y + back->m[8] + back->m[12];
+        const double w = back->m[3] * x + back->m[7] * y + back->m[11] + back->m[15];
+        count += across * w < 0.0;
+    }
+    return count;
+}

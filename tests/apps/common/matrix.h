@@ -26,4 +26,7 @@ matrix4 matrix_inverse(matrix4 m);
 
 matrix4 matrix_translate(double x, double y, double z);
 
+/* The number of pixels of a picture in which the direction has a negative x; `back`: from clip coordinates. */
+unsigned pixels_to_the_left(const matrix4 *back, unsigned width, unsigned height);
+
 #endif

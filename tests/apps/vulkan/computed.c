@@ -189,9 +189,10 @@ static void make_pictures(void)
     const matrix4 back = matrix_inverse(direction_matrix(&options, w.extent, false));
     camera = make_block(&w, sizeof back, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true);
     memcpy(camera.bytes, &back, sizeof back);
-    const VkDeviceSize all = 8 + 4 * w.extent.width * w.extent.height;
+    const VkDeviceSize all = 12 + 4 * w.extent.width * w.extent.height;
     numbers = make_block(&w, all, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true);
     memset(numbers.bytes, 0, all);
+    ((uint32_t *)numbers.bytes)[1] = pixels_to_the_left(&back, w.extent.width, w.extent.height);
     const uint32_t count[] = {(w.extent.width + 7) / 8, (w.extent.height + 7) / 8, 1};
     groups = make_block(&w, sizeof count, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, true);
     memcpy(groups.bytes, count, sizeof count);
@@ -394,7 +395,11 @@ static void record_cube(void)
     change_layout(commands, images[SCENE].image, OF_COLOR, NEW, COLOR);
     change_layout(commands, depth.image, OF_DEPTH, NEW, DEEP);
     begin(images[SCENE].view, true, VK_ATTACHMENT_LOAD_OP_CLEAR);
-    const matrix4 matrix = direction_matrix(&options, w.extent, false);
+    /* At first the camera looks elsewhere: numbers of what is left of that are wrong. */
+    static int frame;
+    direction_options now = options;
+    now.yaw += is("exposure") && frame++ < 3 ? 100.0 : 0.0;
+    const matrix4 matrix = direction_matrix(&now, w.extent, false);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cube.whole);
     vkCmdPushConstants(commands, cube_layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
     vkCmdDraw(commands, 36, 1, 0, 0);
