@@ -12,18 +12,21 @@ use std::fmt::Write;
 
 /// Name, sources, fragment entry points.
 const PASSES: &[(&str, &[&str], &[&str])] = &[
-    ("Fisheye", &["common.wgsl", "content.wgsl", "fisheye.wgsl"], &["present", "map"]),
-    ("Projector", &["common.wgsl", "content.wgsl", "projector.wgsl"], &["present", "map"]),
-    ("Optics", &["common.wgsl", "content.wgsl", "optics.wgsl"], &["present", "map"]),
-    ("Perspective", &["common.wgsl", "content.wgsl", "perspective.wgsl"], &["present", "map"]),
-    ("Panorama", &["common.wgsl", "content.wgsl", "panorama.wgsl"], &["present", "map"]),
-    ("Table", &["common.wgsl", "content.wgsl", "table.wgsl"], &["present", "map"]),
-    ("Mesh", &["common.wgsl", "content.wgsl", "mesh.wgsl"], &["present", "map"]),
+    ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
+    ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
+    ("Optics", &["common.wgsl", "optics.wgsl"], &["present", "map"]),
+    ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
+    ("Panorama", &["common.wgsl", "panorama.wgsl"], &["present", "map"]),
+    ("Table", &["common.wgsl", "table.wgsl"], &["present", "map"]),
+    ("Mesh", &["common.wgsl", "mesh.wgsl"], &["present", "map"]),
     ("Black", &["black.wgsl"], &["present"]),
 ];
 
 /// Name and source of the arrangements of the views' pictures. OpenGL has only the first.
 const ARRANGEMENTS: [(&str, &str); 3] = [("Atlas", "atlas.wgsl"), ("Layers", "layers.wgsl"), ("Images", "images.wgsl")];
+
+/// Whether pictures are content, and the source that says where they show a direction.
+const CONTENTS: [(bool, &str); 2] = [(false, "views.wgsl"), (true, "content.wgsl")];
 
 /// Rust source with the generated shader texts, with the SPIR-V modules, and with the types of
 /// constants.
@@ -32,25 +35,30 @@ pub fn generate() -> [String; 3] {
     let mut out = String::from("static PASSES: &[PassText] = &[\n");
     let mut modules = String::from("static MODULES: &[PassModules] = &[\n");
     for (name, files, entries) in PASSES {
-        for (arrangement, file) in ARRANGEMENTS {
-            // What shows nothing looks at no picture.
-            let with_pictures = files.len() > 1;
-            let files = files.iter().copied().chain(with_pictures.then_some(file));
-            let source: String = files.map(read).collect();
+        // What shows nothing looks at no picture.
+        let with_pictures = files.len() > 1;
+        let ways = ARRANGEMENTS.iter().flat_map(|arrangement| CONTENTS.map(|content| (*arrangement, content)));
+        for ((arrangement, file), (content, place)) in ways {
+            let first = arrangement == ARRANGEMENTS[0].0;
+            if !with_pictures && (content || !first) {
+                continue;
+            }
+            let pictures = [place, file].into_iter().filter(|_| with_pictures);
+            let source: String = files.iter().copied().chain(pictures).map(read).collect();
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|e| panic!("shaders: {name}, {file}: {}", e.emit_to_string(&source)));
             let info = Validator::new(ValidationFlags::all(), Capabilities::default())
                 .validate(&module)
                 .unwrap_or_else(|e| panic!("shaders: {name}, {file}: {}", e.emit_to_string(&source)));
-            let first = arrangement == ARRANGEMENTS[0].0;
             if first {
-                types.add(name, &module, &pass(name, entries, &module, &info, &mut out));
+                let members = pass((name, content), entries, &module, &info, &mut out);
+                if !content {
+                    types.add(name, &module, &members);
+                }
             }
             // The map is that of the first.
             let entries: Vec<&str> = entries.iter().copied().filter(|entry| first || *entry == "present").collect();
-            if first || with_pictures {
-                crate::spirv::pass(name, arrangement, &entries, &module, &mut modules);
-            }
+            crate::spirv::pass((name, content), arrangement, &entries, &module, &mut modules);
         }
     }
     out.push_str("];\n");
@@ -71,14 +79,20 @@ fn read(file: &str) -> String {
 }
 
 /// Appends the texts of one pass; path and number of scalars of each member of its constants.
-fn pass(name: &str, entries: &[&str], module: &Module, info: &ModuleInfo, out: &mut String) -> Vec<(String, usize)> {
+fn pass(
+    (name, content): (&str, bool),
+    entries: &[&str],
+    module: &Module,
+    info: &ModuleInfo,
+    out: &mut String,
+) -> Vec<(String, usize)> {
     let constants = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("constants"));
     let mut members = Vec::new();
     let mut constructor = String::new();
     if let Some((_, variable)) = constants {
         walk(module, variable.ty, "", &mut members, &mut constructor);
     }
-    writeln!(out, "PassText {{ pass: Pass::{name}, constructor: {constructor:?}, texts: &[")
+    writeln!(out, "PassText {{ pass: Pass::{name}, content: {content}, constructor: {constructor:?}, texts: &[")
         .expect("writing to a String");
     for (language, version) in [
         ("Glsl330", glsl::Version::Desktop(330)),

@@ -24,11 +24,11 @@ const OP_VARIABLE: u32 = 59;
 const OP_DECORATE: u32 = 71;
 
 /// Appends the modules of one pass over one arrangement of the views' pictures as Rust source.
-pub fn pass(name: &str, arrangement: &str, entries: &[&str], module: &Module, out: &mut String) {
+pub fn pass((name, content): (&str, bool), arrangement: &str, entries: &[&str], module: &Module, out: &mut String) {
     let vertex = emit(module, "rectangle_down").0;
     write!(
         out,
-        "PassModules {{ pass: Pass::{name}, arrangement: Arrangement::{arrangement}, vertex: &{vertex:?}, fragments: &["
+        "PassModules {{ pass: Pass::{name}, content: {content}, arrangement: Arrangement::{arrangement}, vertex: &{vertex:?}, fragments: &["
     )
     .expect("writing to a String");
     for entry in entries {

@@ -5,7 +5,8 @@
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
 // uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
 // `shared_part: Shared`), `Source`, what it interpolates over the output, and `trace`; a file of an arrangement of the views' pictures gives `atlas`, `texel`
-// and `picture_size`.
+// and `picture_size`; and either `content.wgsl` or `views.wgsl` gives `locate_content` and `content_texel`. What a shader
+// does not need costs time to compile, even where it is never run.
 
 // A perspective view in the atlas (or the flat panel).
 struct View {
@@ -18,6 +19,27 @@ struct View {
     number: f32,
     // Answers for everything that no earlier view answers for.
     last_resort: u32,
+}
+
+// A picture that the program has projected itself.
+struct Content {
+    // 0: there is none. 1 a fisheye, 2 unrolled with latitude upwards, 3 with heights, 4 the faces of a cube, 5 a plane.
+    kind: u32,
+    // Of a fisheye: the radius over the angle is 0 a polynomial of its square, 1 its part of sin(angle/2), 2 of
+    // tan(angle/2), 3 of sin(angle).
+    curve: u32,
+    // The polynomial, the constant first, or a factor.
+    radius: vec4<f32>,
+    // Place in the picture, −1…1, = (longitude, latitude or height − middle)·scale; of a plane, tangents·scale.
+    middle: f32,
+    scale: vec2<f32>,
+    // Left and right side show the same.
+    wraps: u32,
+    // Atlas coordinates = offset + half_size·place.
+    offset: vec2<f32>,
+    half_size: vec2<f32>,
+    // One texel in atlas coordinates.
+    step: vec2<f32>,
 }
 
 struct Shared {

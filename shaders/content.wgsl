@@ -1,26 +1,6 @@
 // Content: the only view is no perspective one but the program's window, in a part of which is a picture of directions.
 // Directions are in the picture's axes: x right, y up, −z its middle.
 
-struct Content {
-    // 0: there is none. 1 a fisheye, 2 unrolled with latitude upwards, 3 with heights, 4 the faces of a cube, 5 a plane.
-    kind: u32,
-    // Of a fisheye: the radius over the angle is 0 a polynomial of its square, 1 its part of sin(angle/2), 2 of
-    // tan(angle/2), 3 of sin(angle).
-    curve: u32,
-    // The polynomial, the constant first, or a factor.
-    radius: vec4<f32>,
-    // Place in the picture, −1…1, = (longitude, latitude or height − middle)·scale; of a plane, tangents·scale.
-    middle: f32,
-    scale: vec2<f32>,
-    // Left and right side show the same.
-    wraps: u32,
-    // Atlas coordinates = offset + half_size·place.
-    offset: vec2<f32>,
-    half_size: vec2<f32>,
-    // One texel in atlas coordinates.
-    step: vec2<f32>,
-}
-
 // Where the picture shows a direction: its place, and the number of the cube's face plus one, or 1; 0: nowhere.
 fn content_place(d: vec3<f32>) -> vec3<f32> {
     let across = sqrt(d.x * d.x + d.y * d.y);

@@ -92,6 +92,11 @@ impl Constants {
         self.values.shared()
     }
 
+    /// Returns whether the picture is content, not views.
+    pub(in crate::correct) fn shows_content(&self) -> bool {
+        self.shared().is_some_and(|shared| shared.content.kind != 0)
+    }
+
     /// Returns the scalars in the order of the shader's constant.
     pub fn scalars(&self) -> &[f32] {
         &self.scalars

@@ -42,6 +42,8 @@ pub struct Specialised {
 /// The generated texts of one pass.
 struct PassText {
     pass: Pass,
+    /// The picture is content, not views.
+    content: bool,
     /// The constant's constructor: `%` stands for a float, `#` for an unsigned number.
     constructor: &'static str,
     texts: &'static [StageText],
@@ -59,16 +61,16 @@ struct StageText {
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// The generated texts of `pass`.
-fn text_of(pass: Pass) -> &'static PassText {
+fn text_of(pass: Pass, content: bool) -> &'static PassText {
     // PASSES has an entry for each: the build script and a test see to it.
-    PASSES.iter().find(|text| text.pass == pass).unwrap_or(&PASSES[0])
+    PASSES.iter().find(|text| text.pass == pass && text.content == content).unwrap_or(&PASSES[0])
 }
 
 /// The program of `constants` in `language`.
 ///
 /// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there.
 pub fn specialise(constants: &Constants, language: Language, stage: Stage) -> Specialised {
-    let pass = text_of(constants.pass());
+    let pass = text_of(constants.pass(), constants.shows_content());
     let stage = if constants.pass() == Pass::Black { Stage::Present } else { stage };
     let text = pass.texts.iter().find(|t| t.language == language && t.stage == stage).unwrap_or(&pass.texts[0]);
     let (head, declaration, tail) = text.fragment;
@@ -116,9 +118,14 @@ mod tests {
             Pass::Table,
             Pass::Mesh,
             Pass::Black,
-        ] {
-            let text = text_of(pass);
-            assert_eq!(text.pass, pass);
+        ]
+        .into_iter()
+        .flat_map(|pass| [(pass, false), (pass, true)])
+        .filter(|(pass, content)| *pass != Pass::Black || !content)
+        {
+            let (pass, content) = pass;
+            let text = text_of(pass, content);
+            assert_eq!((text.pass, text.content), (pass, content));
             let placeholders = text.constructor.matches(['%', '#']).count();
             assert_eq!(members(pass).iter().map(|member| member.1).sum::<usize>(), placeholders, "{pass:?}");
             for language in [Language::Glsl330, Language::Essl300] {

@@ -45,6 +45,8 @@ pub mod binding {
 
 struct PassModules {
     pass: Pass,
+    /// The picture is content, not views.
+    content: bool,
     arrangement: Arrangement,
     vertex: &'static [u32],
     fragments: &'static [FragmentModule],
@@ -67,7 +69,10 @@ pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage)
     let black = constants.pass() == Pass::Black;
     let stage = if black { Stage::Present } else { stage };
     let arrangement = if black || stage == Stage::Map { Arrangement::Atlas } else { arrangement };
-    let wanted = |modules: &&PassModules| modules.pass == constants.pass() && modules.arrangement == arrangement;
+    let content = constants.shows_content();
+    let wanted = |modules: &&PassModules| {
+        modules.pass == constants.pass() && modules.arrangement == arrangement && modules.content == content
+    };
     // MODULES has an entry for each: the build script and a test see to it.
     let pass = MODULES.iter().find(wanted).unwrap_or(&MODULES[0]);
     let module = pass.fragments.iter().find(|module| module.stage == stage).unwrap_or(&pass.fragments[0]);
@@ -91,7 +96,7 @@ mod tests {
         {
             let scalars: usize = members(pass).iter().map(|member| member.1).sum();
             let found: Vec<&PassModules> = MODULES.iter().filter(|modules| modules.pass == pass).collect();
-            assert_eq!(found.len(), if pass == Pass::Black { 1 } else { 3 });
+            assert_eq!(found.len(), if pass == Pass::Black { 1 } else { 6 });
             assert_eq!(found[0].fragments.len(), if pass == Pass::Black { 1 } else { 2 });
             for module in found.iter().flat_map(|modules| modules.fragments) {
                 assert_eq!(module.slots.len(), scalars, "{pass:?}");

@@ -180,6 +180,7 @@ hooks! {
             next(buffer, atlas_copy, layout, color, count, ranges);
         }
         if let Some(scene) = state.images.scene(image).filter(|scene| scene.is_stored()) {
+            state.recordings.with(buffer, |recording| recording.samples(std::sync::Arc::clone(&scene)));
             view_copies::change(&state, buffer, &scene, |view_copy| next(buffer, view_copy, scene.kept, color, count, ranges));
         }
         next(buffer, image, layout, color, count, ranges)

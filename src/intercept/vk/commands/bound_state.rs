@@ -1,5 +1,6 @@
 //! State that the program binds and sets: pipelines, descriptor sets, push constants, viewports.
 
+use crate::intercept::vk::commands::dispatches::note_window;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
@@ -26,6 +27,9 @@ hooks! {
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, first: u32, count: u32, sets: *const vk::DescriptorSet, dynamic_count: u32, dynamic: *const u32
     ) { |state, next| {
         let known = [vk::PipelineBindPoint::GRAPHICS, vk::PipelineBindPoint::COMPUTE];
+        if !known.contains(&point) {
+            note_window(&state, slice(sets, count).iter().flat_map(|set| state.descriptors.stored(*set)));
+        }
         if !known.contains(&point) && state.images.has_candidates() {
             let views = slice(sets, count).iter().flat_map(|set| [state.descriptors.pictures(*set), state.descriptors.stored(*set)].concat());
             let images = views.filter_map(|view| state.images.candidate_of(view));

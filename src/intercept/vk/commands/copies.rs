@@ -73,7 +73,9 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
                 CopyPlan::Views(atlas_copy, target)
             }
             None => {
-                if !device.images.is_candidate(from) {
+                // What only compute shaders draw may never become a scene.
+                let waits = device.images.is_attached(from) || device.scene_graph.may_be_followed();
+                if !device.images.is_candidate(from) || !waits {
                     device.show_flat("it copies its picture to the window");
                 }
                 drawn(&target, false);
@@ -249,6 +251,7 @@ unsafe fn between<R: Region>(
             unsafe { view_copies::make(device, buffer, &target, layout) };
         }
         CopyPlan::Scaled(read, target) => {
+            device.recordings.with(buffer, |recording| recording.samples(Arc::clone(&read)));
             let same_size = read.layout.atlas == target.layout.atlas;
             let same_format = device.images.format(from) == device.images.format(to);
             if R::RESOLVES && !same_size {

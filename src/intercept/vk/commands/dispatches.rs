@@ -27,6 +27,11 @@ use std::sync::Arc;
 /// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
 const MOST_NUMBERS: u32 = 256;
 
+/// Why a window is flat that compute shaders write.
+const WRITES_WINDOW: &str = "compute shaders draw to its window, and not from a picture of its scene";
+/// Why a dispatch cannot be followed.
+const LOST: &str = "a compute shader writes a picture of its scene together with numbers of its own";
+
 /// Images that a dispatch reads and writes.
 struct Used {
     /// Those that may hold a scene and are read.
@@ -111,12 +116,20 @@ impl Used {
             }
             graph.note_computed(*read);
         }
-        self.written.iter().for_each(|written| graph.note_computed(*written));
+        for written in &self.written {
+            if self.lost {
+                graph.note_made(*written, Made::Elsewhere);
+            }
+            graph.note_computed(*written);
+        }
     }
 }
 
 /// A dispatch of a shader that is not known may do anything with the images that are bound.
 fn note_unknown(device: &Device, recording: &Recording) {
+    let stored = |set: vk::DescriptorSet| device.descriptors.stored(set);
+    let sets = recording.compute.sets().iter().filter(|(.., bound)| bound.pushed.is_none());
+    note_window(device, sets.flat_map(|(.., bound)| stored(bound.set)));
     if !device.images.has_candidates() {
         return;
     }
@@ -126,6 +139,14 @@ fn note_unknown(device: &Device, recording: &Recording) {
     });
     let images = views.filter_map(|view| device.images.candidate_of(view));
     images.for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
+}
+
+/// A shader that is not followed may write these images: what it draws to a window is not seen.
+pub(in crate::intercept::vk) fn note_window(device: &Device, stored: impl IntoIterator<Item = vk::ImageView>) {
+    let images = stored.into_iter().filter_map(|view| device.images.of(view));
+    if images.filter_map(|image| device.images.target_of_image(image)).any(|target| target.window) {
+        device.show_flat(WRITES_WINDOW);
+    }
 }
 
 /// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its work groups, if it is known.
@@ -142,6 +163,10 @@ unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u3
         // SAFETY: as promised.
         let followed = unsafe { follow(device, buffer, recording, (&pipeline, &used), issue) };
         let on_window = followed.as_ref().is_ok_and(|scenes| scenes.is_some());
+        // Without a scene the window never has views; with one, from one of the next frames on.
+        if used.window.is_some() && !on_window && (used.read.is_empty() || !device.scene_graph.may_be_followed()) {
+            device.show_flat(WRITES_WINDOW);
+        }
         recording.events.extend(used.window.as_ref().map(|window| Event::Drawn(Arc::clone(window), on_window)));
         let scenes = followed.unwrap_or_else(|why| {
             device.show_flat(why);
@@ -179,6 +204,10 @@ unsafe fn follow(
         images.iter().filter_map(|image| device.images.scene(*image)).collect()
     };
     let (read, mut written) = (scenes(&used.read), scenes(&used.written));
+    if used.lost {
+        // Once for each view it would do several times what it does once.
+        return if written.is_empty() { Ok(None) } else { Err(LOST.into()) };
+    }
     // Of images with other views new ones are made when the frame ends.
     let is_late = written.iter().chain(&read).any(|target| !target.layout.even);
     let window = used.window.as_ref().filter(|_| !read.is_empty() && !is_late);
@@ -186,7 +215,8 @@ unsafe fn follow(
     written.extend(window.clone());
     let Some(layout) = written.first().map(|target| Arc::clone(&target.layout)).filter(|_| !is_late) else {
         // What it writes may be followed from the next frame on, while these commands run again.
-        let images = used.written.clone();
+        let of_window = used.window.iter().flat_map(|_| &used.read);
+        let images: Vec<vk::Image> = used.written.iter().chain(of_window).copied().collect();
         recording.events.extend((!images.is_empty()).then_some(Event::Computed(images)));
         return Ok(None);
     };

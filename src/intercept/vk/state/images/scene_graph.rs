@@ -6,6 +6,7 @@ use crate::rig::Duplicate;
 use ash::vk;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A draw of as many vertices covers a viewport: one triangle, or a square.
 pub const COVERING_VERTICES: u32 = 6;
@@ -25,13 +26,25 @@ pub(in crate::intercept::vk) struct Seen {
     pub(in crate::intercept::vk) news: bool,
 }
 
+/// Times that the window may get a picture that is not followed before it is taken for one that
+/// will never be: in the first frames nothing is.
+const PATIENCE: u32 = 60;
+
 /// See the module.
 #[derive(Default)]
 pub struct SceneGraph {
     pub(in crate::intercept::vk) seen: Mutex<Seen>,
+    /// Times that compute shaders made a picture for the window that was not followed.
+    unfollowed: AtomicU32,
 }
 
 impl SceneGraph {
+    /// The window gets a picture of compute shaders that is not followed. Returns whether that may
+    /// still change.
+    pub(in crate::intercept::vk) fn may_be_followed(&self) -> bool {
+        self.unfollowed.fetch_add(1, Ordering::Relaxed) < PATIENCE
+    }
+
     /// Something is made of `image`.
     pub fn note_made(&self, image: vk::Image, to: Made) {
         let mut seen = self.seen.locked();
