@@ -3,7 +3,9 @@
  * another, which a triangle shows. --mode: by one dispatch that samples it (sampled), loads from it (stored) or changes it
  * (same), by an indirect one (indirect), by two with an image of half the size (half), with the depth (depths), with a matrix
  * of the camera (light), with a sum over the whole picture (exposure), with values of each place in a buffer (places), by a
- * separable program (pipeline), or blitted to the window (blit).
+ * separable program (pipeline), or blitted to the window (blit); with lists whose lengths are atomic sums (tiles), with an
+ * image of three dimensions (volume), after dots that places in a buffer are stored with (dots), or with sums in an image
+ * (gathered).
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -93,6 +95,23 @@ static const char values[] = HEAD PICTURE RESULT
     "layout(std430, binding = 0) readonly buffer Numbers { uint sum, expected; float factor; float values[]; };\n"
     STORE("inverted(vec4(values[at.y * size.x + at.x])) + 0.0 * texelFetch(picture, at, 0)");
 
+static const char tiles[] = HEAD PICTURE NUMBERS "shared uint nearest;\n"
+    "void main() {\n"
+    "    ivec2 at = ivec2(gl_GlobalInvocationID.xy), size = textureSize(picture, 0);\n"
+    "    atomicMin(nearest, 3u);\n"
+    "    if (all(lessThan(at, size))) values[at.y * size.x + at.x] = texelFetch(picture, at, 0).r;\n"
+    "}\n";
+static const char volume[] = HEAD PICTURE RESULT "layout(rgba8, binding = 2) uniform writeonly image3D fog;\n"
+    STORE("inverted(texelFetch(picture, at, 0)));\n    imageStore(fog, ivec3(at, 0), vec4(1.0)");
+static const char dots[] = HEAD "layout(rgba8, binding = 1) uniform writeonly image2D source;\n" NUMBERS
+    "void main() {\n"
+    "    ivec2 at = ivec2(gl_GlobalInvocationID.xy);\n"
+    "    values[at.x] = 1.0;\n"
+    "    if (all(lessThan(at, ivec2(64)))) imageStore(source, at, vec4(1.0, 1.0, 1.0, 1.0));\n"
+    "}\n";
+static const char gathered[] = HEAD PICTURE RESULT "layout(r32ui, binding = 3) uniform uimage2D sums;\n"
+    STORE("inverted(texelFetch(picture, at, 0)));\n    imageAtomicAdd(sums, ivec2(0), 1u");
+
 enum { SCENE, FIRST, SMALL, TEXTURES, MOST = 3 };
 
 static const struct {
@@ -100,11 +119,13 @@ static const struct {
     const char *steps[MOST];
 } modes[] = {{"sampled", {sampled}}, {"stored", {stored}},           {"same", {same}},     {"indirect", {sampled}},
              {"half", {halve, join}}, {"depths", {depths}},           {"light", {light}},   {"exposure", {count, judge, expose}},
-             {"places", {places, values}}, {"blit", {sampled}},             {"pipeline", {sampled}}};
+             {"places", {places, values}}, {"blit", {sampled}},             {"pipeline", {sampled}},
+             {"tiles", {tiles, values}}, {"volume", {volume}},        {"dots", {dots, stored}}, {"gathered", {gathered}}};
 
 static mesh cube;
 static int chosen;
 static GLuint scene, screen, steps[MOST], framebuffers[2], textures[TEXTURES], depth, numbers, groups, pipeline, empty;
+static GLuint fog, sums;
 
 static bool is(const char *name)
 {
@@ -155,6 +176,12 @@ static void setup(app *a)
     glTexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, width, height);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glGenTextures(1, &fog);
+    glBindTexture(GL_TEXTURE_3D, fog);
+    glTexStorage3D(GL_TEXTURE_3D, 1, GL_RGBA8, 8, 8, 2);
+    glGenTextures(1, &sums);
+    glBindTexture(GL_TEXTURE_2D, sums);
+    glTexStorage2D(GL_TEXTURE_2D, 1, GL_R32UI, 1, 1);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[0]);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, textures[SCENE], 0);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
@@ -193,7 +220,10 @@ static void run_step(app *a, int s)
     }
     glActiveTexture(GL_TEXTURE0);
     glBindImageTexture(0, textures[to], 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-    glBindImageTexture(1, textures[SCENE], 0, GL_FALSE, 0, text == same ? GL_READ_WRITE : GL_READ_ONLY, GL_RGBA8);
+    const GLenum access = text == same ? GL_READ_WRITE : text == dots ? GL_WRITE_ONLY : GL_READ_ONLY;
+    glBindImageTexture(1, textures[SCENE], 0, GL_FALSE, 0, access, GL_RGBA8);
+    glBindImageTexture(2, fog, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA8);
+    glBindImageTexture(3, sums, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
     if (is("indirect"))
         glDispatchComputeIndirect(0);
     else if (text == judge)

@@ -72,13 +72,17 @@ fn matrices_of_compute_shaders_are_those_of_the_view() {
     });
 }
 
-/// A buffer has values of the program's own picture only: what is made of them is flat, and the statistics say why.
+/// What cannot be had for each view is flat, and the statistics say why: values of each place in a buffer, also with atomic
+/// functions on other variables; images of three dimensions; pictures that are changed together with a buffer; sums in an
+/// image together with a picture.
 fn values_of_each_place_are_not_followed() {
-    let run = run(&["--mode", "places"]);
-    let Some(finished) = run.under("fisheye") else { return };
-    let finished = finished.expect_success().expect_no_gl_errors();
-    let reasons = finished.statistics()["single_framebuffers"].to_string();
-    assert!(reasons.contains("read by compute shaders"), "{reasons}");
-    let lit = finished.picture("capture.png").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
-    assert!(lit > 1000, "{lit} pixels show something");
+    for mode in ["places", "tiles", "volume", "dots", "gathered"] {
+        let extra = ["--mode", mode];
+        let Some(finished) = run(&extra).under("fisheye") else { return };
+        let finished = finished.expect_success().expect_no_gl_errors();
+        let reasons = finished.statistics()["single_framebuffers"].to_string();
+        assert!(reasons.contains("by compute shaders"), "{mode}: {reasons}");
+        let lit = finished.picture("capture.png").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
+        assert!(lit > 1000, "{mode}: {lit} pixels show something");
+    }
 }

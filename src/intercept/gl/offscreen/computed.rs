@@ -86,32 +86,60 @@ fn barrier(gl: &Gl) {
     unsafe { gl.memory_barrier(api::GL_ALL_BARRIER_BITS) };
 }
 
-/// Looks which images a dispatch uses. Those that it writes and that are not known yet are known from now on.
+/// Looks which images a dispatch uses. Those that it writes and that are not known yet are known from now on, if it makes
+/// them from known ones.
 fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
     let mut used = Used { read: sampling::sampled(ctx), written: 0, numbers: false, lost: stage.loses_cameras };
+    let gl = ctx.driver.gl;
     let program = ctx.shaders.program.as_ref().map_or(0, |program| program.name);
+    let mut unknown = false;
     for location in &stage.images {
-        let Some(bound) = bound_image(ctx.driver.gl, program, *location) else { continue };
-        let Some(index) = index_of(ctx, &bound) else { continue };
-        let [width, height] = ctx.view_copies.images[index].size;
-        let bit = if index < 64 { 1 << index } else { 0 };
-        if bound.read {
-            used.read |= bit;
+        let Some(bound) = bound_image(gl, program, *location) else { continue };
+        match position(ctx, &bound) {
+            Some(index) => used.add(ctx, &bound, index),
+            None => unknown |= bound.written,
         }
-        if bound.written {
-            match i64::from(width) * i64::from(height) <= i64::from(MOST_NUMBERS) {
-                true => used.numbers = true,
-                false => used.written |= bit,
+    }
+    if unknown && used.read != 0 {
+        for location in &stage.images {
+            let Some(bound) = bound_image(gl, program, *location).filter(|bound| bound.written) else { continue };
+            if position(ctx, &bound).is_some() {
+                continue;
+            }
+            match examine(ctx, &bound) {
+                Some(index) => used.add(ctx, &bound, index),
+                None => used.lost = true,
             }
         }
     }
+    let writes = |location: &i32| bound_image(gl, program, *location).is_some_and(|bound| bound.written);
+    used.lost |= used.read != 0 && stage.other_images.iter().any(writes);
     match stage.buffers {
         BufferWrites::Nothing => {}
         BufferWrites::Places if !single => used.lost = true,
         BufferWrites::Sums | BufferWrites::Places => used.numbers = true,
     }
-    used.lost |= stage.buffers != BufferWrites::Nothing && used.written != 0;
+    // With a dispatch for each view they would be gathered several times.
+    let gathers = stage.buffers != BufferWrites::Nothing || stage.image_atomics;
+    used.lost |= gathers && used.written != 0;
     used
+}
+
+impl Used {
+    /// Adds what is bound, which is at `index` in the list.
+    fn add(&mut self, ctx: &Context, bound: &Bound, index: usize) {
+        let [width, height] = ctx.view_copies.images[index].size;
+        let bit = if index < 64 { 1 << index } else { 0 };
+        if bound.read {
+            self.read |= bit;
+        }
+        if bound.written {
+            match i64::from(width) * i64::from(height) <= i64::from(MOST_NUMBERS) {
+                true => self.numbers = true,
+                false => self.written |= bit,
+            }
+        }
+    }
 }
 
 /// A texture that is bound as an image.
@@ -137,18 +165,25 @@ fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
 }
 
 /// The place in the list of what is bound.
-fn index_of(ctx: &mut Context, bound: &Bound) -> Option<usize> {
+fn position(ctx: &Context, bound: &Bound) -> Option<usize> {
     let is_it = |image: &Image| matches!(image.name, Name::Texture { name, level, .. } if (name, level) == (bound.texture, bound.level));
-    if let Some(index) = ctx.view_copies.images.iter().position(is_it) {
-        return Some(index);
-    }
-    if !bound.written {
+    ctx.view_copies.images.iter().position(is_it)
+}
+
+/// Adds what is bound to the list, if it can be followed.
+fn examine(ctx: &mut Context, bound: &Bound) -> Option<usize> {
+    let key = (bound.texture, bound.level);
+    if ctx.view_copies.not_followed.contains(&key) {
         return None;
     }
     ctx.driver.take_errors();
     let image = Image::examine_texture(ctx.driver.gl, bound.texture, bound.level);
     drop_errors(ctx.driver.gl);
-    ctx.view_copies.images.push(image?);
+    let Some(image) = image else {
+        ctx.view_copies.not_followed.push(key);
+        return None;
+    };
+    ctx.view_copies.images.push(image);
     Some(ctx.view_copies.images.len() - 1)
 }
 
@@ -157,7 +192,7 @@ fn note(ctx: &mut Context, used: &Used) {
     let images = &mut ctx.view_copies.images;
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
     for (i, image) in images.iter_mut().enumerate().take(64) {
-        if used.lost && used.read >> i & 1 != 0 && !image.lost {
+        if used.lost && (used.read | used.written) >> i & 1 != 0 && !image.lost {
             image.lost = true;
             ctx.view_copies.learnt = true;
         }

@@ -61,7 +61,7 @@ fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Optio
     } else if any(|image| image.refused) {
         "the driver gives no copies of it"
     } else if any(|image| image.lost) {
-        "it is read by compute shaders that cannot be followed"
+        "it is read or written by compute shaders that cannot be followed"
     } else if any(|image| image.other_shape && !image.scene) {
         "its picture has another shape than the window, as a shadow map or a mirror"
     } else if !any(|image| image.scene || !image.reads.is_empty()) {

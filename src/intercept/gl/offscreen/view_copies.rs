@@ -145,6 +145,9 @@ fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
 /// `forget_images` for a texture.
 pub fn forget_texture(ctx: &mut Context, texture: u32) {
     forget_images(ctx, |image| image.is_texture(texture));
+    // Where no image is followed, deletions are not seen.
+    let followed = ctx.view_copies.any();
+    ctx.view_copies.not_followed.retain(|(name, _)| followed && *name != texture);
 }
 
 /// `forget_images` for a renderbuffer.
@@ -221,8 +224,9 @@ pub fn clear(ctx: &mut Context) {
     for mut framebuffer in std::mem::take(&mut ctx.view_copies.framebuffers) {
         framebuffer.destroy_view_copy(gl);
     }
-    let ViewCopies { images, left, deleted, issued, .. } = &mut ctx.view_copies;
+    let ViewCopies { images, left, deleted, issued, not_followed, .. } = &mut ctx.view_copies;
     *deleted += 1;
+    not_followed.clear();
     issued.forget_views();
     for mut image in images.drain(..) {
         destroy_view_copy(&mut image, gl, ctx.driver.id, left, deleted);
@@ -252,18 +256,28 @@ pub fn end_frame(ctx: &mut Context) {
     let wanted = scene_graph::wanted(&ctx.view_copies.images, duplicate_mode() == Duplicate::Always);
     let mut images = ctx.view_copies.images.iter().zip(&wanted);
     if !ctx.view_copies.own_picture && images.any(|(image, wanted)| *wanted && image.read_back) {
-        leave(ctx);
         ctx.view_copies.own_picture = true;
-        let ViewCopies { images, left, deleted, .. } = &mut ctx.view_copies;
-        for image in images {
-            destroy_view_copy(image, gl, ctx.driver.id, left, deleted);
-        }
-        for framebuffer in &mut ctx.view_copies.framebuffers {
-            framebuffer.destroy_view_copy(gl);
-        }
+        destroy_view_copies(ctx);
+    }
+    if !wanted.contains(&true) && ctx.view_copies.images.iter().any(|image| image.lost && image.view_copy.is_some()) {
+        // Compute shaders that came later cannot be followed: it is flat from now on.
+        destroy_view_copies(ctx);
     }
     for index in (0..wanted.len()).filter(|index| wanted[*index]) {
         make_view_copy(ctx, index);
+    }
+}
+
+/// Deletes the view copies of all images.
+fn destroy_view_copies(ctx: &mut Context) {
+    leave(ctx);
+    let gl = ctx.driver.gl;
+    let ViewCopies { images, left, deleted, .. } = &mut ctx.view_copies;
+    for image in images {
+        destroy_view_copy(image, gl, ctx.driver.id, left, deleted);
+    }
+    for framebuffer in &mut ctx.view_copies.framebuffers {
+        framebuffer.destroy_view_copy(gl);
     }
 }
 

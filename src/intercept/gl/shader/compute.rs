@@ -7,7 +7,18 @@ use std::ffi::{CStr, c_char};
 
 /// That of a linked program with this text, if it has one. `loses_cameras`: its matrices are not chosen.
 pub fn of_program(gl: &Gl, program: u32, source: &str, loses_cameras: bool) -> ComputeStage {
-    ComputeStage { images: images(gl, program), buffers: writes(source), loses_cameras }
+    let bare = tokens::bare(source);
+    let words = all_words(&bare);
+    let (images, other_images) = images(gl, program, &words);
+    let image_atomics = words.iter().any(|word| word.starts_with("imageAtomic"));
+    ComputeStage { images, other_images, image_atomics, buffers: writes(&bare, &words), loses_cameras }
+}
+
+/// The words of a text without comments, with those of its directives.
+fn all_words(bare: &str) -> Vec<&str> {
+    let mut words = Vec::new();
+    bare.lines().for_each(|line| tokens::words(line, &mut words));
+    words
 }
 
 /// Whether a text names a 4×4 matrix that the program gives it.
@@ -18,52 +29,168 @@ pub fn has_matrices(source: &str) -> bool {
     words.contains(&"uniform") && words.iter().any(|word| matches!(*word, "mat4" | "mat4x4"))
 }
 
-/// Locations of the uniforms that are images of two dimensions.
-fn images(gl: &Gl, program: u32) -> Vec<i32> {
+/// Kinds of images that are pictures.
+const PICTURES: [u32; 3] = [api::GL_IMAGE_2D, api::GL_INT_IMAGE_2D, api::GL_UNSIGNED_INT_IMAGE_2D];
+
+/// Locations of the uniforms that are images of two dimensions, and of the others that the text may write.
+fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     let mut count = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
-    let mut found = Vec::new();
+    let (mut pictures, mut others) = (Vec::new(), Vec::new());
     for index in 0..u32::try_from(count).unwrap_or(0) {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
         // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked by.
-        let location = unsafe {
+        let (location, name) = unsafe {
             gl.get_active_uniform(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
-            gl.get_uniform_location(program, CStr::from_ptr(text.as_ptr()).as_ptr())
+            let name = CStr::from_ptr(text.as_ptr());
+            (gl.get_uniform_location(program, name.as_ptr()), name.to_string_lossy())
         };
-        let is_image = matches!(kind, api::GL_IMAGE_2D | api::GL_INT_IMAGE_2D | api::GL_UNSIGNED_INT_IMAGE_2D);
-        if is_image && location >= 0 {
-            // The elements of an array have locations that follow each other.
-            found.extend(location..location + size.max(1));
+        // The elements of an array have locations that follow each other.
+        let locations = location..location + size.max(1);
+        // From `image1D` to `uimage2DMSArray` the registry has them one after the other.
+        let is_image = (api::GL_IMAGE_1D..=api::GL_UNSIGNED_INT_IMAGE_2D_MULTISAMPLE_ARRAY).contains(&kind);
+        if location < 0 || !is_image {
+            continue;
+        }
+        if PICTURES.contains(&kind) {
+            pictures.extend(locations);
+        } else if !is_read_only(words, name.split('[').next().unwrap_or_default()) {
+            others.extend(locations);
         }
     }
-    found
+    (pictures, others)
+}
+
+/// Whether the first mention of an image, which declares it, says that it is only read.
+fn is_read_only(words: &[&str], name: &str) -> bool {
+    let Some(at) = words.iter().position(|word| *word == name) else { return false };
+    words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}")).any(|word| *word == "readonly")
 }
 
 /// What a text may write to buffers.
-fn writes(source: &str) -> BufferWrites {
-    let bare = tokens::bare(source);
-    let mut words = Vec::new();
-    bare.lines().for_each(|line| tokens::words(line, &mut words));
+fn writes(bare: &str, words: &[&str]) -> BufferWrites {
     let counters = words.contains(&"atomic_uint");
-    let written = (0..words.len()).filter(|at| words[*at] == "buffer").any(|at| {
-        let before = words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}"));
-        let behind = words[at..].iter().take_while(|word| !matches!(**word, ";" | "{"));
+    let mut buffers = words.iter().enumerate().filter(|(_, word)| **word == "buffer").map(|(at, _)| at).filter(|at| {
+        let before = words[..*at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}"));
+        let behind = words[*at..].iter().take_while(|word| !matches!(**word, ";" | "{"));
         !before.chain(behind).any(|word| *word == "readonly")
     });
-    let adds = words.iter().any(|word| word.starts_with("atomic") && *word != "atomic_uint");
-    match (written, counters) {
-        (true, _) if !adds => BufferWrites::Places,
-        (true, _) | (_, true) => BufferWrites::Sums,
-        (false, false) => BufferWrites::Nothing,
+    let Some(first) = buffers.next() else {
+        return if counters { BufferWrites::Sums } else { BufferWrites::Nothing };
+    };
+    let mut members = Vec::new();
+    std::iter::once(first).chain(buffers).for_each(|at| block_members(&words[at..], &mut members));
+    let shared = shared_names(words);
+    let adds = words.windows(3).any(|part| {
+        let is_atomic = part[0].starts_with("atomic") && part[0] != "atomic_uint";
+        is_atomic && part[1] == "(" && !shared.contains(&part[2])
+    });
+    // What a macro does with a member is not followed.
+    let in_macros = bare.lines().filter(|line| line.trim_start().starts_with('#')).any(|line| {
+        let body = all_words(line);
+        body.iter().any(|word| members.contains(word))
+    });
+    match adds && !in_macros && !assigns(words, &members) {
+        true => BufferWrites::Sums,
+        false => BufferWrites::Places,
     }
+}
+
+/// Adds the names that members of a block have in the text, which begins with `buffer`: that of the block's instance, or their own.
+fn block_members<'a>(words: &[&'a str], members: &mut Vec<&'a str>) {
+    let Some(open) = words.iter().position(|word| matches!(*word, "{" | ";")).filter(|at| words[*at] == "{") else {
+        return;
+    };
+    let Some(length) = words[open..].iter().position(|word| *word == "}") else { return };
+    if let Some(instance) = words.get(open + length + 1).filter(|word| tokens::is_name(word)) {
+        return members.push(instance);
+    }
+    let mut depth = 0;
+    for pair in words[open..=open + length].windows(2) {
+        match pair[0] {
+            "[" | "(" => depth += 1,
+            "]" | ")" => depth -= 1,
+            name if depth == 0 && tokens::is_name(name) && matches!(pair[1], ";" | "," | "[") => members.push(name),
+            _ => {}
+        }
+    }
+}
+
+/// The names in declarations of variables that a work group shares.
+fn shared_names<'a>(words: &[&'a str]) -> Vec<&'a str> {
+    let declared = words.iter().enumerate().filter(|(_, word)| **word == "shared");
+    declared.flat_map(|(at, _)| words[at..].iter().take_while(|word| **word != ";").copied()).collect()
+}
+
+/// Whether a text may give one of `names`, or a part of it, a value other than by an atomic function.
+fn assigns(words: &[&str], names: &[&str]) -> bool {
+    const ASSIGNMENTS: [&str; 13] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>=", "++", "--"];
+    let gives_back = words.iter().any(|word| matches!(*word, "out" | "inout"));
+    words.iter().enumerate().filter(|(_, word)| names.contains(word)).any(|(at, _)| {
+        let before = if at > 0 { words[at - 1] } else { "" };
+        let behind = words.get(end_of_access(words, at)).copied().unwrap_or_default();
+        let is_argument = matches!(before, "(" | ",") && matches!(behind, ")" | ",");
+        let by_atomic = at > 1 && words[at - 2].starts_with("atomic");
+        let changes = ASSIGNMENTS.contains(&behind) || matches!(before, "++" | "--");
+        before != "." && (changes || gives_back && is_argument && !by_atomic)
+    })
+}
+
+/// Where the indices and members end that follow the name at `at`.
+fn end_of_access(words: &[&str], at: usize) -> usize {
+    let (mut end, mut depth) = (at + 1, 0);
+    while let Some(word) = words.get(end) {
+        match *word {
+            "[" => depth += 1,
+            "]" => depth -= 1,
+            "." if depth == 0 => end += 1,
+            _ if depth == 0 => break,
+            _ => {}
+        }
+        end += 1;
+    }
+    end
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{has_matrices, writes};
+    use super::{all_words, has_matrices, is_read_only};
     use crate::intercept::gl::state::shader::programs::BufferWrites;
+
+    fn writes(text: &str) -> BufferWrites {
+        let bare = super::tokens::bare(text);
+        super::writes(&bare, &all_words(&bare))
+    }
+
+    #[test]
+    fn lists_of_each_place_are_no_sums() {
+        let shared = "shared uint nearest; buffer Lights { uint list[]; };
+            void main() { atomicMin(nearest, 3u); barrier(); list[gl_WorkGroupID.x * 4u] = nearest; }";
+        let counted = "buffer Lights { uint n; uint list[]; };
+            void main() { uint i = atomicAdd(n, 1u); list[i] = 7u; }";
+        let instance = "buffer Lights { uint n; uint list[]; } lights;
+            void main() { lights.list[atomicAdd(lights.n, 1u)].x += 7u; }";
+        let only_shared = "shared uint n; buffer B { uint b[]; }; void main() { atomicAdd(n, 1u); }";
+        let by_macro = "buffer B { uint n, b[]; };\n#define PUT b[2]\nvoid main() { PUT = atomicAdd(n, 1u); }";
+        let by_function = "buffer B { uint n, b[]; }; void put(out uint x) { x = 1u; }
+            void main() { atomicAdd(n, 1u); put(b[2]); }";
+        for text in [shared, counted, instance, only_shared, by_macro, by_function] {
+            assert_eq!(writes(text), BufferWrites::Places, "{text}");
+        }
+        let histogram = "shared uint own[256]; buffer Histogram { uint bins[256]; } all; buffer S { uint total; };
+            void main() { own[3] = 0u; atomicAdd(own[3], 1u); uint bins = 1u; atomicAdd(all.bins[3], own[3]);
+                if (total == 0u) atomicAdd(total, 1u); }";
+        assert_eq!(writes(histogram), BufferWrites::Sums);
+    }
+
+    #[test]
+    fn images_that_are_only_read() {
+        let words =
+            all_words("layout(r8) uniform readonly image3D table; layout(r8) uniform image3D fog; void main() {}");
+        assert!(is_read_only(&words, "table") && !is_read_only(&words, "fog") && !is_read_only(&words, "none"));
+    }
 
     #[test]
     fn buffers_that_a_text_may_write() {

@@ -24,6 +24,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) own_picture: bool,
     /// Compute shaders make some of its images.
     pub(in crate::intercept::gl) computes: bool,
+    /// Textures and their levels that compute shaders write and that cannot be followed: with layers, of three dimensions.
+    pub(in crate::intercept::gl) not_followed: Vec<(u32, i32)>,
     /// Canvases for copies to another size, each of another size or format.
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
     /// Converters of depth, each of another size or format.
@@ -75,6 +77,8 @@ impl ViewCopies {
         if !std::mem::take(&mut self.shared) {
             return;
         }
+        // Other contexts may delete them.
+        self.not_followed.clear();
         let travelling = SharedViewCopies {
             images: std::mem::take(&mut self.images),
             learnt: std::mem::take(&mut self.learnt),

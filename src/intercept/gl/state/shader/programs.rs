@@ -139,8 +139,12 @@ pub enum BufferWrites {
 /// A compute shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ComputeStage {
-    /// Locations of its images.
+    /// Locations of its images of two dimensions.
     pub images: Vec<i32>,
+    /// Locations of other images that it may write: with layers, of one or three dimensions, of buffers.
+    pub other_images: Vec<i32>,
+    /// It has atomic functions on images.
+    pub image_atomics: bool,
     /// What it writes to buffers.
     pub buffers: BufferWrites,
     /// It has matrices that may be the camera's, and gets none of a view.
