@@ -76,6 +76,8 @@ functions! {
         c"glUseProgram" use_program;
         c"glBindFramebuffer" bind_framebuffer;
         c"glCheckFramebufferStatus" check_framebuffer_status;
+        c"glIsFramebuffer" is_object;
+        c"glIsVertexArray" is_object;
         c"glViewport" viewport;
         c"glViewportIndexedf" viewport_indexed;
         c"glGetFloati_v" get_indexed_floats;
@@ -211,6 +213,11 @@ extern "system" fn bind_framebuffer(target: u32, name: u32) {
 
 extern "system" fn check_framebuffer_status(_: u32) -> u32 {
     note(|_| GL_FRAMEBUFFER_COMPLETE)
+}
+
+/// Every name is that of an object.
+extern "system" fn is_object(name: u32) -> u8 {
+    note(|_| u8::from(name != 0))
 }
 
 extern "system" fn viewport(x: i32, y: i32, width: i32, height: i32) {

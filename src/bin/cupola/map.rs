@@ -57,7 +57,8 @@ enum Backend {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let rig = cupola::rig::load(&arguments.rig)?;
+    // Directions of pixels are the same whatever is shown there.
+    let rig = Rig { content: None, ..cupola::rig::load(&arguments.rig)? };
     let output = find_output(&rig, arguments.output.as_deref())?;
     let size = arguments.size.unwrap_or_else(|| native_size(&rig, output));
     let exact = WarpMap::new(&rig, output, size, None)?;

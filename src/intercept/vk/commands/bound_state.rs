@@ -1,6 +1,6 @@
 //! State that the program binds and sets: pipelines, descriptor sets, push constants, viewports.
 
-use crate::intercept::vk::commands::dispatches::note_window;
+use crate::intercept::vk::offscreen::images::note_window;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;

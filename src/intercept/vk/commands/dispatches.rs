@@ -7,7 +7,7 @@
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::draws::tiles::PerViewSet;
-use crate::intercept::vk::offscreen::images::READ_TOGETHER;
+use crate::intercept::vk::offscreen::images::{READ_TOGETHER, WRITES_WINDOW, note_window};
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::pipelines::matrix_sources::compute_source;
 use crate::intercept::vk::spirv::{BufferWrites, DescriptorPlace};
@@ -27,8 +27,6 @@ use std::sync::Arc;
 /// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
 const MOST_NUMBERS: u32 = 256;
 
-/// Why a window is flat that compute shaders write.
-const WRITES_WINDOW: &str = "compute shaders draw to its window, and not from a picture of its scene";
 /// Why a dispatch cannot be followed.
 const LOST: &str = "a compute shader writes a picture of its scene together with numbers of its own";
 
@@ -139,14 +137,6 @@ fn note_unknown(device: &Device, recording: &Recording) {
     });
     let images = views.filter_map(|view| device.images.candidate_of(view));
     images.for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
-}
-
-/// A shader that is not followed may write these images: what it draws to a window is not seen.
-pub(in crate::intercept::vk) fn note_window(device: &Device, stored: impl IntoIterator<Item = vk::ImageView>) {
-    let images = stored.into_iter().filter_map(|view| device.images.of(view));
-    if images.filter_map(|image| device.images.target_of_image(image)).any(|target| target.window) {
-        device.show_flat(WRITES_WINDOW);
-    }
 }
 
 /// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its work groups, if it is known.

@@ -20,6 +20,17 @@ use std::sync::Arc;
 /// Why what a shader reads of the program's own image would be missing there.
 pub const READ_TOGETHER: &str = "its shaders read what it draws together with the window";
 
+/// Why a window is flat that compute shaders write.
+pub const WRITES_WINDOW: &str = "compute shaders draw to its window, and not from a picture of its scene";
+
+/// A shader that is not followed may write these images: what it draws to a window is not seen.
+pub(in crate::intercept::vk) fn note_window(device: &Device, stored: impl IntoIterator<Item = vk::ImageView>) {
+    let images = stored.into_iter().filter_map(|view| device.images.of(view));
+    if images.filter_map(|image| device.images.target_of_image(image)).any(|target| target.window) {
+        device.show_flat(WRITES_WINDOW);
+    }
+}
+
 impl Images {
     /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
     /// not be drawn to an atlas copy in its place, unless it is read as an attachment, which has an
