@@ -135,17 +135,27 @@ fn unknown_keys() {
     refused("roll = 1", "rol = 1", "viewer.rol: unknown key", &["`roll`"]);
     refused("quality = 1.5", "qualty = 1.5", "views.qualty: unknown key", &["`quality`"]);
     refused("width = 70", "widht = 70", "overlay.widht: unknown key", &["`width`"]);
-    refused("gamma = 2.4", "gama = 2.4", "output[0].blend.gama: unknown key", &["`gamma`"]);
-    refused("fov = [90, 60]", "fov = [90, 60]\nfow = 3", "output[3].fow: unknown key", &["did you mean `fov`?"]);
+    refused("gamma = 2.4", "gama = 2.4", "output[0].blend.gama (left): unknown key", &["`gamma`"]);
+    refused(
+        "fov = [90, 60]",
+        "fov = [90, 60]\nfow = 3",
+        "output[3].fow (monitor): unknown key",
+        &["did you mean `fov`?"],
+    );
 }
 
 #[test]
 fn keys_of_another_kind_of_output() {
     let expected = ["it belongs to kind = \"domemaster\""];
     let (text, number) = with("fov = [90, 60]", "fov = [90, 60]\naperture = 180");
-    refused_text(&text, number + 1, "output[3].aperture: unknown key", &expected);
+    refused_text(&text, number + 1, "output[3].aperture (monitor): unknown key", &expected);
     let (text, number) = with("aperture = 180", "aperture = 180\nfov = [60, 40]");
-    refused_text(&text, number + 1, "output[2].fov: unknown key", &["kind = \"projector\" or \"perspective\""]);
+    refused_text(
+        &text,
+        number + 1,
+        "output[2].fov (master): unknown key",
+        &["kind = \"projector\" or \"perspective\""],
+    );
     refused_text(
         "[[outputs]]\nkind = \"domemaster\"\n[[output]]\nkind = \"domemaster\"",
         1,
@@ -203,7 +213,7 @@ fn methods_of_outputs() {
     refused_text(
         &text,
         number + 1,
-        "output[2].max_error: unknown key",
+        "output[2].max_error (master): unknown key",
         &["method = \"table\", \"mesh\" or \"primitive\""],
     );
     let (text, number) = with(line, "method = \"cube-mesh\"");
@@ -471,7 +481,7 @@ fn one_message_lists_every_problem_in_the_files_order() {
         .replace("zoom = 2", "zom = 2");
     let message = read(&text).unwrap_err();
     let keys: Vec<&str> = message.lines().filter_map(|line| line.split(": ").nth(1)).collect();
-    assert_eq!(keys, ["dome.radius", "camera.zom", "output[0].blend.gamma"]);
+    assert_eq!(keys, ["dome.radius", "camera.zom", "output[0].blend.gamma (left)"]);
     // A flood is cut short.
     let many = read(&"[[output]]\nkind = \"x\"\n".repeat(64)).unwrap_err();
     assert_eq!(many.lines().count(), 21);
