@@ -115,7 +115,7 @@ mod start {
 
 mod link {
     use super::*;
-    use cupola::intercept::gl::shader::dependence::position_names;
+    use cupola::intercept::gl::shader::source::dependence::position_names;
     use std::collections::HashMap;
     use std::fmt::Write;
     use std::sync::Arc;

@@ -2,8 +2,8 @@
 #![no_main]
 
 use cupola::intercept::gl::projected_vertices::{carriers, interface};
-use cupola::intercept::gl::shader::patch::{Stage, has_main, mentions, patch, strip_comments};
-use cupola::intercept::gl::shader::prover::prove;
+use cupola::intercept::gl::shader::source::patch::{Stage, has_main, mentions, patch, strip_comments};
+use cupola::intercept::gl::shader::source::prover::prove;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Some((kind, text)) = bytes.split_first() else { return };

@@ -27,8 +27,9 @@ use crate::intercept::gl::per_view::window_space::{own_window_space, program_win
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::shader::assembly;
 use crate::intercept::gl::shader::camera_matrices::upload;
-use crate::intercept::gl::shader::{assembly, frag_coord};
+use crate::intercept::gl::shader::source::frag_coord;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;

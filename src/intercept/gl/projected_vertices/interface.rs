@@ -3,7 +3,7 @@
 //! The outputs become plain variables, which are copied into outputs of ours at the end of `main`; the stage behind reads
 //! these and has outputs with the names, qualifiers and places that the fragment stage expects.
 
-use crate::intercept::gl::shader::patch;
+use crate::intercept::gl::shader::source::patch;
 use std::ops::Range;
 
 /// A value that is handed on.

@@ -13,7 +13,7 @@ use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::projected_vertices::geometry_stage::{self, Limits, Passing};
 use crate::intercept::gl::projected_vertices::interface::{self, Interface};
 use crate::intercept::gl::projected_vertices::{carriers, tessellation};
-use crate::intercept::gl::shader::patch;
+use crate::intercept::gl::shader::source::patch;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::division_counter::Counter;

@@ -1,7 +1,7 @@
 //! Positions of a program that are proven from the text of its vertex shader.
 
 use crate::backend::gl::driver::api::Gl;
-use crate::intercept::gl::shader::prover::{self, Attribute, Proof};
+use crate::intercept::gl::shader::source::prover::{self, Attribute, Proof};
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position};
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use std::ffi::CString;

@@ -1,7 +1,7 @@
 //! Leaves out draws from the views that cannot show them.
 //!
 //! Only where that is proven: vertices whose places are known, and matrices that are known, be it the
-//! fixed-function pipeline's or those of a shader whose text says what it does with them (`shader::prover`). Everything else
+//! fixed-function pipeline's or those of a shader whose text says what it does with them (`shader::source::prover`). Everything else
 //! goes to every view. Views that got nothing are not corrected either ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
 
 use crate::correct::{LowerLeftRect, TexelSpan};

@@ -15,7 +15,7 @@ use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::{errors, list_recording, methods};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
 use crate::intercept::gl::shader::linking;
-use crate::intercept::gl::shader::patch::{self, Stage};
+use crate::intercept::gl::shader::source::patch::{self, Stage};
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::programs::Program;

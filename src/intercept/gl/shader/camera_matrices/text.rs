@@ -2,9 +2,9 @@
 //!
 //! A matrix `m` becomes `(chosen[i]>0.5?matrices[i]:m)`. The program's own uniform stays active, in all that it asks.
 
-use crate::intercept::gl::shader::head::Head;
-use crate::intercept::gl::shader::prover::declarations::behind;
-use crate::intercept::gl::shader::prover::tokens::{self, is_name};
+use crate::intercept::gl::shader::source::head::Head;
+use crate::intercept::gl::shader::source::prover::declarations::behind;
+use crate::intercept::gl::shader::source::prover::tokens::{self, is_name};
 use crate::intercept::gl::state::shader::camera_matrices::Names;
 use std::collections::HashMap;
 

@@ -2,10 +2,10 @@
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::camera_matrices::text::{self, Named};
-use crate::intercept::gl::shader::frag_coord;
-use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::prover::declarations::behind;
-use crate::intercept::gl::shader::prover::tokens;
+use crate::intercept::gl::shader::source::frag_coord;
+use crate::intercept::gl::shader::source::patch::{self, Stage};
+use crate::intercept::gl::shader::source::prover::declarations::behind;
+use crate::intercept::gl::shader::source::prover::tokens;
 use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 //! The head of a shader's text, behind which uniforms of ours are declared.
 
-use crate::intercept::gl::shader::patch::{end_of_version_line, version};
+use crate::intercept::gl::shader::source::patch::{end_of_version_line, version};
 
 /// What stands before all declarations: `#version`, the last `#extension`, and conditions around it.
 pub struct Head<'a> {

@@ -6,9 +6,9 @@
 //! each variable that it writes, all words of a function's body into its value, and all conditions into every variable.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::gl::shader::elements::{self, Usage};
-use crate::intercept::gl::shader::prover::declarations::behind;
-use crate::intercept::gl::shader::prover::tokens::{self, is_name};
+use crate::intercept::gl::shader::source::elements::{self, Usage};
+use crate::intercept::gl::shader::source::prover::declarations::behind;
+use crate::intercept::gl::shader::source::prover::tokens::{self, is_name};
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! What a compute shader of the program uses.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::shader::prover::tokens;
+use crate::intercept::gl::shader::source::prover::tokens;
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
 use std::ffi::{CStr, c_char};
 

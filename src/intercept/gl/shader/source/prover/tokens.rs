@@ -1,6 +1,6 @@
 //! The words of a shader's text.
 
-use crate::intercept::gl::shader::patch;
+use crate::intercept::gl::shader::source::patch;
 
 /// The words of a text, without comments and directives.
 pub struct Tokens<'a> {

@@ -1,6 +1,6 @@
 //! What a shader's text declares outside of its functions, and where its functions are.
 
-use crate::intercept::gl::shader::prover::tokens::is_name;
+use crate::intercept::gl::shader::source::prover::tokens::is_name;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -236,7 +236,7 @@ impl<'a> Declarations<'a> {
 #[cfg(test)]
 mod tests {
     use super::{Global, read};
-    use crate::intercept::gl::shader::prover::tokens::split;
+    use crate::intercept::gl::shader::source::prover::tokens::split;
 
     #[test]
     fn globals_of_every_kind() {

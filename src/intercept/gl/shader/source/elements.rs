@@ -1,8 +1,8 @@
 //! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one element is told from
 //! what flows from another.
 
-use crate::intercept::gl::shader::prover::declarations::behind;
-use crate::intercept::gl::shader::prover::tokens::is_name;
+use crate::intercept::gl::shader::source::prover::declarations::behind;
+use crate::intercept::gl::shader::source::prover::tokens::is_name;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, Uses};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;

@@ -6,9 +6,9 @@
 //! what it would be in a window that shows the view.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::shader::head::Head;
-use crate::intercept::gl::shader::patch::strip_comments;
 use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::shader::source::head::Head;
+use crate::intercept::gl::shader::source::patch::strip_comments;
 use crate::intercept::gl::state::shader::programs::{FragCoord, Program};
 use crate::lock::Lock;
 

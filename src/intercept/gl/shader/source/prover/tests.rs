@@ -1,9 +1,9 @@
 //! What is proven, and above all what is not.
 
-use crate::intercept::gl::shader::prover::Attribute;
-use crate::intercept::gl::shader::prover::Factor;
-use crate::intercept::gl::shader::prover::Proof;
-use crate::intercept::gl::shader::prover::prove;
+use crate::intercept::gl::shader::source::prover::Attribute;
+use crate::intercept::gl::shader::source::prover::Factor;
+use crate::intercept::gl::shader::source::prover::Proof;
+use crate::intercept::gl::shader::source::prover::prove;
 
 fn proof(factors: &[&str], attribute: &str, components: usize) -> Option<Proof> {
     let factor = |name: &&str| match *name {
