@@ -49,6 +49,7 @@ pub mod intercept;
 pub(crate) mod lock;
 pub mod message;
 pub mod rig;
+pub mod ring;
 pub mod runtime;
 pub mod system;
 #[cfg(test)]

@@ -20,7 +20,7 @@ use uses::Uses;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` and `lock` are everybody's.
-const MAY_USE: [(&str, &[&str]); 20] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("error", &[]),
     ("system", &[]),
     ("testing", &[]),
@@ -37,6 +37,7 @@ const MAY_USE: [(&str, &[&str]); 20] = [
     ("blend", &["geom", "rig", "warp"]),
     ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
+    ("ring", &["system"]),
     ("runtime", &["cache", "fence", "system", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
     ("intercept", &["cache", "digest", "fence", "message", "system", "rig", "views", "correct", "backend", "runtime"]),
     ("ffi", &["cache", "fence", "message", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),

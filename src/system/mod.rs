@@ -4,8 +4,10 @@ mod build_id;
 mod clock;
 mod file;
 pub mod process;
+mod shared_memory;
 
 pub use build_id::build_id;
 pub use clock::thread_time;
 pub use file::create;
 pub use process::{is_privileged, variable};
+pub use shared_memory::SharedMemory;

@@ -1,0 +1,156 @@
+//! Where everything lies in the file. Numbers are words of 64 bits in the machine's order, places count words.
+
+use crate::system::SharedMemory;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// First word of each file: `CUPORING`.
+pub const MAGIC: u64 = u64::from_ne_bytes(*b"CUPORING");
+/// Second word: grows when the layout changes so that older readers fail.
+pub const VERSION: u64 = 1;
+
+/// Words of the header.
+pub mod header {
+    /// [`MAGIC`](super::MAGIC).
+    pub const MAGIC: usize = 0;
+    /// [`VERSION`](super::VERSION).
+    pub const VERSION: usize = 1;
+    /// Number of slots.
+    pub const SLOTS: usize = 2;
+    /// Words of a slot.
+    pub const SLOT_WORDS: usize = 3;
+    /// First word of the first slot.
+    pub const FIRST_SLOT: usize = 4;
+    /// Number of frames that were published. Its low half is a futex.
+    pub const PUBLISHED: usize = 5;
+    /// What becomes of the file: [`OPEN`](super::OPEN), [`REPLACED`](super::REPLACED), [`ENDED`](super::ENDED).
+    pub const STATE: usize = 6;
+    /// 1: the writer waits for its readers.
+    pub const WAITS: usize = 7;
+    /// Grows when a reader moves its cursor on. Its low half is a futex.
+    pub const TAKEN: usize = 8;
+    /// Process of the writer.
+    pub const PROCESS: usize = 9;
+    /// The writer holds a lock on the first byte of this word.
+    pub const WRITER_LOCK: usize = 10;
+}
+
+/// The writer goes on with this file.
+pub const OPEN: u64 = 0;
+/// A file of the same name has taken the place of this one: sizes have changed.
+pub const REPLACED: u64 = 1;
+/// The program has ended.
+pub const ENDED: u64 = 2;
+
+/// No reader uses this place.
+pub const FREE: u64 = 0;
+/// A reader uses this place.
+pub const ACTIVE: u64 = 1;
+/// A reader of the file before this one will come to this place.
+pub const EXPECTED: u64 = 2;
+
+/// Readers that one file can have.
+pub const READERS: usize = 16;
+/// First word of the first reader.
+const FIRST_READER: usize = 64;
+/// Words of a reader.
+const READER_WORDS: usize = 8;
+
+/// Words of a reader, from its first.
+mod reader {
+    pub const IS_ACTIVE: usize = 0;
+    pub const CURSOR: usize = 1;
+    pub const LOST: usize = 2;
+}
+
+/// Words of a slot, from its first.
+pub mod slot {
+    /// 2k+1 while frame k is written, 2k+2 when it is complete.
+    pub const SEQUENCE: usize = 0;
+    /// The program's own number of the frame, from 1.
+    pub const INDEX: usize = 1;
+    /// Time of the frame, in nanoseconds of the system's monotonic clock.
+    pub const TIME: usize = 2;
+    /// Number of pictures.
+    pub const PICTURES: usize = 3;
+    /// First word of the table of pictures.
+    pub const TABLE: usize = 8;
+}
+
+/// Words of a picture in the table, from its first.
+pub mod picture {
+    /// Its name, in UTF-8, filled with zeroes.
+    pub const NAME: usize = 0;
+    /// Its first pixel, in words from the slot's first.
+    pub const PIXELS: usize = 8;
+    /// Its width in pixels.
+    pub const WIDTH: usize = 9;
+    /// Its height in pixels.
+    pub const HEIGHT: usize = 10;
+    /// Its format: [`RGBA8`](super::RGBA8).
+    pub const FORMAT: usize = 11;
+    /// Words of a picture.
+    pub const WORDS: usize = 16;
+}
+
+/// Bytes of a name.
+pub const NAME_BYTES: usize = 64;
+/// Pictures that a frame can have.
+pub const PICTURES: usize = 64;
+/// Four bytes for each pixel, red first, as they are displayed; rows from the top without gaps, alpha is 255.
+pub const RGBA8: u64 = 1;
+
+/// Pixels begin at whole pages.
+const PAGE_WORDS: usize = 512;
+/// Words of a slot in front of its pixels.
+pub const SLOT_HEAD: usize = (slot::TABLE + PICTURES * picture::WORDS).next_multiple_of(PAGE_WORDS);
+/// First word of the first slot.
+pub const FIRST_SLOT: usize = (FIRST_READER + READERS * READER_WORDS).next_multiple_of(PAGE_WORDS);
+
+/// Words of the pixels of a picture; `None` beyond what fits into memory.
+pub fn pixel_words(width: u32, height: u32) -> Option<usize> {
+    Some((width as usize).checked_mul(height as usize)?.checked_mul(4)?.div_ceil(8).next_multiple_of(8))
+}
+
+/// The words of a reader in the file.
+#[derive(Clone, Copy)]
+pub struct ReaderWords<'a> {
+    memory: &'a SharedMemory,
+    first: usize,
+}
+
+impl<'a> ReaderWords<'a> {
+    /// Those of the reader with this number, below [`READERS`].
+    pub fn new(memory: &'a SharedMemory, number: usize) -> Self {
+        Self { memory, first: FIRST_READER + number * READER_WORDS }
+    }
+
+    /// The byte of the file on which it holds a lock.
+    pub fn lock_byte(self) -> usize {
+        self.first * size_of::<u64>()
+    }
+
+    /// [`FREE`], [`ACTIVE`] or [`EXPECTED`].
+    pub fn is_active(self) -> &'a AtomicU64 {
+        &self.memory.words()[self.first + reader::IS_ACTIVE]
+    }
+
+    /// Number of the frame that it wants next.
+    pub fn cursor(self) -> &'a AtomicU64 {
+        &self.memory.words()[self.first + reader::CURSOR]
+    }
+
+    /// Number of frames that it lost.
+    pub fn lost(self) -> &'a AtomicU64 {
+        &self.memory.words()[self.first + reader::LOST]
+    }
+}
+
+/// The value of a word.
+pub fn value(memory: &SharedMemory, word: usize) -> u64 {
+    memory.words()[word].load(Ordering::Acquire)
+}
+
+/// Sets a word.
+pub fn set(memory: &SharedMemory, word: usize, value: u64) {
+    memory.words()[word].store(value, Ordering::Release);
+}

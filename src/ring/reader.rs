@@ -1,0 +1,263 @@
+//! The side of those who take frames: `cupola record` and others.
+
+use super::layout::{
+    self, ACTIVE, ENDED, EXPECTED, FREE, OPEN, READERS, REPLACED, ReaderWords, header, picture, set, slot, value,
+};
+use crate::error::{Error, ErrorKind, Result};
+use crate::system::SharedMemory;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{Ordering, fence};
+use std::time::{Duration, Instant};
+
+/// How often a waiting reader looks whether the writer still lives.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Reads the frames that a program publishes.
+pub struct Reader {
+    memory: SharedMemory,
+    path: PathBuf,
+    /// Entry of this reader.
+    entry: usize,
+    shape: FileShape,
+    /// Frames that were lost in files before this one.
+    lost: u64,
+}
+
+/// Numbers of the header, checked against the size of the file.
+#[derive(Clone, Copy)]
+struct FileShape {
+    slots: u64,
+    slot_words: usize,
+    first_slot: usize,
+}
+
+/// A picture of a frame.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Picture {
+    /// Name of the output.
+    pub name: String,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Four bytes for each pixel, red first, rows from the top.
+    pub rgba: Vec<u8>,
+}
+
+/// A frame.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Frame {
+    /// Number in the ring, from 0, without gaps.
+    pub number: u64,
+    /// The program's own number, from 1.
+    pub index: u64,
+    /// Time on the monotonic clock, in nanoseconds.
+    pub time: u64,
+    /// Its pictures.
+    pub pictures: Vec<Picture>,
+}
+
+/// What a reader found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// A frame, which was copied.
+    Frame,
+    /// None came in time.
+    Nothing,
+    /// The program has ended, and everything was read.
+    Ended,
+}
+
+impl Reader {
+    /// Opens the file of a program that publishes its frames; the first frame is the oldest one that comes from now on.
+    ///
+    /// # Errors
+    /// There is no such file, it is none of published frames, or it has 16 readers already.
+    pub fn open(path: &Path) -> Result<Self> {
+        Self::begin(path, None)
+    }
+
+    /// `before`: place and cursor in the file before this one.
+    fn begin(path: &Path, before: Option<(usize, u64)>) -> Result<Self> {
+        let failed = |text: String| Error::new(ErrorKind::Io, format!("{}: {text}", path.display()));
+        let memory = SharedMemory::open(path).map_err(|error| failed(error.to_string()))?;
+        let shape = FileShape::of(&memory).map_err(|text| failed(text.to_owned()))?;
+        let state = |number: usize| ReaderWords::new(&memory, number).is_active().load(Ordering::Acquire);
+        let lock = |number: &usize| memory.lock(ReaderWords::new(&memory, *number).lock_byte());
+        let own = before.map(|(entry, _)| entry).filter(|entry| state(*entry) == EXPECTED).filter(lock);
+        let free = || (0..READERS).find(|number| state(*number) != EXPECTED && lock(number));
+        let Some(entry) = own.or_else(free) else {
+            return Err(failed(format!("{READERS} readers read these frames already")));
+        };
+        let words = ReaderWords::new(&memory, entry);
+        let mut lost = 0;
+        if own.is_none() {
+            let first = value(&memory, header::PUBLISHED);
+            lost = before.map_or(0, |(_, cursor)| first.saturating_sub(cursor));
+            words.is_active().store(FREE, Ordering::Release);
+            words.lost().store(0, Ordering::Relaxed);
+            words.cursor().store(first, Ordering::Release);
+        }
+        words.is_active().store(ACTIVE, Ordering::Release);
+        if own.is_none() {
+            // Frames that came meanwhile did not count for this reader. The writer has the same fence: either it sees
+            // that the place is used, or its frame is seen here.
+            fence(Ordering::SeqCst);
+            words.cursor().fetch_max(value(&memory, header::PUBLISHED), Ordering::AcqRel);
+        }
+        Ok(Self { path: path.to_owned(), entry, shape, lost, memory })
+    }
+
+    fn words(&self) -> ReaderWords<'_> {
+        ReaderWords::new(&self.memory, self.entry)
+    }
+
+    /// Number of frames that this reader lost because it was too slow.
+    pub fn lost(&self) -> u64 {
+        self.lost + self.words().lost().load(Ordering::Relaxed)
+    }
+
+    /// Copies the next frame to `frame`, after waiting for it for no longer than `limit`.
+    ///
+    /// # Errors
+    /// The file is damaged, or its successor cannot be opened.
+    pub fn next(&mut self, limit: Duration, frame: &mut Frame) -> Result<Next> {
+        let end = Instant::now() + limit;
+        loop {
+            let published = value(&self.memory, header::PUBLISHED);
+            let cursor = self.words().cursor().load(Ordering::Acquire);
+            if cursor < published {
+                if self.copy(cursor, frame)? {
+                    return Ok(Next::Frame);
+                }
+                continue;
+            }
+            match value(&self.memory, header::STATE) {
+                // What was published before the end was announced is still read.
+                _ if value(&self.memory, header::PUBLISHED) > cursor => continue,
+                OPEN => {}
+                REPLACED => {
+                    self.follow(cursor)?;
+                    continue;
+                }
+                _ => return Ok(Next::Ended),
+            }
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(Next::Nothing);
+            }
+            self.memory.wait(header::PUBLISHED, published as u32, left.min(LOOK));
+            let is_unchanged = value(&self.memory, header::PUBLISHED) == published;
+            if is_unchanged && !self.memory.is_locked(header::WRITER_LOCK * 8) {
+                // It ended without a word.
+                if value(&self.memory, header::STATE) == OPEN {
+                    set(&self.memory, header::STATE, ENDED);
+                }
+            }
+        }
+    }
+
+    /// Leaves out what came before the newest frame; these are not counted as lost.
+    pub fn skip_to_newest(&mut self) {
+        let newest = value(&self.memory, header::PUBLISHED).saturating_sub(1);
+        // The writer alone may have moved it meanwhile, and only on.
+        self.words().cursor().fetch_max(newest, Ordering::AcqRel);
+    }
+
+    /// Goes on with the file that took the place of this one.
+    fn follow(&mut self, cursor: u64) -> Result<()> {
+        let mut next = Self::begin(&self.path, Some((self.entry, cursor)))?;
+        next.lost += self.lost();
+        *self = next;
+        Ok(())
+    }
+
+    /// Copies frame `number`; whether it was still there.
+    fn copy(&self, number: u64, frame: &mut Frame) -> Result<bool> {
+        let slot = self.shape.first_slot + (number % self.shape.slots) as usize * self.shape.slot_words;
+        let word = |word: usize| self.memory.words()[slot + word].load(Ordering::Relaxed);
+        let is_whole = || self.memory.words()[slot + slot::SEQUENCE].load(Ordering::Acquire) == 2 * number + 2;
+        let was_whole = is_whole();
+        if was_whole {
+            (frame.number, frame.index, frame.time) = (number, word(slot::INDEX), word(slot::TIME));
+            self.copy_pictures(slot, frame)?;
+        }
+        // All is copied before the cursor is moved.
+        fence(Ordering::Acquire);
+        let moved =
+            self.words().cursor().compare_exchange(number, number + 1, Ordering::AcqRel, Ordering::Relaxed).is_ok();
+        if moved {
+            self.memory.words()[header::TAKEN].fetch_add(1, Ordering::Release);
+            self.memory.wake(header::TAKEN);
+            // From here on the writer may use the slot again.
+            if !was_whole {
+                return Err(self.damaged());
+            }
+        }
+        Ok(moved)
+    }
+
+    fn copy_pictures(&self, slot: usize, frame: &mut Frame) -> Result<()> {
+        let word = |word: usize| self.memory.words()[slot + word].load(Ordering::Relaxed);
+        let count = word(slot::PICTURES) as usize;
+        if count > layout::PICTURES {
+            return Err(self.damaged());
+        }
+        frame.pictures.resize_with(count, Picture::default);
+        for (number, copy) in frame.pictures.iter_mut().enumerate() {
+            let entry = slot::TABLE + number * picture::WORDS;
+            let side = |at: usize| u32::try_from(word(entry + at)).ok();
+            let pixels = word(entry + picture::PIXELS) as usize;
+            let size = side(picture::WIDTH).zip(side(picture::HEIGHT));
+            let words = size.and_then(|(width, height)| layout::pixel_words(width, height));
+            let fits =
+                words.and_then(|words| words.checked_add(pixels)).is_some_and(|end| end <= self.shape.slot_words);
+            let (Some(size), true) = (size, fits && word(entry + picture::FORMAT) == layout::RGBA8) else {
+                return Err(self.damaged());
+            };
+            let mut name = [0; layout::NAME_BYTES];
+            self.memory.read(slot + entry + picture::NAME, &mut name);
+            let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+            let name = String::from_utf8_lossy(&name[..end]);
+            if copy.name != name {
+                copy.name = name.into_owned();
+            }
+            copy.size = size;
+            copy.rgba.resize(size.0 as usize * size.1 as usize * 4, 0);
+            self.memory.read(slot + pixels, &mut copy.rgba);
+        }
+        Ok(())
+    }
+
+    fn damaged(&self) -> Error {
+        Error::new(ErrorKind::Io, format!("{}: the file of published frames is damaged", self.path.display()))
+    }
+}
+
+impl Drop for Reader {
+    fn drop(&mut self) {
+        self.words().is_active().store(FREE, Ordering::Release);
+        self.memory.unlock(self.words().lock_byte());
+        self.memory.words()[header::TAKEN].fetch_add(1, Ordering::Release);
+        self.memory.wake(header::TAKEN);
+    }
+}
+
+impl FileShape {
+    fn of(memory: &SharedMemory) -> std::result::Result<Self, &'static str> {
+        let word = |word: usize| memory.words().get(word).map_or(0, |word| word.load(Ordering::Acquire));
+        if word(header::MAGIC) != layout::MAGIC {
+            return Err("this is no file of published frames");
+        }
+        if word(header::VERSION) != layout::VERSION {
+            return Err("another version of Cupola publishes these frames");
+        }
+        let number = |at: usize| usize::try_from(word(at)).ok();
+        let shape = || {
+            let (slots, slot_words, first_slot) =
+                (number(header::SLOTS)?, number(header::SLOT_WORDS)?, number(header::FIRST_SLOT)?);
+            let end = slots.checked_mul(slot_words)?.checked_add(first_slot)?;
+            let is_right = slots > 0 && slot_words >= layout::SLOT_HEAD && first_slot >= layout::FIRST_SLOT;
+            (is_right && end <= memory.words().len()).then_some(Self { slots: slots as u64, slot_words, first_slot })
+        };
+        shape().ok_or("the file of published frames is damaged")
+    }
+}

@@ -1,0 +1,233 @@
+use super::layout::{self, ACTIVE, ReaderWords, header};
+use super::{Frame, Next, Reader, Shape, Writer};
+use crate::system::SharedMemory;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+const SOON: Duration = Duration::from_secs(20);
+
+fn path(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("cupola-ring-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+fn shapes(sizes: &[(u32, u32)]) -> Vec<Shape> {
+    sizes.iter().enumerate().map(|(i, size)| Shape { name: format!("output {i}"), size: *size }).collect()
+}
+
+/// The pixels of a picture of frame `index`.
+fn pixels(index: u64, picture: usize, (width, height): (u32, u32)) -> Vec<u8> {
+    (0..width * height * 4).map(|i| (u64::from(i) * 7 + index * 31 + picture as u64 * 101) as u8).collect()
+}
+
+fn publish(writer: &mut Writer, index: u64) {
+    let all: Vec<_> = writer.shapes().iter().enumerate().map(|(i, shape)| pixels(index, i, shape.size)).collect();
+    let widths: Vec<usize> = writer.shapes().iter().map(|shape| shape.size.0 as usize * 4).collect();
+    writer.publish(index, index * 1000, |pictures| {
+        for (i, rgba) in all.iter().enumerate() {
+            pictures.write(i, rgba.chunks_exact(widths[i]));
+        }
+    });
+}
+
+fn is_right(frame: &Frame) -> bool {
+    let pictures = frame.pictures.iter().enumerate();
+    frame.time == frame.index * 1000
+        && !frame.pictures.is_empty()
+        && pictures
+            .into_iter()
+            .all(|(i, p)| p.name == format!("output {i}") && p.rgba == pixels(frame.index, i, p.size))
+}
+
+#[test]
+fn a_reader_gets_each_frame_with_all_its_pixels() {
+    let path = path("each");
+    let mut writer = Writer::create(&path, &shapes(&[(8, 4), (3, 5), (1, 1)]), 3, false).expect("a ring");
+    let (mut reader, mut frame) = (Reader::open(&path).expect("a reader"), Frame::default());
+    assert_eq!(reader.next(Duration::ZERO, &mut frame).expect("whole"), Next::Nothing);
+    for index in 1..=10 {
+        publish(&mut writer, index);
+        assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame);
+        assert!(frame.index == index && frame.number == index - 1 && is_right(&frame));
+    }
+    // The comparer sees a pixel that is wrong.
+    frame.pictures[1].rgba[7] ^= 1;
+    assert!(!is_right(&frame));
+    publish(&mut writer, 11);
+    assert_eq!(writer.readers(), (1, 0));
+    writer.end();
+    assert!(!path.exists());
+    assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame, "what was published is still read");
+    assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Ended);
+}
+
+#[test]
+fn both_sides_count_what_a_slow_reader_loses() {
+    let path = path("slow");
+    let mut writer = Writer::create(&path, &shapes(&[(16, 16)]), 4, false).expect("a ring");
+    let (mut slow, mut quick, mut frame) =
+        (Reader::open(&path).expect("a reader"), Reader::open(&path).expect("a reader"), Frame::default());
+    let mut seen = Vec::new();
+    for index in 1..=50 {
+        publish(&mut writer, index);
+        assert_eq!(quick.next(SOON, &mut frame).expect("whole"), Next::Frame);
+        if index % 9 == 0 {
+            assert_eq!(slow.next(SOON, &mut frame).expect("whole"), Next::Frame);
+            assert!(is_right(&frame));
+            seen.push(frame.number);
+        }
+    }
+    while slow.next(Duration::ZERO, &mut frame).expect("whole") == Next::Frame {
+        seen.push(frame.number);
+    }
+    assert!(seen.is_sorted_by(|a, b| a < b));
+    assert_eq!(slow.lost() + seen.len() as u64, 50);
+    assert_eq!((quick.lost(), writer.readers()), (0, (2, slow.lost())));
+    assert!(slow.lost() > 20);
+}
+
+#[test]
+fn frames_that_come_at_once_are_whole_or_lost() {
+    let path = path("race");
+    let mut writer = Writer::create(&path, &shapes(&[(64, 33), (7, 7)]), 3, false).expect("a ring");
+    let mut readers: Vec<_> = (0..2).map(|_| Reader::open(&path).expect("a reader")).collect();
+    let totals: Vec<(u64, u64)> = std::thread::scope(|scope| {
+        let tasks: Vec<_> = readers
+            .iter_mut()
+            .map(|reader| {
+                scope.spawn(move || {
+                    let (mut frame, mut seen, mut last) = (Frame::default(), 0, None);
+                    while reader.next(SOON, &mut frame).expect("whole") == Next::Frame {
+                        assert!(is_right(&frame), "frame {}", frame.number);
+                        assert!(last < Some(frame.number));
+                        (last, seen) = (Some(frame.number), seen + 1);
+                    }
+                    (seen, reader.lost())
+                })
+            })
+            .collect();
+        (1..=3000).for_each(|index| publish(&mut writer, index));
+        let lost = writer.readers().1;
+        writer.end();
+        let totals: Vec<_> = tasks.into_iter().map(|task| task.join().expect("no panic")).collect();
+        assert_eq!(lost, totals.iter().map(|(_, lost)| lost).sum::<u64>());
+        totals
+    });
+    assert!(totals.iter().all(|(seen, lost)| seen + lost == 3000), "{totals:?}");
+}
+
+#[test]
+fn a_writer_that_waits_loses_nothing() {
+    let path = path("waits");
+    let mut writer = Writer::create(&path, &shapes(&[(9, 9)]), 3, true).expect("a ring");
+    let mut reader = Reader::open(&path).expect("a reader");
+    std::thread::scope(|scope| {
+        let task = scope.spawn(move || {
+            let (mut frame, mut next) = (Frame::default(), 1);
+            while reader.next(SOON, &mut frame).expect("whole") == Next::Frame {
+                assert!(frame.index == next && is_right(&frame));
+                next += 1;
+                if next % 10 == 0 {
+                    std::thread::sleep(Duration::from_millis(3));
+                }
+            }
+            (next - 1, reader.lost())
+        });
+        for index in 1..=100 {
+            // The window changes its size twice.
+            if index == 40 || index == 41 {
+                writer.reshape(&shapes(&[(index as u32, 5), (4, 4)])).expect("a new file");
+            }
+            publish(&mut writer, index);
+        }
+        writer.drain(SOON);
+        writer.end();
+        assert_eq!(task.join().expect("no panic"), (100, 0));
+    });
+}
+
+#[test]
+fn a_live_ring_that_changes_its_size_counts_on() {
+    let path = path("reshaped");
+    let mut writer = Writer::create(&path, &shapes(&[(5, 5)]), 3, false).expect("a ring");
+    let (mut reader, mut frame) = (Reader::open(&path).expect("a reader"), Frame::default());
+    (1..=2).for_each(|index| publish(&mut writer, index));
+    writer.reshape(&shapes(&[(6, 2), (1, 9)])).expect("a new file");
+    (3..=9).for_each(|index| publish(&mut writer, index));
+    let mut seen = Vec::new();
+    while reader.next(Duration::ZERO, &mut frame).expect("whole") == Next::Frame {
+        assert!(is_right(&frame));
+        seen.push(frame.index);
+    }
+    assert_eq!((seen, reader.lost()), (vec![1, 2, 7, 8, 9], 4));
+    // A newcomer finds the new file.
+    let mut newcomer = Reader::open(&path).expect("a reader");
+    publish(&mut writer, 10);
+    assert_eq!(newcomer.next(SOON, &mut frame).expect("whole"), Next::Frame);
+    assert!(frame.index == 10 && frame.pictures.len() == 2);
+    writer.end();
+}
+
+#[test]
+fn whoever_ends_without_a_word_blocks_nobody() {
+    let path = path("killed");
+    let mut writer = Writer::create(&path, &shapes(&[(2, 2)]), 3, true).expect("a ring");
+    let memory = SharedMemory::open(&path).expect("the file");
+    let words = ReaderWords::new(&memory, 0);
+    // A reader that took its place, and then lost its life: its lock is gone, its words are still there.
+    words.is_active().store(ACTIVE, std::sync::atomic::Ordering::Release);
+    let started = Instant::now();
+    (1..=9).for_each(|index| publish(&mut writer, index));
+    assert!(started.elapsed() < SOON, "the writer goes on");
+    assert_eq!(words.is_active().load(std::sync::atomic::Ordering::Acquire), layout::FREE);
+    // The writer's process ends without `end`.
+    let (mut reader, mut frame) = (Reader::open(&path).expect("a reader"), Frame::default());
+    drop(writer);
+    assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Ended);
+    // Its file does not keep the next program from publishing.
+    Writer::create(&path, &shapes(&[(2, 2)]), 3, true).expect("a ring").end();
+}
+
+#[test]
+fn what_is_no_ring_is_refused() {
+    let path = path("refused");
+    let text = |result: crate::Result<()>| result.expect_err("refused").message;
+    let create = |shapes: &[Shape]| Writer::create(&path, shapes, 3, false).map(Writer::end);
+    assert!(text(Reader::open(&path).map(drop)).contains(&path.display().to_string()));
+    std::fs::write(&path, "a letter that somebody wrote").expect("written");
+    assert!(text(Reader::open(&path).map(drop)).contains("no file of published frames"));
+    assert!(text(create(&shapes(&[(2, 2)]))).contains("is not one of published frames"));
+    assert_eq!(std::fs::read(&path).expect("still there"), b"a letter that somebody wrote");
+    std::fs::remove_file(&path).expect("removed");
+    assert!(text(create(&shapes(&[(u32::MAX, u32::MAX)]))).contains(&path.display().to_string()));
+    assert!(text(create(&shapes(&[(1, 1); 65]))).contains("at most 64"));
+    assert!(!path.exists(), "nothing is left behind");
+    let first = Writer::create(&path, &shapes(&[(2, 2)]), 3, false).expect("a ring");
+    assert!(text(create(&shapes(&[(2, 2)]))).contains("another program publishes"));
+    let readers: Vec<_> = (0..layout::READERS).map(|_| Reader::open(&path).expect("a reader")).collect();
+    assert!(text(Reader::open(&path).map(drop)).contains("16 readers"));
+    drop(readers);
+    // Numbers that point beyond the file.
+    let memory = SharedMemory::open(&path).expect("the file");
+    for (word, wrong) in [(header::SLOTS, 0), (header::SLOTS, 1 << 40), (header::SLOT_WORDS, 1), (header::VERSION, 9)] {
+        let right = layout::value(&memory, word);
+        layout::set(&memory, word, wrong);
+        assert!(Reader::open(&path).is_err(), "word {word} = {wrong}");
+        layout::set(&memory, word, right);
+    }
+    let (mut reader, mut frame) = (Reader::open(&path).expect("a reader"), Frame::default());
+    let (mut writer, table) = (first, layout::FIRST_SLOT + layout::slot::TABLE);
+    for (word, wrong) in
+        [(layout::picture::WIDTH, 1 << 20), (layout::picture::PIXELS, u64::MAX), (layout::picture::FORMAT, 7)]
+    {
+        let right = layout::value(&memory, table + word);
+        layout::set(&memory, table + word, wrong);
+        (0..3).for_each(|index| publish(&mut writer, index));
+        let found = (0..3).map(|_| reader.next(Duration::ZERO, &mut frame)).find(Result::is_err);
+        assert!(found.expect("it is found").expect_err("damaged").message.contains("damaged"));
+        layout::set(&memory, table + word, right);
+        reader = Reader::open(&path).expect("a reader");
+    }
+    writer.end();
+}

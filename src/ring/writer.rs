@@ -1,0 +1,316 @@
+//! The side of the program.
+
+use super::layout::{
+    self, ENDED, EXPECTED, FREE, OPEN, READERS, REPLACED, RGBA8, ReaderWords, header, picture, set, slot, value,
+};
+use crate::error::{Error, ErrorKind, Result};
+use crate::system::SharedMemory;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering, fence};
+use std::time::{Duration, Instant};
+
+/// Fewer slots than this would make readers lose frames that they have just begun to copy.
+pub const LEAST_SLOTS: usize = 3;
+
+/// How often a waiting writer looks whether its readers still live.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Name and size of a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Name of the output; of a longer one only the first 64 bytes are written.
+    pub name: String,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+}
+
+/// Publishes the frames of this program.
+pub struct Writer {
+    memory: SharedMemory,
+    path: PathBuf,
+    shapes: Vec<Shape>,
+    /// First word of each picture's pixels, from its slot's first.
+    pixels: Vec<usize>,
+    slots: usize,
+    slot_words: usize,
+    waits: bool,
+    number: u64,
+    /// The file before this one, while readers of it have not come to this one.
+    before: Option<SharedMemory>,
+}
+
+impl Writer {
+    /// Makes a file for frames of these pictures in `slots` slots (at least 3). An older file of a program that has
+    /// ended is replaced. `waits`: [`Writer::publish`] waits until the readers have copied what it overwrites.
+    ///
+    /// # Errors
+    /// A file of this name exists that is not Cupola's, or whose writer lives; too many pictures; what the system says.
+    pub fn create(path: &Path, shapes: &[Shape], slots: usize, waits: bool) -> Result<Self> {
+        let failed = |error: io::Error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display()));
+        match SharedMemory::open(path) {
+            Ok(old) if value(&old, 0) != layout::MAGIC || old.words().len() < layout::FIRST_SLOT => {
+                return Err(failed(io::Error::other("the file exists, and is not one of published frames")));
+            }
+            Ok(old) if old.is_locked(header::WRITER_LOCK * 8) => {
+                return Err(failed(io::Error::other("another program publishes its frames there")));
+            }
+            Ok(_) => {}
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(failed(error)),
+        }
+        Self::make(path, shapes, slots.max(LEAST_SLOTS), waits, None).map_err(failed)
+    }
+
+    /// Makes the file under another name, and then gives it its name: readers never see half of it. Those of `old` have a
+    /// place in it.
+    fn make(path: &Path, shapes: &[Shape], slots: usize, waits: bool, old: Option<&Self>) -> io::Result<Self> {
+        let number = old.map_or(0, |old| old.number);
+        if shapes.len() > layout::PICTURES {
+            return Err(io::Error::other(format!("at most {} pictures can be published", layout::PICTURES)));
+        }
+        let too_large = || io::Error::other("the pictures are too large to be published");
+        let (mut pixels, mut slot_words) = (Vec::new(), layout::SLOT_HEAD);
+        for shape in shapes {
+            pixels.push(slot_words);
+            let words = layout::pixel_words(shape.size.0, shape.size.1).ok_or_else(too_large)?;
+            slot_words = slot_words.checked_add(words).ok_or_else(too_large)?;
+        }
+        let words = slot_words.checked_mul(slots).and_then(|words| words.checked_add(layout::FIRST_SLOT));
+        let bytes = words.and_then(|words| words.checked_mul(8)).ok_or_else(too_large)?;
+        let mut name = path.as_os_str().to_owned();
+        name.push(format!(".{}", std::process::id()));
+        // What a process of this number left behind.
+        let _ = std::fs::remove_file(&name);
+        let memory = SharedMemory::create(name.as_ref(), bytes)?;
+        memory.lock(header::WRITER_LOCK * 8);
+        for (word, value) in [
+            (header::VERSION, layout::VERSION),
+            (header::SLOTS, slots as u64),
+            (header::SLOT_WORDS, slot_words as u64),
+            (header::FIRST_SLOT, layout::FIRST_SLOT as u64),
+            (header::PUBLISHED, number),
+            (header::STATE, OPEN),
+            (header::WAITS, waits.into()),
+            (header::PROCESS, std::process::id().into()),
+            (header::MAGIC, layout::MAGIC),
+        ] {
+            set(&memory, word, value);
+        }
+        let writer = Self {
+            memory,
+            path: path.to_owned(),
+            shapes: shapes.to_vec(),
+            pixels,
+            slots,
+            slot_words,
+            waits,
+            number,
+            before: None,
+        };
+        (0..slots).for_each(|number| writer.write_table(writer.slot(number as u64)));
+        if let Some(old) = old {
+            (0..READERS).for_each(|reader| old.hand_over(&writer.memory, reader));
+        }
+        std::fs::rename(&name, path).inspect_err(|_| drop(std::fs::remove_file(&name)))?;
+        Ok(writer)
+    }
+
+    /// Gives a reader its place in the next file.
+    fn hand_over(&self, next: &SharedMemory, number: usize) {
+        let (from, to) = (ReaderWords::new(&self.memory, number), ReaderWords::new(next, number));
+        let state = from.is_active().load(Ordering::Acquire);
+        if state == EXPECTED {
+            // It never opened this file, and loses all that lies in it.
+            let lost = self.number.saturating_sub(from.cursor().load(Ordering::Acquire));
+            to.lost().store(from.lost().load(Ordering::Relaxed) + lost, Ordering::Relaxed);
+        }
+        if state != FREE {
+            to.cursor().store(self.number, Ordering::Relaxed);
+            to.is_active().store(EXPECTED, Ordering::Release);
+        }
+    }
+
+    fn write_table(&self, slot: usize) {
+        set(&self.memory, slot + slot::PICTURES, self.shapes.len() as u64);
+        for (number, (shape, pixels)) in self.shapes.iter().zip(&self.pixels).enumerate() {
+            let entry = slot + slot::TABLE + number * picture::WORDS;
+            let end = shape.name.floor_char_boundary(layout::NAME_BYTES);
+            self.memory.write(entry + picture::NAME, &shape.name.as_bytes()[..end]);
+            set(&self.memory, entry + picture::PIXELS, *pixels as u64);
+            set(&self.memory, entry + picture::WIDTH, shape.size.0.into());
+            set(&self.memory, entry + picture::HEIGHT, shape.size.1.into());
+            set(&self.memory, entry + picture::FORMAT, RGBA8);
+        }
+    }
+
+    /// First word of the slot of frame `number`.
+    fn slot(&self, number: u64) -> usize {
+        layout::FIRST_SLOT + (number % self.slots as u64) as usize * self.slot_words
+    }
+
+    /// The pictures of a frame.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// Number of frames that were published.
+    pub fn published(&self) -> u64 {
+        self.number
+    }
+
+    /// Goes on with pictures of other names and sizes, in a new file of the same name. Readers of the old one find it.
+    ///
+    /// # Errors
+    /// What the system says; the old file stays then.
+    pub fn reshape(&mut self, shapes: &[Shape]) -> Result<()> {
+        if self.waits {
+            // A reader opens the newest file: those of the file before have to come to this one first.
+            self.wait_for_readers(None, |reader| reader.is_active().load(Ordering::Acquire) != EXPECTED);
+        }
+        let new = Self::make(&self.path, shapes, self.slots, self.waits, Some(self));
+        let new = new.map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", self.path.display())))?;
+        let old = std::mem::replace(self, new);
+        old.finish(REPLACED);
+        self.before = Some(old.memory);
+        Ok(())
+    }
+
+    /// Publishes a frame with the program's number `index`, of this time on the monotonic clock in nanoseconds; `fill`
+    /// writes its pictures. Allocates nothing.
+    pub fn publish(&mut self, index: u64, time: u64, fill: impl FnOnce(&mut Pictures<'_>)) {
+        let (number, slot) = (self.number, self.slot(self.number));
+        fence(Ordering::SeqCst);
+        if let Some(oldest) = (number + 1).checked_sub(self.slots as u64) {
+            (0..READERS).for_each(|reader| self.move_on(reader, oldest));
+        }
+        let word = |word: usize| &self.memory.words()[slot + word];
+        word(slot::SEQUENCE).store(2 * number + 1, Ordering::Relaxed);
+        // What follows is not seen before the number above.
+        fence(Ordering::Release);
+        word(slot::INDEX).store(index, Ordering::Relaxed);
+        word(slot::TIME).store(time, Ordering::Relaxed);
+        fill(&mut Pictures { memory: &self.memory, slot, shapes: &self.shapes, pixels: &self.pixels });
+        word(slot::SEQUENCE).store(2 * number + 2, Ordering::Release);
+        self.number += 1;
+        set(&self.memory, header::PUBLISHED, self.number);
+        self.memory.wake(header::PUBLISHED);
+    }
+
+    /// Lets no cursor of a reader point to a frame before `oldest`: waits for the reader, or counts what it loses.
+    fn move_on(&self, number: usize, oldest: u64) {
+        let reader = ReaderWords::new(&self.memory, number);
+        loop {
+            let taken = value(&self.memory, header::TAKEN);
+            let cursor = reader.cursor().load(Ordering::Acquire);
+            if reader.is_active().load(Ordering::Acquire) == FREE || cursor >= oldest {
+                return;
+            }
+            if self.waits {
+                if !self.is_alive(reader) {
+                    // It ended without a word.
+                    reader.is_active().store(FREE, Ordering::Release);
+                    return;
+                }
+                self.memory.wait(header::TAKEN, taken as u32, LOOK);
+            } else if replace(reader.cursor(), cursor, oldest) {
+                reader.lost().fetch_add(oldest - cursor, Ordering::Relaxed);
+                return;
+            }
+        }
+    }
+
+    /// Whether the process of a reader that uses its place, or is expected there, lives.
+    fn is_alive(&self, reader: ReaderWords<'_>) -> bool {
+        let is_locked = |memory: &SharedMemory| memory.is_locked(reader.lock_byte());
+        let is_expected = || reader.is_active().load(Ordering::Acquire) == EXPECTED;
+        is_locked(&self.memory) || (is_expected() && self.before.as_ref().is_some_and(is_locked))
+    }
+
+    /// Waits until each living reader has copied everything, for no longer than `limit`.
+    pub fn drain(&self, limit: Duration) {
+        self.wait_for_readers(Some(Instant::now() + limit), |reader| {
+            reader.cursor().load(Ordering::Acquire) >= self.number
+        });
+    }
+
+    /// Waits until `is_done` holds for each living reader, or until `end`.
+    fn wait_for_readers(&self, end: Option<Instant>, is_done: impl Fn(ReaderWords<'_>) -> bool) {
+        for number in 0..READERS {
+            let reader = ReaderWords::new(&self.memory, number);
+            loop {
+                let taken = value(&self.memory, header::TAKEN);
+                let left = end.map_or(LOOK, |end| end.saturating_duration_since(Instant::now()));
+                let is_free = reader.is_active().load(Ordering::Acquire) == FREE;
+                if is_free || is_done(reader) || !self.is_alive(reader) || left.is_zero() {
+                    break;
+                }
+                self.memory.wait(header::TAKEN, taken as u32, left.min(LOOK));
+            }
+        }
+    }
+
+    /// Number of living readers, and of frames that all readers lost so far.
+    pub fn readers(&self) -> (usize, u64) {
+        let readers = (0..READERS).map(|number| ReaderWords::new(&self.memory, number));
+        let living = readers.clone().filter(|reader| self.memory.is_locked(reader.lock_byte())).count();
+        (living, readers.map(|reader| reader.lost().load(Ordering::Relaxed)).sum())
+    }
+
+    fn finish(&self, state: u64) {
+        set(&self.memory, header::STATE, state);
+        self.memory.wake(header::PUBLISHED);
+    }
+
+    /// The program ends: readers are told, and the file is removed.
+    pub fn end(self) {
+        self.finish(ENDED);
+        // A reader has it open; a file that is gone already needs no removal.
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Replaces `old` by `new`, if it is still there.
+fn replace(word: &AtomicU64, old: u64, new: u64) -> bool {
+    word.compare_exchange(old, new, Ordering::AcqRel, Ordering::Relaxed).is_ok()
+}
+
+/// The pictures of the frame that is being written.
+pub struct Pictures<'a> {
+    memory: &'a SharedMemory,
+    slot: usize,
+    shapes: &'a [Shape],
+    pixels: &'a [usize],
+}
+
+impl Pictures<'_> {
+    /// Writes picture `number`: its rows, from the top, of 4 bytes for each pixel. Rows that are missing stay as they were.
+    pub fn write<'r>(&mut self, number: usize, rows: impl Iterator<Item = &'r [u8]>) {
+        let (Some(shape), Some(pixels)) = (self.shapes.get(number), self.pixels.get(number)) else { return };
+        let (width, height) = (shape.size.0 as usize * 4, shape.size.1 as usize);
+        let first = self.slot + pixels;
+        if width.is_multiple_of(8) {
+            for (number, row) in rows.take(height).enumerate() {
+                self.memory.write(first + number * width / 8, &row[..width]);
+            }
+        } else {
+            self.write_odd(first, width, rows.take(height));
+        }
+    }
+
+    /// Rows of an odd number of pixels: a word may hold the end of one and the begin of the next.
+    fn write_odd<'r>(&mut self, first: usize, width: usize, rows: impl Iterator<Item = &'r [u8]>) {
+        let (mut word, mut held, mut filled) = (first, [0_u8; 8], 0);
+        for row in rows {
+            for pixel in row[..width].chunks_exact(4) {
+                held[filled..filled + 4].copy_from_slice(pixel);
+                filled += 4;
+                if filled == 8 {
+                    self.memory.write(word, &held);
+                    (word, filled) = (word + 1, 0);
+                }
+            }
+        }
+        self.memory.write(word, &held[..filled]);
+    }
+}
