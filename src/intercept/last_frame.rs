@@ -7,6 +7,7 @@ use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::report::{self, Picture, Statistics};
 use std::sync::{Arc, Mutex, Once};
+use std::time::Instant;
 
 /// Statistics and pictures of a frame.
 pub struct LastFrame {
@@ -85,7 +86,30 @@ pub fn store(frame: LastFrame) -> u64 {
         latest.is_described = inspection::is_recording();
         latest.number += 1;
     }
+    write_now_and_then(&mut latest);
     latest.number
+}
+
+/// Writes the statistics of the stored frame, if that is asked for and was not done for a while.
+fn write_now_and_then(latest: &mut Latest) {
+    static WRITTEN: Mutex<Option<Instant>> = Mutex::new(None);
+    let Some((settings, every)) = settings::settings().and_then(|settings| Some((settings, settings.stats_every?))) else {
+        return;
+    };
+    let mut written = WRITTEN.locked();
+    if written.is_some_and(|written| written.elapsed() < every) {
+        return;
+    }
+    *written = Some(Instant::now());
+    let Some(LastFrame { statistics: Some(statistics), times, .. }) = &mut latest.frame else { return };
+    if let Some(times) = times {
+        statistics.milliseconds = (&*times.locked()).into();
+    }
+    if let Some(path) = &settings.stats
+        && let Err(error) = report::replace_statistics(path, statistics)
+    {
+        log::once(&error.message);
+    }
 }
 
 /// Changes the statistics of the frame with this number, if it is still the stored one.

@@ -1,7 +1,6 @@
 //! The rig while the program runs: read again when its file changes.
 //!
-//! The file's time and length are asked four times a second, between two frames: a steady frame reads the clock and no
-//! more. A file with a mistake changes nothing, and the log says once what is wrong with it.
+//! The file's time and length are asked twenty times a second, between two frames: other frames read the clock and no more. A file with a mistake changes nothing, and the log says once what is wrong with it.
 
 use super::file_stamp::FileStamp;
 use super::log;
@@ -15,7 +14,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// How often the file is looked at.
-const INTERVAL: Duration = Duration::from_millis(250);
+const INTERVAL: Duration = Duration::from_millis(50);
 
 /// The rig of the moment.
 #[derive(Clone)]

@@ -38,6 +38,8 @@ pub struct Settings {
     pub inspect: Option<PathBuf>,
     /// `CUPOLA_STATS=FILE.json`.
     pub stats: Option<PathBuf>,
+    /// `CUPOLA_STATS_EVERY=SECONDS`: it is also written while the program runs.
+    pub stats_every: Option<Duration>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
     /// `CUPOLA_MASK`: whether the parts of views that no output samples are closed for drawing.
@@ -106,6 +108,10 @@ fn read() -> crate::Result<Settings> {
         Some(n) => Some(parse_seconds(&n).ok_or_else(|| wrong("CUPOLA_SECONDS", &n, "10"))?),
         None => None,
     };
+    let stats_every = match text("CUPOLA_STATS_EVERY") {
+        Some(n) => Some(parse_length(&n).ok_or_else(|| wrong("CUPOLA_STATS_EVERY", &n, "1"))?),
+        None => None,
+    };
     let mask = match text("CUPOLA_MASK").as_deref() {
         None | Some("auto") => Mask::Auto,
         Some("0") => Mask::Never,
@@ -133,6 +139,7 @@ fn read() -> crate::Result<Settings> {
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
         inspect: path("CUPOLA_INSPECT"),
         stats: path("CUPOLA_STATS"),
+        stats_every,
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
         mask,
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
@@ -183,8 +190,12 @@ fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
 
 /// The time so many seconds from now; a number above 0.
 fn parse_seconds(text: &str) -> Option<Instant> {
-    let seconds = Duration::try_from_secs_f64(text.parse().ok()?).ok().filter(|seconds| !seconds.is_zero())?;
-    Instant::now().checked_add(seconds)
+    Instant::now().checked_add(parse_length(text)?)
+}
+
+/// So many seconds; a number above 0.
+fn parse_length(text: &str) -> Option<Duration> {
+    Duration::try_from_secs_f64(text.parse().ok()?).ok().filter(|seconds| !seconds.is_zero())
 }
 
 /// `1024x768` → (1024, 768); each 1…16384.

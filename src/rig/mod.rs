@@ -32,6 +32,7 @@ pub use model::response::{RESPONSE_STEPS, Response, Transfer};
 pub use model::views::{Duplicate, Favour, Filter, Resolution, ViewMethod, Views};
 pub use model::{Camera, Dome, Output, OutputKind, Overlay, Rig, Viewer};
 pub use presets::{Preset, presets};
+pub use reading::keys::{Accepts, Key};
 
 /// Longest rig file, bytes.
 const LONGEST_RIG: u64 = 1 << 20;
@@ -88,6 +89,14 @@ pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
         Some(rig) if problems.is_empty() => Ok(rig),
         _ => Err(Error::new(ErrorKind::InvalidRig, problems.message(file_name))),
     }
+}
+
+/// The keys that the rig in `text` has or may have, with what each accepts. Tables that the text lacks are left out.
+pub fn keys(text: &str, file_name: &str, directory: &Path) -> Vec<Key> {
+    let mut problems = reading::problems::Problems::noting_keys(text);
+    // Whether it is valid is another question.
+    let _ = schema::read(text, file_name, directory, &mut problems);
+    problems.keys()
 }
 
 fn too_long(file_name: &str) -> Error {

@@ -163,6 +163,16 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
     write(path, (text + "\n").as_bytes())
 }
 
+/// Writes `statistics` as JSON in place of what the file had: readers see the old or the new content.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn replace_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
+    let next = path.with_extension(format!("{}.next", std::process::id()));
+    write_statistics(&next, statistics)?;
+    std::fs::rename(&next, path).map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
+}
+
 fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let written = create(path).and_then(|mut file| file.write_all(bytes));
     written.map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))

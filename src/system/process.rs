@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::io;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus};
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 
 /// Whether this program has more rights than the user who started it, as set-user-ID programs have: what the user's
@@ -71,6 +71,25 @@ pub fn kill_group(child: &Child) -> io::Result<()> {
         0 => Ok(()),
         _ => Err(io::Error::last_os_error()),
     }
+}
+
+/// A signal that would end this process has come, since [`note_end_signals`].
+static END_ASKED_FOR: AtomicBool = AtomicBool::new(false);
+
+/// SIGINT, SIGTERM and SIGHUP no longer end this process: [`end_was_asked_for`] says that one has come.
+pub fn note_end_signals() {
+    extern "C" fn note(_signal: libc::c_int) {
+        END_ASKED_FOR.store(true, Ordering::SeqCst);
+    }
+    for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+        // SAFETY: the handler only stores to an atomic, which is async-signal-safe.
+        unsafe { libc::signal(signal, note as *const () as libc::sighandler_t) };
+    }
+}
+
+/// Whether a signal has asked this process to end.
+pub fn end_was_asked_for() -> bool {
+    END_ASKED_FOR.load(Ordering::SeqCst)
 }
 
 /// How a program ended.

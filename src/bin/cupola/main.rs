@@ -20,6 +20,7 @@ mod terminal;
 mod canvas;
 mod check;
 mod convert;
+mod ctl;
 mod doctor;
 mod inspect;
 mod launch;
@@ -29,6 +30,7 @@ mod plan;
 mod play;
 mod player;
 mod run;
+mod serve;
 mod simulate;
 mod tune;
 
@@ -47,6 +49,8 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Play(play::Arguments),
+    Serve(serve::Arguments),
+    Ctl(ctl::Arguments),
     Inspect(inspect::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
@@ -64,6 +68,8 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Play(arguments) => play::run(arguments),
+        Command::Serve(arguments) => serve::run(arguments),
+        Command::Ctl(arguments) => ctl::run(&arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),

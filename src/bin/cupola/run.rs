@@ -25,6 +25,9 @@ const UNTIL_INSPECTED: Duration = Duration::from_secs(10);
 pub struct Arguments {
     #[command(flatten)]
     pub options: Options,
+    /// Also serve a page with the dome and the keys of the rig, as `cupola serve` does
+    #[arg(long, conflicts_with = "print_environment")]
+    serve: bool,
     /// Print the environment as shell commands and do not start a program
     #[arg(long)]
     print_environment: bool,
@@ -38,7 +41,7 @@ pub struct Arguments {
 #[group(skip)]
 pub struct Options {
     /// Rig file or name of a preset [default: $CUPOLA_RIG, or fisheye]
-    #[arg(long, short, value_name = "FILE|PRESET")]
+    #[arg(long, short, value_name = "FILE|PRESET", overrides_with = "rig")]
     rig: Option<String>,
     /// Set the size of the program's window in pixels
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
@@ -104,7 +107,20 @@ pub struct Inspection {
 
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    if arguments.serve {
+        // What is wrong is told before anything starts.
+        arguments.options.environment(None)?;
+        let given: Vec<OsString> = std::env::args_os().skip(2).collect();
+        let options = own_options(&given, arguments.program.len());
+        return crate::serve::run_with(arguments.options.rig_name(), options, &arguments.program);
+    }
     run_and_inspect(arguments, None)
+}
+
+/// Of the arguments of `run --serve`, those before the program that a run without the page has.
+fn own_options(given: &[OsString], program: usize) -> Vec<OsString> {
+    let before = &given[..given.len().saturating_sub(program)];
+    before.iter().filter(|argument| *argument != "--serve" && *argument != "--").cloned().collect()
 }
 
 /// Runs the subcommand, and lets the library write a page about the last frame. Returns the exit

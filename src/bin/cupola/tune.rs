@@ -39,24 +39,30 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if changed == text {
         return Ok(ExitCode::SUCCESS);
     }
-    // Readers of the file see the old content or the new content, but no partial content.
-    let mut name = arguments.file.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}", std::process::id()));
-    let temporary = folder.join(name);
-    let written = std::fs::File::create_new(&temporary).and_then(|mut file| {
-        file.write_all(changed.as_bytes())?;
-        file.sync_all()
-    });
-    if let Err(error) = written.and_then(|()| std::fs::rename(&temporary, &arguments.file)) {
-        // The file may not exist.
-        _ = std::fs::remove_file(&temporary);
-        return Err(failed(error));
-    }
+    replace(&arguments.file, &changed).map_err(failed)?;
     Ok(ExitCode::SUCCESS)
 }
 
+/// Writes a file in place of the one of this name: readers see the old content or the new content, but no partial content.
+pub fn replace(path: &Path, text: &str) -> std::io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let written = std::fs::File::create_new(&temporary).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    });
+    written.and_then(|()| std::fs::rename(&temporary, path)).inspect_err(|_| {
+        // The file may not exist.
+        _ = std::fs::remove_file(&temporary);
+    })
+}
+
 /// The text with all changes applied.
-fn changed(text: &str, changes: &[String]) -> Result<String, String> {
+///
+/// # Errors
+/// What is wrong with a change, for people.
+pub fn changed(text: &str, changes: &[String]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|error| format!("the file is not valid TOML: {error}"))?;
     for change in changes {
         let (key, value) = change.split_once('=').ok_or_else(|| {

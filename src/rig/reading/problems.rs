@@ -1,5 +1,6 @@
 //! What is wrong with a rig file: the list of problems, and guesses at what was meant.
 
+use super::keys::{Accepts, Key};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -16,6 +17,8 @@ pub(in crate::rig) struct Problems {
     names: BTreeMap<usize, String>,
     /// (line, key path, reason and remedy).
     found: Vec<(usize, String, String)>,
+    /// The keys that were asked for, if they are noted.
+    keys: Option<Vec<Key>>,
 }
 
 impl Problems {
@@ -27,7 +30,28 @@ impl Problems {
             lines: BTreeMap::new(),
             names: BTreeMap::new(),
             found: Vec::new(),
+            keys: None,
         }
+    }
+
+    /// No problems yet, and each key is noted.
+    pub(in crate::rig) fn noting_keys(text: &str) -> Self {
+        Self { keys: Some(Vec::new()), ..Self::new(text) }
+    }
+
+    /// Notes a key, if keys are noted.
+    pub(in crate::rig) fn note_key(&mut self, path: impl FnOnce() -> String, given: bool, accepts: impl FnOnce() -> Accepts) {
+        if let Some(keys) = &mut self.keys {
+            keys.push(Key { path: path(), given, accepts: accepts() });
+        }
+    }
+
+    /// The noted keys, each once, in the order in which they were asked for.
+    pub(in crate::rig) fn keys(self) -> Vec<Key> {
+        let mut keys = self.keys.unwrap_or_default();
+        let mut seen = std::collections::BTreeSet::new();
+        keys.retain(|key| seen.insert(key.path.clone()));
+        keys
     }
 
     /// Remembers where the key `path` stands.

@@ -3,6 +3,7 @@
 //! Tables are walked by hand and not deserialised with serde, because serde stops at the first
 //! problem and knows neither the key path nor which keys were possible when something is misspelt.
 
+use crate::rig::reading::keys::Accepts;
 use crate::rig::reading::problems::{Problems, closest};
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -39,6 +40,11 @@ impl Allowed {
     /// From and including `least`, less than `greatest`.
     pub(in crate::rig) const fn below(least: f64, greatest: f64, what: &'static str) -> Self {
         Self { least, greatest, open: (false, true), what }
+    }
+
+    /// As a note about a key.
+    fn note(&self, count: Option<usize>, default: Option<f64>) -> Accepts {
+        Accepts::Number { count, least: self.least, greatest: self.greatest, what: self.what, default }
     }
 
     /// Why `value` is not allowed, if so.
@@ -107,6 +113,7 @@ impl<'a> Section<'a> {
         default: f64,
         problems: &mut Problems,
     ) -> f64 {
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, Some(default)));
         self.optional_number(key, allowed, problems).unwrap_or(default)
     }
 
@@ -117,6 +124,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> Option<f64> {
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, None));
         let value = self.value(key, problems)?;
         checked_number(value, allowed, &self.path(key), problems)
     }
@@ -128,6 +136,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> f64 {
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, None));
         if !self.has(key) {
             self.asked.insert(key);
             problems.add(&self.path(key), format!("is missing; expected {}, {}", allowed.what, allowed.words()));
@@ -142,6 +151,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> Option<[f64; COUNT]> {
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(COUNT), None));
         let value = self.value(key, problems)?;
         let path = self.path(key);
         let array = sized_array(value, COUNT, allowed.what, &path, problems)?;
@@ -192,6 +202,7 @@ impl<'a> Section<'a> {
 
     /// Three numbers; zero if the key is absent or wrong.
     pub(in crate::rig) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(3), Some(0.0)));
         self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
     }
 
@@ -239,6 +250,7 @@ impl<'a> Section<'a> {
         what: &'static str,
         problems: &mut Problems,
     ) -> Option<[u32; COUNT]> {
+        problems.note_key(|| self.path(key), self.has(key), || Accepts::Whole { ranges: ranges.to_vec(), what });
         let value = self.value(key, problems)?;
         let path = self.path(key);
         let array = sized_array(value, COUNT, what, &path, problems)?;
@@ -266,6 +278,7 @@ impl<'a> Section<'a> {
 
     /// A truth value; `default` if the key is absent or wrong.
     pub(in crate::rig) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
+        problems.note_key(|| self.path(key), self.has(key), || Accepts::Truth { default });
         let Some(value) = self.value(key, problems) else { return default };
         value.as_bool().unwrap_or_else(|| {
             problems.add(&self.path(key), format!("{} is neither true nor false (without quotes)", describe(value)));
@@ -289,6 +302,8 @@ impl<'a> Section<'a> {
         choices: &[(&'static str, T)],
         problems: &mut Problems,
     ) -> Option<T> {
+        let noted = || Accepts::Word { words: choices.iter().map(|(word, _)| *word).collect() };
+        problems.note_key(|| self.path(key), self.has(key), noted);
         let value = self.value(key, problems)?;
         let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");

@@ -1,6 +1,6 @@
 //! `cupola pattern`: test pictures for the outputs of a rig.
 
-mod draw;
+pub mod draw;
 
 use crate::canvas::Canvas;
 use crate::failure::Failure;

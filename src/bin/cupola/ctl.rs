@@ -1,0 +1,162 @@
+//! `cupola ctl`: asks a running `cupola serve` to do something.
+
+use crate::failure::Failure;
+use crate::serve::control::Command;
+use crate::serve::pattern::Choice;
+use crate::serve::socket;
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Control a running `cupola serve` of the same user: change keys, undo, save, show patterns, start
+/// and stop programs.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Socket of the server, as it printed it [default: the one that was started first]
+    #[arg(long, value_name = "FILE")]
+    socket: Option<PathBuf>,
+    /// Print the answer as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Tell which rig and program are shown, with times and memory
+    Stats,
+    /// List all keys of the rig with their values and ranges
+    Keys,
+    /// Print the value of a key
+    Get {
+        /// For example output.front.yaw
+        key: String,
+    },
+    /// Change keys: all of the changes are made, or none
+    Set {
+        /// For example viewer.position=[0,0,1]
+        #[arg(required = true, value_name = "KEY=VALUE")]
+        changes: Vec<String>,
+    },
+    /// Take the last change back
+    Undo,
+    /// Make it again
+    Redo,
+    /// Write the changes to the rig file
+    Save {
+        /// Also if somebody else has changed the file
+        #[arg(long)]
+        replace: bool,
+    },
+    /// Open another rig that the server was started with, or a preset
+    Rig {
+        /// Its name
+        name: String,
+        /// Also if there are changes that are not saved
+        #[arg(long)]
+        replace: bool,
+    },
+    /// Show a test pattern instead of the program, or the program again
+    Pattern {
+        /// Parts as for `cupola pattern --parts`, or off
+        #[arg(value_delimiter = ',', required = true, value_name = "PART,…|off")]
+        parts: Vec<String>,
+        /// Name of the only output that is not black
+        #[arg(long, value_name = "NAME")]
+        only: Option<String>,
+        /// Distance between lines of a grid, degrees
+        #[arg(long, value_name = "DEGREES")]
+        step: Option<f64>,
+    },
+    /// Start a program: one that the server was started with, or any other after `--`
+    Start {
+        /// Name of a program that the server was started with
+        program: Option<String>,
+        /// Any program with its arguments
+        #[arg(last = true)]
+        command: Vec<String>,
+    },
+    /// Stop the program
+    Stop,
+    /// End the server and the program
+    Quit,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let answer = socket::ask(arguments.socket.as_deref(), &command(&arguments.action)).map_err(Failure::new)?;
+    match &arguments.action {
+        _ if arguments.json => println!("{answer:#}"),
+        Action::Stats => print_state(&answer),
+        Action::Keys => answer.as_array().into_iter().flatten().for_each(print_key),
+        Action::Get { .. } => println!("{}", shown(&answer)),
+        _ => {}
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn command(action: &Action) -> Command {
+    match action {
+        Action::Stats => Command::State {},
+        Action::Keys => Command::Keys {},
+        Action::Get { key } => Command::Get { key: key.clone() },
+        Action::Set { changes } => Command::Set { changes: changes.clone(), gesture: None },
+        Action::Undo => Command::Undo {},
+        Action::Redo => Command::Redo {},
+        Action::Save { replace } => Command::Save { replace: *replace },
+        Action::Rig { name, replace } => Command::Rig { name: name.clone(), replace: *replace },
+        Action::Pattern { parts, only, step } => {
+            let parts = if parts[..] == ["off"] { Vec::new() } else { parts.clone() };
+            Command::Pattern(Choice { parts, step: *step, only: only.clone(), at: Vec::new() })
+        }
+        Action::Start { program, command } => {
+            Command::Start { program: program.clone(), command: (!command.is_empty()).then(|| command.clone()) }
+        }
+        Action::Stop => Command::Stop {},
+        Action::Quit => Command::Quit {},
+    }
+}
+
+/// The value of a key, or what stands for it.
+fn shown(key: &Value) -> String {
+    match (&key["value"], &key["default"]) {
+        (Value::Null, Value::Null) => "not set".to_owned(),
+        (Value::Null, default) => format!("{default} (default)"),
+        (value, _) => value.to_string(),
+    }
+}
+
+fn print_key(key: &Value) {
+    let accepts = match key["type"].as_str() {
+        Some("number") => format!("{} to {}, {}", key["least"], key["greatest"], key["what"].as_str().unwrap_or_default()),
+        Some("whole") => key["what"].as_str().unwrap_or_default().to_owned(),
+        Some("word") => {
+            let words = key["words"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            words.collect::<Vec<_>>().join(", ")
+        }
+        _ => "true, false".to_owned(),
+    };
+    println!("{} = {}  # {accepts}", key["key"].as_str().unwrap_or_default(), shown(key));
+}
+
+fn print_state(state: &Value) {
+    let rig = &state["rig"];
+    let changed = if rig["changed"] == true { ", with changes that are not saved" } else { "" };
+    println!("rig      {}{changed}", rig["name"].as_str().unwrap_or_default());
+    let program = &state["program"];
+    let name = program["name"].as_str().unwrap_or("none");
+    println!("program  {name}{}", if program["runs"] == true { ", running" } else { "" });
+    if let Some(why) = program["ended"].as_str() {
+        println!("         ended: {why}");
+    }
+    let frame = state["frame_milliseconds"].as_f64().unwrap_or_default();
+    if program["runs"] == true && frame > 0.0 {
+        println!("frames   {frame:.1} ms from frame to frame");
+    }
+    let megabytes = |name: &str| state["memory"][name].as_u64().unwrap_or_default() >> 20;
+    println!("memory   {} MiB program, {} MiB server", megabytes("program"), megabytes("server"));
+    for line in program["lines"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+        println!("         {line}");
+    }
+}

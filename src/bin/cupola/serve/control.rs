@@ -1,0 +1,310 @@
+//! What can be asked of the server, by the page, by `cupola ctl` and by OSC.
+
+use super::pattern::{self, Choice};
+use super::picture::Pictures;
+use super::program::{self, Launch, Program};
+use super::scene::Scene;
+use super::working::Working;
+use cupola::rig;
+use serde_json::{Value, json};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use toml_edit::{DocumentMut, Item};
+
+/// A request to change or to tell something.
+#[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Command {
+    /// Everything that is known of rig and program.
+    State {},
+    /// The keys of the rig with their values and ranges.
+    Keys {},
+    /// The value of one key.
+    Get {
+        /// For example `output.front.yaw`.
+        key: String,
+    },
+    /// Changes of keys, all of them or none.
+    Set {
+        /// `KEY=VALUE`.
+        changes: Vec<String>,
+        /// Changes with the same word that follow each other are one step.
+        #[serde(default)]
+        gesture: Option<String>,
+    },
+    /// Takes the last step back.
+    Undo {},
+    /// Takes it again.
+    Redo {},
+    /// Writes the rig's file.
+    Save {
+        /// Also if somebody else has changed it.
+        #[serde(default)]
+        replace: bool,
+    },
+    /// Opens another rig.
+    Rig {
+        /// One that the server was started with, or a preset.
+        name: String,
+        /// Also if the one before has changes that were not saved.
+        #[serde(default)]
+        replace: bool,
+    },
+    /// Shows a test pattern, or the program again.
+    Pattern(Choice),
+    /// Starts a program that the server was started with; the only one if none is named.
+    Start {
+        /// Its name.
+        #[serde(default)]
+        program: Option<String>,
+        /// Any other program with its arguments; only over the Unix socket.
+        #[serde(default)]
+        command: Option<Vec<String>>,
+    },
+    /// Stops the program.
+    Stop {},
+    /// Ends the server; only over the Unix socket.
+    Quit {},
+}
+
+/// The rig with all that is computed from it.
+struct Desk {
+    working: Working,
+    pattern: Choice,
+    patterns: u64,
+    /// Numbers of rigs before this one.
+    before: u64,
+    scene: Option<(u64, Arc<Scene>)>,
+}
+
+/// What all ways of asking share.
+pub struct Server {
+    desk: Mutex<Desk>,
+    /// The program.
+    pub program: Program,
+    /// Its pictures.
+    pub pictures: Mutex<Pictures>,
+    launch: Launch,
+    programs: Vec<(String, Vec<OsString>)>,
+    rigs: Vec<String>,
+    pattern_folder: PathBuf,
+}
+
+impl Server {
+    /// For the first of `rigs`.
+    ///
+    /// # Errors
+    /// What is wrong with the rig, for people.
+    pub fn new(
+        rigs: Vec<String>,
+        programs: Vec<(String, Vec<OsString>)>,
+        launch: Launch,
+        program: Program,
+        folder: &std::path::Path,
+    ) -> Result<Self, String> {
+        let name = rigs.first().map_or("fisheye", String::as_str);
+        let working = Working::open(name, &launch.working_file)?;
+        let desk = Desk { working, pattern: Choice::default(), patterns: 0, before: 0, scene: None };
+        Ok(Self {
+            desk: Mutex::new(desk),
+            program,
+            pictures: Mutex::new(Pictures::new(&launch.ring)),
+            launch,
+            programs,
+            rigs,
+            pattern_folder: folder.join("pattern"),
+        })
+    }
+
+    /// Does what was asked for. `is_trusted`: the asker may start any program, as this user can anyway.
+    ///
+    /// # Errors
+    /// Why it was refused, for people; nothing has changed then.
+    pub fn run(&self, command: Command, is_trusted: bool) -> Result<Value, String> {
+        let mut desk = self.desk();
+        match command {
+            Command::State {} => {}
+            Command::Keys {} => return Ok(Value::Array(keys(&desk.working))),
+            Command::Get { key } => {
+                let found = keys(&desk.working).into_iter().find(|known| known["key"] == *key);
+                return found.ok_or_else(|| format!("{}: there is no key {key}; cupola ctl keys lists them", desk.working.name()));
+            }
+            Command::Set { changes, gesture } => {
+                desk.working.set(&changes, gesture.as_deref())?;
+                self.draw_again(&mut desk)?;
+            }
+            Command::Undo {} | Command::Redo {} => {
+                desk.working.step(command == Command::Redo {})?;
+                self.draw_again(&mut desk)?;
+            }
+            Command::Save { replace } => drop(desk.working.save(replace)?),
+            Command::Rig { name, replace } => self.open(&mut desk, &name, replace)?,
+            Command::Pattern(choice) => self.show(&mut desk, choice)?,
+            Command::Start { program, command } => self.start(program, command, is_trusted)?,
+            Command::Stop {} => self.program.stop(),
+            Command::Quit {} if is_trusted => self.program.leave(),
+            Command::Quit {} => return Err("only cupola ctl on the same machine ends the server".to_owned()),
+        }
+        Ok(self.state(&desk))
+    }
+
+    fn open(&self, desk: &mut Desk, name: &str, replace: bool) -> Result<(), String> {
+        let is_preset = rig::presets().iter().any(|preset| preset.name == name);
+        if !is_preset && !self.rigs.iter().any(|known| known == name) {
+            return Err(format!("{name}: the server was not started with this rig"));
+        }
+        if desk.working.is_changed() && !replace {
+            return Err(format!("{} has changes that are not saved", desk.working.name()));
+        }
+        let before = desk.version();
+        desk.working = Working::open(name, &self.launch.working_file)?;
+        (desk.pattern, desk.before, desk.scene) = (Choice::default(), before + 1, None);
+        Ok(())
+    }
+
+    fn show(&self, desk: &mut Desk, choice: Choice) -> Result<(), String> {
+        let changes = if choice.is_none() {
+            Vec::new()
+        } else {
+            desk.patterns += 1;
+            let rig = desk.working.rig();
+            pattern::changes(rig, &self.sizes(rig), &choice, &self.pattern_folder, desk.patterns)?
+        };
+        desk.working.show_instead(changes)?;
+        pattern::tidy(&self.pattern_folder, desk.patterns);
+        desk.pattern = choice;
+        Ok(())
+    }
+
+    /// A pattern follows the rig.
+    fn draw_again(&self, desk: &mut Desk) -> Result<(), String> {
+        let choice = desk.pattern.clone();
+        if choice.is_none() { Ok(()) } else { self.show(desk, choice) }
+    }
+
+    fn start(&self, program: Option<String>, command: Option<Vec<String>>, is_trusted: bool) -> Result<(), String> {
+        if let Some(command) = command {
+            let name = command.first().filter(|_| is_trusted).ok_or("only cupola ctl on the same machine starts any program")?;
+            self.program.start(name, command.iter().map(OsString::from).collect());
+            return Ok(());
+        }
+        let found = match &program {
+            Some(name) => self.programs.iter().find(|(known, _)| known == name),
+            None => self.programs.first(),
+        };
+        let (name, command) = found.ok_or_else(|| match program {
+            Some(name) => format!("{name}: the server was not started with this program"),
+            None => "the server was started without a program".to_owned(),
+        })?;
+        self.program.start(name, command.clone());
+        Ok(())
+    }
+
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn pictures(&self) -> MutexGuard<'_, Pictures> {
+        self.pictures.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sizes of the outputs: those of the program's pictures, else those of the rig.
+    fn sizes(&self, rig: &rig::Rig) -> Vec<(u32, u32)> {
+        let pictures = self.pictures();
+        let size = |(index, output): (usize, &rig::Output)| {
+            output.size.or_else(|| pictures.size_of(&output.name)).unwrap_or_else(|| crate::map::native_size(rig, index))
+        };
+        rig.outputs.iter().enumerate().map(size).collect()
+    }
+
+    /// The scene of the moment, with its number.
+    pub fn scene(&self) -> (u64, Arc<Scene>) {
+        let mut desk = self.desk();
+        let version = desk.version();
+        if let Some((_, scene)) = desk.scene.as_ref().filter(|(made, _)| *made == version) {
+            return (version, scene.clone());
+        }
+        let rig = desk.working.rig();
+        let scene = Arc::new(Scene::new(rig, self.sizes(rig)));
+        desk.scene = Some((version, scene.clone()));
+        (version, scene)
+    }
+
+    fn state(&self, desk: &Desk) -> Value {
+        let working = &desk.working;
+        let (undo, redo) = working.steps();
+        let presets = rig::presets().iter().map(|preset| preset.name.to_owned());
+        let statistics = std::fs::read(&self.launch.statistics).ok();
+        let statistics: Option<Value> = statistics.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        let status = self.program.status();
+        json!({
+            "version": desk.version(),
+            "rig": {
+                "name": working.name(),
+                "title": working.rig().name,
+                "changed": working.is_changed(),
+                "undo": undo,
+                "redo": redo,
+                "outputs": working.rig().outputs.iter().map(|output| output.name.as_str()).collect::<Vec<_>>(),
+            },
+            "rigs": self.rigs.iter().cloned().chain(presets).collect::<Vec<_>>(),
+            "pattern": desk.pattern,
+            "program": status,
+            "programs": self.programs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+            "frame_milliseconds": self.pictures().frame_milliseconds(),
+            "memory": { "program": self.program.memory(), "server": program::own_memory() },
+            "statistics": statistics.filter(|_| status.runs),
+        })
+    }
+}
+
+impl Desk {
+    fn version(&self) -> u64 {
+        self.before + self.working.version()
+    }
+}
+
+/// The keys of a rig as `set` takes them, with their values.
+fn keys(working: &Working) -> Vec<Value> {
+    let names: Vec<&str> = working.rig().outputs.iter().map(|output| output.name.as_str()).collect();
+    let document: DocumentMut = working.text().parse().unwrap_or_default();
+    let described = working.keys().into_iter().filter_map(|key| {
+        let path = match key.path.strip_prefix("output[") {
+            Some(rest) => {
+                let (index, rest) = rest.split_once("].")?;
+                format!("output.{}.{rest}", names.get(index.parse::<usize>().ok()?)?)
+            }
+            None => key.path.clone(),
+        };
+        // Elements of lists have no path of their own.
+        let mut described = serde_json::to_value(&key).ok().filter(|_| !path.contains('['))?;
+        described["value"] = value(document.as_item(), &key.path).unwrap_or(Value::Null);
+        described["key"] = path.into();
+        described.as_object_mut()?.remove("path");
+        Some(described)
+    });
+    described.collect()
+}
+
+/// The value at a path such as `output[0].blend.ramp`.
+fn value(item: &Item, path: &str) -> Option<Value> {
+    let mut item = item;
+    for part in path.split('.') {
+        let (name, index) = part.strip_suffix(']').and_then(|part| part.split_once('[')).unwrap_or((part, ""));
+        item = item.get(name)?;
+        if !index.is_empty() {
+            item = item.get(index.parse::<usize>().ok()?)?;
+        }
+    }
+    json_of(item.as_value()?)
+}
+
+fn json_of(value: &toml_edit::Value) -> Option<Value> {
+    if let Some(list) = value.as_array() {
+        return Some(Value::Array(list.iter().filter_map(json_of).collect()));
+    }
+    let float = value.as_float().map(Value::from);
+    let whole = value.as_integer().map(Value::from);
+    float.or(whole).or(value.as_bool().map(Value::from)).or(value.as_str().map(Value::from))
+}

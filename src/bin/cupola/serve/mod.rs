@@ -1,0 +1,233 @@
+//! `cupola serve`: a page in the browser with the dome, the program's picture on it, and every key of the rig.
+//!
+//! All of it is in this process. The program beside it has Cupola's library as ever: it follows a rig file and publishes its
+//! frames in shared memory, and has neither a thread nor a socket of Cupola.
+//!
+//! `http`, `socket` and `osc` are three ways to the same [`control`]; `access` decides who may come by the first.
+
+mod access;
+pub mod control;
+mod http;
+mod osc;
+pub mod pattern;
+mod picture;
+mod program;
+mod scene;
+pub mod socket;
+mod working;
+
+use crate::failure::Failure;
+use crate::launch::loader::Scratch;
+use access::Access;
+use control::{Command, Server};
+use cupola::system::process;
+use http::{Answer, Request};
+use program::{Launch, Program};
+use scene::Overlay;
+use serde_json::{Value, json};
+use std::ffi::OsString;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// The page, with everything that it needs in one.
+const PAGE: &str = concat!(
+    "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\n",
+    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Cupola</title>\n<style>",
+    include_str!("page/style.css"),
+    "</style>\n",
+    include_str!("page/body.html"),
+    "<script nonce=\"cupola\">",
+    include_str!("page/dome.js"),
+    include_str!("page/page.js"),
+    "</script>\n</html>\n",
+);
+/// The port, if no other is asked for.
+const PORT: u16 = 8640;
+
+/// Show the dome in a browser, with the picture of a running program on it, and change every key of
+/// the rig while it runs.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The address that is printed opens the page; whoever knows it may change the rig and start and stop the programs that are
+named here. The rig file is written only when you save.")]
+pub struct Arguments {
+    /// Rig file or name of a preset; may be given several times, the first is opened [default: fisheye]
+    #[arg(long, short, value_name = "FILE|PRESET")]
+    rig: Vec<String>,
+    /// Set the size of the program's window in pixels
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
+    size: Option<(u32, u32)>,
+    /// Run programs on a private X server without a screen (Xvfb)
+    #[arg(long)]
+    headless: bool,
+    /// Another program that the page may start, as one line of words; may be given several times
+    #[arg(long, value_name = "COMMAND")]
+    program: Vec<String>,
+    /// Do not start PROGRAM at once
+    #[arg(long)]
+    idle: bool,
+    #[command(flatten)]
+    ways: Ways,
+    /// Program and its arguments
+    #[arg(trailing_var_arg = true)]
+    command: Vec<OsString>,
+}
+
+/// Ways to the server.
+#[derive(clap::Args)]
+struct Ways {
+    /// Port of the page; 0 takes any free one
+    #[arg(long, value_name = "PORT", default_value_t = PORT)]
+    port: u16,
+    /// Address of this machine at which the page is, for phones and other machines [default: this
+    /// machine alone]
+    #[arg(long, value_name = "ADDRESS")]
+    listen: Option<IpAddr>,
+    /// Also follow OSC messages at this UDP port
+    #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = osc_address)]
+    osc: Option<SocketAddr>,
+}
+
+fn osc_address(text: &str) -> Result<SocketAddr, String> {
+    let port = |text: &str| text.parse().ok().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    text.parse().ok().or_else(|| port(text)).ok_or_else(|| "expected a port, for example 9000, or ADDRESS:PORT".to_owned())
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    let mut options: Vec<OsString> = Vec::new();
+    if let Some((width, height)) = arguments.size {
+        options.extend(["--size".into(), format!("{width}x{height}").into()]);
+    }
+    options.extend(arguments.headless.then(|| "--headless".into()));
+    let mut programs = Vec::new();
+    if let Some(name) = arguments.command.first() {
+        programs.push((name.to_string_lossy().into_owned(), arguments.command.clone()));
+    }
+    for line in &arguments.program {
+        programs.push((line.clone(), line.split_whitespace().map(OsString::from).collect()));
+    }
+    let rigs = if arguments.rig.is_empty() { vec!["fisheye".to_owned()] } else { arguments.rig };
+    let starts = !arguments.idle && !arguments.command.is_empty();
+    serve(rigs, programs, options, starts, &arguments.ways, false)
+}
+
+/// As `cupola run --serve`: the page for one program with these options of `run`, until it ends.
+pub fn run_with(rig: String, options: Vec<OsString>, program: &[OsString]) -> Result<ExitCode, Failure> {
+    let name = program.first().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let ways = Ways { port: PORT, listen: None, osc: None };
+    serve(vec![rig], vec![(name, program.to_owned())], options, true, &ways, true)
+}
+
+fn serve(
+    rigs: Vec<String>,
+    programs: Vec<(String, Vec<OsString>)>,
+    options: Vec<OsString>,
+    starts: bool,
+    ways: &Ways,
+    is_once: bool,
+) -> Result<ExitCode, Failure> {
+    let scratch = Scratch::new()?;
+    let launch = Launch {
+        options,
+        working_file: scratch.path().join("rig.toml"),
+        ring: ring_file(),
+        statistics: scratch.path().join("statistics.json"),
+    };
+    let (program, supervised) = Program::new();
+    let server = Server::new(rigs, programs, launch.clone(), program, scratch.path()).map_err(Failure::usage)?;
+    let server = Arc::new(server);
+    process::note_end_signals();
+    announce(&server, ways)?;
+    let socket = socket::serve(server.clone()).map_err(|error| Failure::new(format!("the socket of cupola ctl: {error}")))?;
+    eprintln!("cupola: cupola ctl --socket {}", socket.path().display());
+    if starts {
+        server.run(Command::Start { program: None, command: None }, true).map_err(Failure::usage)?;
+    }
+    program::supervise(&supervised, &launch, is_once);
+    // The program has removed it already, unless it was killed.
+    let _ = std::fs::remove_file(&launch.ring);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A file in memory, named after this process.
+fn ring_file() -> std::path::PathBuf {
+    let memory = std::path::Path::new("/dev/shm");
+    let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+    folder.join(format!("cupola-serve-{}", std::process::id()))
+}
+
+/// Opens the ways to the server, and prints the address.
+fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
+    let address = SocketAddr::from((ways.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), ways.port));
+    let busy = |what: &str, error: std::io::Error| Failure::new(format!("{what}: {error}; --port 0 takes any free port"));
+    let listener = TcpListener::bind(address).map_err(|error| busy(&address.to_string(), error))?;
+    let address = listener.local_addr().map_err(|error| busy(&address.to_string(), error))?;
+    let access = Access::new(address).map_err(|error| Failure::new(format!("random numbers: {error}")))?;
+    let host = match address.ip() {
+        ip if ip.is_unspecified() => "ADDRESS-OF-THIS-MACHINE".to_owned(),
+        IpAddr::V6(ip) => format!("[{ip}]"),
+        ip => ip.to_string(),
+    };
+    eprintln!("cupola: open {}", access.url(&host));
+    if !address.ip().is_loopback() {
+        eprintln!("cupola: whoever can read this network can read the address, too; use a network of your own, or ssh -L");
+    }
+    let answered = server.clone();
+    http::serve(listener, Arc::new(access), move |request| answer(&answered, request));
+    if let Some(address) = ways.osc {
+        let socket = UdpSocket::bind(address).map_err(|error| Failure::new(format!("OSC at {address}: {error}")))?;
+        if let Ok(address) = socket.local_addr() {
+            eprintln!("cupola: OSC at {address}");
+        }
+        osc::serve(socket, server.clone());
+    }
+    Ok(())
+}
+
+/// Answers a request. Without the secret word there is the page alone, which shows nothing by itself.
+fn answer(server: &Server, request: &Request) -> Answer {
+    match (request.is_post, request.path.as_str()) {
+        (false, "/") => return Answer::new(200, "text/html; charset=utf-8", PAGE),
+        (false, "/favicon.ico") => return Answer::words(404, ""),
+        _ if !request.has_token => return Answer::words(403, "Open the address that cupola printed, with all of its end."),
+        _ => {}
+    }
+    let number = |name: &str| request.value(name).and_then(|value| value.parse::<u64>().ok());
+    match (request.is_post, request.path.as_str()) {
+        (false, "/frame") => {
+            let side = number("side").unwrap_or(512).min(4096) as u32;
+            match picture::wait(&server.pictures, &server.program, number("after").unwrap_or(0), side) {
+                None => Answer::words(204, ""),
+                Some(small) => Answer::new(200, "image/jpeg", small.jpeg.clone())
+                    .with("X-Cupola-Frame", small.number.to_string())
+                    .with("X-Cupola-Index", small.index.to_string())
+                    .with("X-Cupola-Places", small.layout()),
+            }
+        }
+        (false, "/scene") => {
+            let (version, scene) = server.scene();
+            Answer::json(200, &json!({ "version": version, "scene": scene.json() }))
+        }
+        (false, "/overlay") => {
+            let Some(overlay) = request.value("kind").and_then(Overlay::named) else {
+                return Answer::words(400, "There is no such overlay.");
+            };
+            let (version, scene) = server.scene();
+            answered(scene.overlay(overlay).map(|values| json!({ "version": version, "values": values })))
+        }
+        (true, "/do") => {
+            let command = serde_json::from_slice::<Command>(&request.body).map_err(|error| format!("no request: {error}"));
+            answered(command.and_then(|command| server.run(command, false)))
+        }
+        _ => Answer::words(404, "There is nothing here."),
+    }
+}
+
+fn answered(result: Result<Value, String>) -> Answer {
+    match result {
+        Ok(value) => Answer::json(200, &value),
+        Err(message) => Answer::words(400, &message),
+    }
+}

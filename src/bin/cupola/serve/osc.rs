@@ -1,0 +1,162 @@
+//! Requests by OSC over UDP, for show control: `/cupola/set/KEY VALUE…`, `/cupola/undo` and others.
+
+use super::control::{Command, Server};
+use super::pattern::Choice;
+use rosc::{OscMessage, OscPacket, OscType};
+use std::net::{IpAddr, SocketAddr, UdpSocket};
+use std::os::unix::fs::MetadataExt;
+use std::sync::Arc;
+
+/// Messages of a bundle that are followed.
+const MOST: usize = 256;
+
+/// Follows messages that come to `socket`, for as long as the process lives.
+pub fn serve(socket: UdpSocket, server: Arc<Server>) {
+    std::thread::spawn(move || {
+        let mut bytes = vec![0; 64 << 10];
+        loop {
+            let Ok((length, from)) = socket.recv_from(&mut bytes) else {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+                continue;
+            };
+            if !is_from_this_user(from) {
+                continue;
+            }
+            let packet = rosc::decoder::decode_udp(&bytes[..length]);
+            let Ok((_, packet)) = packet else { continue };
+            let mut messages = Vec::new();
+            flatten(packet, &mut messages);
+            for message in messages {
+                let refused = command(&message).and_then(|command| server.run(command, false).map(drop)).err();
+                if let Some(why) = refused {
+                    eprintln!("cupola: OSC {}: {why}", message.addr);
+                }
+            }
+        }
+    });
+}
+
+/// Messages of a packet, those in bundles included.
+fn flatten(packet: OscPacket, messages: &mut Vec<OscMessage>) {
+    match packet {
+        OscPacket::Message(message) if messages.len() < MOST => messages.push(message),
+        OscPacket::Message(_) => {}
+        OscPacket::Bundle(bundle) => bundle.content.into_iter().for_each(|packet| flatten(packet, messages)),
+    }
+}
+
+/// Whether a packet of this machine is from this user. Packets of other machines come only where the operator asked for it.
+fn is_from_this_user(from: SocketAddr) -> bool {
+    if !from.ip().is_loopback() {
+        return true;
+    }
+    let Ok(user) = std::fs::metadata("/proc/self").map(|process| process.uid()) else { return false };
+    let file = if matches!(from.ip(), IpAddr::V4(_)) { "/proc/net/udp" } else { "/proc/net/udp6" };
+    let sockets = std::fs::read_to_string(file).unwrap_or_default();
+    owners(&sockets, from.port()).all(|owner| owner == user)
+}
+
+/// Users of the sockets with this port, in the system's table; somebody else where none is found.
+fn owners(table: &str, port: u16) -> impl Iterator<Item = u32> {
+    let users: Vec<u32> = table
+        .lines()
+        .skip(1)
+        .filter_map(|line| {
+            let mut words = line.split_whitespace();
+            let (_, own) = words.nth(1)?.split_once(':')?;
+            let is_it = u16::from_str_radix(own, 16).ok()? == port;
+            words.nth(5).filter(|_| is_it)?.parse().ok()
+        })
+        .collect();
+    let nobody = users.is_empty().then_some(u32::MAX);
+    users.into_iter().chain(nobody)
+}
+
+/// The request that a message means.
+fn command(message: &OscMessage) -> Result<Command, String> {
+    let words: Vec<String> = message.args.iter().map(word).collect::<Option<_>>().ok_or("an argument is neither number nor text")?;
+    let path = message.addr.strip_prefix("/cupola/").ok_or("the address does not begin with /cupola/")?;
+    let first = || words.first().cloned();
+    Ok(match path.split('/').collect::<Vec<_>>()[..] {
+        ["set", ref key @ ..] if !key.is_empty() && !words.is_empty() => {
+            let value = if words.len() == 1 { words[0].clone() } else { format!("[{}]", words.join(", ")) };
+            let key = key.join(".");
+            Command::Set { changes: vec![format!("{key}={value}")], gesture: Some(format!("osc {key}")) }
+        }
+        ["undo"] => Command::Undo {},
+        ["redo"] => Command::Redo {},
+        ["save"] => Command::Save { replace: false },
+        ["rig"] => Command::Rig { name: first().ok_or("which rig?")?, replace: false },
+        ["pattern"] => Command::Pattern(Choice { parts: words, ..Choice::default() }),
+        ["start"] => Command::Start { program: first(), command: None },
+        ["stop"] => Command::Stop {},
+        _ => return Err("this address is not known, or lacks its value".to_owned()),
+    })
+}
+
+/// An argument as the rig file has it.
+fn word(argument: &OscType) -> Option<String> {
+    Some(match argument {
+        // The digits that a float has, and no more.
+        OscType::Float(value) => value.to_string(),
+        OscType::Double(value) => value.to_string(),
+        OscType::Int(value) => value.to_string(),
+        OscType::Long(value) => value.to_string(),
+        OscType::Bool(value) => value.to_string(),
+        OscType::String(value) => value.clone(),
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(addr: &str, args: Vec<OscType>) -> Result<Command, String> {
+        command(&OscMessage { addr: addr.to_owned(), args })
+    }
+
+    #[test]
+    fn addresses_are_keys() {
+        let set = |change: &str, key: &str| Command::Set { changes: vec![change.to_owned()], gesture: Some(format!("osc {key}")) };
+        let yaw = message("/cupola/set/output/front/yaw", vec![OscType::Float(12.1)]);
+        assert_eq!(yaw, Ok(set("output.front.yaw=12.1", "output.front.yaw")));
+        let place = message("/cupola/set/viewer/position", vec![OscType::Int(0), OscType::Double(0.5), OscType::Int(1)]);
+        assert_eq!(place, Ok(set("viewer.position=[0, 0.5, 1]", "viewer.position")));
+        assert_eq!(message("/cupola/stop", Vec::new()), Ok(Command::Stop {}));
+        for wrong in ["/cupola/set", "/cupola/set/dome/radius", "/cupola/quit", "/other", "/cupola/rig", ""] {
+            assert!(message(wrong, Vec::new()).is_err(), "{wrong}");
+        }
+        assert!(message("/cupola/set/dome/radius", vec![OscType::Nil]).is_err());
+    }
+
+    #[test]
+    fn other_users_are_told_apart() {
+        let table = "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout inode\n\
+            1: 0100007F:21C0 00000000:0000 07 00000000:00000000 00:00000000 00000000  1000        0 1 2 0 0\n\
+            2: 00000000:21C1 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 1 2 0 0\n";
+        assert_eq!(owners(table, 0x21C0).collect::<Vec<_>>(), [1000]);
+        assert_eq!(owners(table, 0x21C1).collect::<Vec<_>>(), [0]);
+        assert_eq!(owners(table, 0x21C2).collect::<Vec<_>>(), [u32::MAX]);
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+        assert!(is_from_this_user(socket.local_addr().expect("an address")));
+    }
+
+    #[test]
+    fn random_packets_do_no_harm() {
+        let mut state = 1_u64;
+        for _ in 0..20_000 {
+            let mut bytes = b"/cupola/set/dome/radius\0,f\0\0\x40\x80\0\0".to_vec();
+            for _ in 0..4 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let at = (state >> 33) as usize % bytes.len();
+                bytes[at] = (state >> 20) as u8;
+            }
+            if let Ok((_, packet)) = rosc::decoder::decode_udp(&bytes) {
+                let mut messages = Vec::new();
+                flatten(packet, &mut messages);
+                messages.iter().for_each(|message| drop(command(message)));
+            }
+        }
+    }
+}

@@ -1,0 +1,341 @@
+// The dome in three dimensions: outputs as meshes on the screen, whose light adds up.
+'use strict';
+
+const VERTEX = `#version 300 es
+uniform mat4 camera;
+in vec3 point; in vec2 uv; in float value;
+out vec3 at; out vec2 place; out float shown;
+void main() { at = point; place = uv; shown = value; gl_Position = camera * vec4(point, 1.0); }`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+uniform sampler2D frame; uniform vec4 rect; uniform float texel;
+uniform int mode; uniform vec3 eye, viewer; uniform vec2 range; uniform float tilt, seen;
+in vec3 at; in vec2 place; in float shown;
+out vec4 color;
+vec3 ramp(float t) {
+  t = clamp(t, 0.0, 1.0);
+  return clamp(vec3(1.5 - abs(4.0 * t - 3.0), 1.5 - abs(4.0 * t - 2.0), 1.5 - abs(4.0 * t - 1.0)), 0.0, 1.0);
+}
+float grid(float angle, float every) {
+  float lines = angle / every, near = abs(lines - round(lines));
+  return 1.0 - clamp(near / max(fwidth(lines), 1e-6) - 0.4, 0.0, 1.0);
+}
+void main() {
+  // Only the side is shown that the viewer sees.
+  vec3 normal = cross(dFdx(at), dFdy(at));
+  if (dot(normal, viewer - at) * dot(normal, eye - at) < 0.0) discard;
+  if (mode == 0) {
+    vec2 inside = clamp(rect.xy + place * rect.zw, rect.xy + 0.5 * texel, rect.xy + rect.zw - 0.5 * texel);
+    color = vec4(texture(frame, inside).rgb, 1.0);
+  } else if (mode == 1) {
+    vec3 dome = vec3(at.x, at.y * cos(tilt) - at.z * sin(tilt), at.y * sin(tilt) + at.z * cos(tilt));
+    float polar = degrees(acos(clamp(normalize(dome).y, -1.0, 1.0))), around = degrees(atan(dome.x, -dome.z));
+    float line = max(grid(polar, 10.0), polar < 4.0 ? 0.0 : grid(around, 10.0));
+    color = vec4((vec3(0.05, 0.06, 0.08) + line * vec3(0.25, 0.5, 0.8)) * shown, 1.0);
+  } else if (mode == 2) {
+    float angle = degrees(acos(clamp(dot(normalize(at - viewer), normalize(at - eye)), -1.0, 1.0)));
+    color = vec4(ramp((angle - range.x) / (range.y - range.x)) * 0.8, 1.0);
+  } else if (mode == 3) {
+    vec3 colors[5] = vec3[5](vec3(0.0), vec3(0.22), vec3(0.06, 0.4, 0.1), vec3(0.08, 0.14, 0.6), vec3(0.6, 0.08, 0.08));
+    color = vec4(colors[int(clamp(shown + 0.5, 0.0, 4.0))], 1.0);
+  } else {
+    color = vec4(ramp((shown - range.x) / (range.y - range.x)) * 0.8, 1.0);
+  }
+  color.rgb *= seen;
+}`;
+
+const FLAT = `#version 300 es
+uniform mat4 camera; in vec3 point; void main() { gl_Position = camera * vec4(point, 1.0); }`;
+const PLAIN = `#version 300 es
+precision mediump float; uniform vec4 paint; out vec4 color; void main() { color = paint; }`;
+const WHOLE = `#version 300 es
+out vec2 at; void main() { vec2 p = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0; at = p * 0.5 + 0.5; gl_Position = vec4(p, 0.0, 1.0); }`;
+const SHOW = `#version 300 es
+precision highp float; uniform sampler2D light; in vec2 at; out vec4 color;
+void main() { color = vec4(pow(texture(light, at).rgb, vec3(1.0 / 2.2)), 1.0); }`;
+
+const add = (a, b) => a.map((v, i) => v + b[i]);
+const sub = (a, b) => a.map((v, i) => v - b[i]);
+const scale = (a, f) => a.map(v => v * f);
+const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = a => scale(a, 1 / (Math.hypot(...a) || 1));
+
+class Dome {
+  constructor(canvas, labels) {
+    this.canvas = canvas;
+    this.labels = labels;
+    this.place = 'outside';
+    this.orbit = { yaw: 0.55, pitch: 0.42, distance: 2.6 };
+    this.look = { yaw: 0, pitch: 0.35, fov: 1.3 };
+    this.seat = 'viewer';
+    this.overlay = 'picture';
+    this.frusta = this.lines = true;
+    this.selected = null;
+    this.rects = {};
+    this.start();
+    canvas.addEventListener('webglcontextlost', event => event.preventDefault());
+    canvas.addEventListener('webglcontextrestored', () => { this.start(); if (this.data) this.setScene(this.data); });
+    new ResizeObserver(() => this.draw()).observe(canvas);
+  }
+
+  start() {
+    const gl = this.gl = this.canvas.getContext('webgl2', { antialias: true, alpha: false });
+    if (!gl) throw new Error('This browser has no WebGL 2: the dome cannot be shown. The outputs beside it can.');
+    const program = (vertex, fragment) => {
+      const made = gl.createProgram();
+      for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+        const shader = gl.createShader(kind);
+        gl.shaderSource(shader, text);
+        gl.compileShader(shader);
+        if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(shader));
+        gl.attachShader(made, shader);
+      }
+      gl.bindAttribLocation(made, 0, 'point');
+      gl.linkProgram(made);
+      const at = {};
+      for (let i = 0; i < (gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS) || 0); i++) {
+        const { name } = gl.getActiveUniform(made, i);
+        at[name] = gl.getUniformLocation(made, name);
+      }
+      return { made, at };
+    };
+    this.meshes = program(VERTEX, FRAGMENT);
+    this.strokes = program(FLAT, PLAIN);
+    this.show = program(WHOLE, SHOW);
+    this.frame = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, this.frame);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.SRGB8_ALPHA8, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) {
+      gl.texParameteri(gl.TEXTURE_2D, name, value);
+    }
+    this.light = null;
+    this.outputs = [];
+    this.stroke = gl.createBuffer();
+    this.size = 1;
+  }
+
+  // Light is added up in linear values: blending to an sRGB image is linear.
+  lightOf(width, height) {
+    const gl = this.gl;
+    if (this.light && this.light.width === width && this.light.height === height) return this.light;
+    if (this.light) { gl.deleteTexture(this.light.texture); gl.deleteFramebuffer(this.light.target); }
+    const texture = gl.createTexture(), target = gl.createFramebuffer();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, width, height);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    return this.light = { texture, target, width, height };
+  }
+
+  setScene(data) {
+    const gl = this.gl;
+    this.data = data;
+    for (const old of this.outputs) { gl.deleteVertexArray(old.array); old.buffers.forEach(b => gl.deleteBuffer(b)); }
+    this.outputs = data.outputs.map(output => {
+      const array = gl.createVertexArray(), buffers = [];
+      gl.bindVertexArray(array);
+      const give = (name, size, values) => {
+        const buffer = gl.createBuffer(), at = gl.getAttribLocation(this.meshes.made, name);
+        buffers.push(buffer);
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+        gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(values), gl.STATIC_DRAW);
+        if (at >= 0) { gl.enableVertexAttribArray(at); gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0); }
+        return buffer;
+      };
+      give('point', 3, output.points);
+      give('uv', 2, output.uv);
+      const values = give('value', 1, new Float32Array(output.uv.length / 2).fill(1));
+      const indices = gl.createBuffer();
+      buffers.push(indices);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
+      const triangles = new Uint32Array(output.triangles.flat());
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+      gl.bindVertexArray(null);
+      return { name: output.name, array, buffers, values, count: triangles.length };
+    });
+    this.size = Math.max(data.size, data.radius) || 1;
+    this.values = null;
+    this.draw();
+  }
+
+  setValues(values) {
+    const gl = this.gl;
+    values.forEach((list, index) => {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.outputs[index].values);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(list.map(v => v === null ? -1 : v)), gl.DYNAMIC_DRAW);
+    });
+    const all = values.flat().filter(v => v !== null).sort((a, b) => a - b);
+    this.values = { least: all[0] || 0, greatest: all[Math.floor(all.length * 0.995)] || 1 };
+    this.draw();
+  }
+
+  setFrame(bitmap, rects) {
+    const gl = this.gl;
+    gl.bindTexture(gl.TEXTURE_2D, this.frame);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.SRGB8_ALPHA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
+    this.side = bitmap.width;
+    this.rects = rects;
+    this.draw();
+  }
+
+  seatPoint() {
+    const { radius, viewer } = this.data, [x, y, z] = viewer.position, part = 0.5 * radius;
+    return { viewer: [x, y, z], front: [x, y, z - part], back: [x, y, z + part], left: [x - part, y, z], right: [x + part, y, z], centre: [0, 0, 0] }[this.seat];
+  }
+
+  // The eye, the matrix of the camera, and its axes.
+  camera() {
+    const aspect = this.canvas.width / this.canvas.height || 1;
+    let eye, forward, fov;
+    if (this.place === 'outside') {
+      const { yaw, pitch, distance } = this.orbit, far = distance * this.size;
+      const middle = [0, 0.3 * this.size, 0];
+      const away = [Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch)];
+      eye = add(middle, scale(away, far));
+      forward = scale(away, -1);
+      fov = 0.9;
+    } else {
+      const { yaw, pitch } = this.look;
+      eye = this.seatPoint();
+      forward = [Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
+      fov = this.look.fov;
+    }
+    const right = unit(cross(forward, [0, 1, 0])), up = cross(right, forward);
+    const half = Math.tan(fov / 2), f = 1 / (aspect < 1 ? half / aspect : half), near = 0.01 * this.size, far = 60 * this.size;
+    const a = -(far + near) / (far - near), b = -2 * far * near / (far - near);
+    const rows = [[...scale(right, f / aspect), -dot(right, eye) * f / aspect], [...scale(up, f), -dot(up, eye) * f],
+      [...scale(forward, -a), dot(forward, eye) * a + b], [...forward, -dot(forward, eye)]];
+    const matrix = new Float32Array(16);
+    rows.forEach((row, r) => row.forEach((v, c) => { matrix[4 * c + r] = v; }));
+    return { eye, forward, matrix, rows };
+  }
+
+  draw() {
+    if (!this.waiting) { this.waiting = true; requestAnimationFrame(() => { this.waiting = false; this.paint(); }); }
+  }
+
+  paint() {
+    const gl = this.gl, canvas = this.canvas, dense = Math.min(devicePixelRatio || 1, 2);
+    const width = Math.round(canvas.clientWidth * dense), height = Math.round(canvas.clientHeight * dense);
+    if (!this.data || !width || !height || gl.isContextLost()) return;
+    if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
+    const light = this.lightOf(width, height), camera = this.camera();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, light.target);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.paintOutputs(camera);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.disable(gl.BLEND);
+    gl.useProgram(this.show.made);
+    gl.bindTexture(gl.TEXTURE_2D, light.texture);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    this.paintLines(camera);
+    this.placeLabels(camera);
+    this.painted = (this.painted || 0) + 1;
+  }
+
+  range() {
+    if (this.overlay === 'error') return [0, 30];
+    if (!this.values) return [0, 1];
+    if (this.overlay === 'light') return [0, Math.max(1.25, this.values.greatest)];
+    return [0, this.values.greatest * 1.02];
+  }
+
+  paintOutputs(camera) {
+    const gl = this.gl, { made, at } = this.meshes;
+    const hasPicture = Object.keys(this.rects).length > 0;
+    const overlay = this.values || this.overlay === 'error' ? this.overlay : 'picture';
+    const mode = { picture: hasPicture ? 0 : 1, error: 2, coverage: 3 }[overlay] ?? 4;
+    gl.useProgram(made);
+    gl.uniformMatrix4fv(at.camera, false, camera.matrix);
+    gl.uniform3fv(at.eye, this.place === 'outside' && mode === 2 ? this.seatPoint() : camera.eye);
+    gl.uniform3fv(at.viewer, this.data.viewer.position);
+    gl.uniform2fv(at.range, this.range());
+    gl.uniform1f(at.tilt, this.data.tilt * Math.PI / 180);
+    gl.uniform1i(at.mode, mode);
+    gl.bindTexture(gl.TEXTURE_2D, this.frame);
+    // Light adds up; values do not.
+    if (mode < 2) { gl.enable(gl.BLEND); gl.blendFunc(gl.ONE, gl.ONE); } else gl.disable(gl.BLEND);
+    for (const output of this.outputs) {
+      const rect = this.rects[output.name];
+      if (mode === 0 && !rect) continue;
+      const side = this.side || 1;
+      gl.uniform4fv(at.rect, rect ? rect.map(v => v / side) : [0, 0, 1, 1]);
+      gl.uniform1f(at.texel, 1 / side);
+      gl.uniform1f(at.seen, this.only && this.only !== output.name ? 0.15 : 1);
+      gl.bindVertexArray(output.array);
+      gl.drawElements(gl.TRIANGLES, output.count, gl.UNSIGNED_INT, 0);
+    }
+    gl.bindVertexArray(null);
+  }
+
+  strokeAll(points, kind, paint) {
+    const gl = this.gl;
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points), gl.STREAM_DRAW);
+    gl.uniform4fv(this.strokes.at.paint, paint);
+    gl.drawArrays(kind, 0, points.length / 3);
+  }
+
+  paintLines(camera) {
+    const gl = this.gl;
+    gl.useProgram(this.strokes.made);
+    gl.uniformMatrix4fv(this.strokes.at.camera, false, camera.matrix);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.stroke);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    if (this.lines) for (const line of this.data.lines) this.strokeAll(line, gl.LINE_STRIP, [0.5, 0.6, 0.75, this.place === 'outside' ? 0.3 : 0.16]);
+    if (this.frusta) {
+      for (const output of this.data.outputs) {
+        const on = output.name === this.selected, paint = on ? [0.95, 0.68, 0.2, 0.95] : [0.75, 0.75, 0.75, 0.28];
+        const corners = output.frustum;
+        if (output.projector && output.origin && this.place === 'outside') {
+          const rays = [];
+          for (let i = 0; i < corners.length; i += 3) rays.push(...output.origin, ...corners.slice(i, i + 3));
+          this.strokeAll(rays, gl.LINES, paint);
+        }
+        if (on) this.strokeAll(this.border(output), gl.LINES, paint);
+      }
+      if (this.place === 'outside') {
+        const p = this.data.viewer.position, s = 0.03 * this.size, f = add(p, scale(this.data.viewer.forward, 0.18 * this.size));
+        this.strokeAll([...p, ...f, ...add(p, [s, 0, 0]), ...add(p, [-s, 0, 0]), ...add(p, [0, s, 0]), ...add(p, [0, -s, 0])], gl.LINES, [0.4, 0.9, 0.5, 0.9]);
+      }
+    }
+    gl.disableVertexAttribArray(0);
+  }
+
+  // Edges of a mesh that belong to one triangle only.
+  border(output) {
+    if (output.edge) return output.edge;
+    const seen = new Map(), points = [];
+    for (const t of output.triangles) for (let i = 0; i < 3; i++) {
+      const a = t[i], b = t[(i + 1) % 3], key = a < b ? `${a} ${b}` : `${b} ${a}`;
+      seen.set(key, seen.has(key) ? null : [a, b]);
+    }
+    for (const edge of seen.values()) if (edge) for (const v of edge) points.push(...output.points.slice(3 * v, 3 * v + 3));
+    return output.edge = points;
+  }
+
+  project(point, rows) {
+    const [x, y, , w] = rows.map(row => row[0] * point[0] + row[1] * point[1] + row[2] * point[2] + row[3]);
+    return w > 0 ? [(0.5 + 0.5 * x / w) * this.canvas.clientWidth, (0.5 - 0.5 * y / w) * this.canvas.clientHeight] : null;
+  }
+
+  placeLabels(camera) {
+    const wanted = this.frusta ? this.data.outputs.filter(o => o.projector && o.origin && this.place === 'outside') : [];
+    while (this.labels.childElementCount > wanted.length) this.labels.lastChild.remove();
+    wanted.forEach((output, index) => {
+      const label = this.labels.children[index] || this.labels.appendChild(document.createElement('span'));
+      const at = this.project(output.origin, camera.rows);
+      label.textContent = output.name;
+      label.className = output.name === this.selected ? 'on' : '';
+      label.style.display = at ? '' : 'none';
+      if (at) { label.style.left = `${at[0]}px`; label.style.top = `${at[1]}px`; }
+    });
+  }
+}

@@ -1,0 +1,534 @@
+// The page around the dome: keys of the rig, patterns, outputs, health.
+'use strict';
+
+const $ = id => document.getElementById(id);
+const token = location.hash.slice(1);
+const element = (name, properties = {}, ...inside) => {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...inside);
+  return made;
+};
+
+// What tests and curious people look at.
+const page = window.cupola = { frames: 0, state: null, keys: [], firstPicture: 0, lastFrame: 0 };
+let dome = null;
+try { dome = new Dome($('view'), $('labels')); } catch (error) { say(error.message); }
+page.dome = dome;
+
+async function ask(path, options = {}) {
+  const answer = await fetch(path, { ...options, headers: { 'X-Cupola-Token': token }, cache: 'no-store' });
+  if (!answer.ok) throw new Error(await answer.text());
+  return answer;
+}
+
+async function command(what) {
+  const answer = await ask('/do', { method: 'POST', body: JSON.stringify(what) });
+  return answer.json();
+}
+
+let silence = 0;
+function say(text, good = false) {
+  $('message').textContent = text;
+  $('message').className = good ? 'good' : '';
+  clearTimeout(silence);
+  silence = setTimeout(() => { $('message').textContent = ''; }, good ? 2500 : 9000);
+}
+$('message').onclick = () => { $('message').textContent = ''; };
+
+async function act(what) {
+  try { take(await command(what)); return true; } catch (error) { say(error.message); return false; }
+}
+
+// ---- state ----
+
+function options(select, names, chosen) {
+  const wanted = names.join('\n');
+  if (select.dataset.names !== wanted) {
+    select.replaceChildren(...names.map(name => element('option', { value: name, textContent: short(name) })));
+    select.dataset.names = wanted;
+  }
+  if (chosen !== undefined && document.activeElement !== select) select.value = chosen;
+}
+const short = name => name.length > 34 ? `…${name.slice(-33)}` : name;
+
+let version = -1;
+function take(state) {
+  page.state = state;
+  const { rig, program } = state;
+  options($('rigs'), [...new Set(state.rigs.includes(rig.name) ? state.rigs : [rig.name, ...state.rigs])], rig.name);
+  options($('programs'), state.programs);
+  $('programs').hidden = $('start').hidden = state.programs.length === 0;
+  $('undo').disabled = rig.undo === 0;
+  $('redo').disabled = rig.redo === 0;
+  $('save').disabled = !rig.changed;
+  $('save').classList.toggle('bright', rig.changed);
+  $('stop').disabled = !program.runs;
+  document.title = `${rig.changed ? '• ' : ''}${rig.title} – Cupola`;
+  options($('only'), ['all outputs', ...rig.outputs], state.pattern.only || 'all outputs');
+  for (const button of $('parts').children) button.classList.toggle('on', state.pattern.parts.includes(button.dataset.part));
+  $('off').classList.toggle('on', state.pattern.parts.length === 0 && state.pattern.at.length === 0);
+  showHealth(state);
+  if (state.version !== version) { version = state.version; refresh(); }
+}
+
+function showHealth(state) {
+  const milliseconds = state.frame_milliseconds, megabytes = bytes => `${Math.round(bytes / 1048576)} MiB`;
+  const { program } = state;
+  const words = program.runs
+    ? [milliseconds ? `<b>${(1000 / milliseconds).toFixed(1)}</b> frames/s` : 'starts', `<b>${megabytes(state.memory.program)}</b>`]
+    : [program.ended ? 'program failed' : 'no program'];
+  $('health').innerHTML = words.join(' · ');
+  $('note').textContent = !program.runs ? (program.ended ? 'The program ended; see Health.' : 'No program runs: the lines are angles of the dome.')
+    : Object.keys(dome ? dome.rects : page.rects || {}).length === 0 ? 'Waiting for the program’s first picture.' : '';
+  const s = state.statistics, rows = [['Rig', state.rig.name], ['Program', program.name ? `${program.name}${program.runs ? '' : ' (not running)'}` : 'none']];
+  if (program.ended) rows.push(['It ended', program.ended]);
+  if (milliseconds && program.runs) rows.push(['From frame to frame', `${milliseconds.toFixed(2)} ms`]);
+  rows.push(['Memory', `${megabytes(state.memory.program)} program, ${megabytes(state.memory.server)} this page's server`]);
+  if (s) {
+    rows.push(['Graphics driver', s.driver], ['Frames', s.frames], ['Draws of a frame', `${s.draws_seen}, of which ${s.panel_draws} flat`]);
+    rows.push(['Views', s.views.map(v => `${v.name} ${v.width}×${v.height}`).join(', ')]);
+    for (const [name, value] of Object.entries(s.milliseconds || {})) {
+      if (value && typeof value === 'object') rows.push([`${name.replaceAll('_', ' ')}, ms`, Object.entries(value).filter(([, v]) => typeof v === 'number').map(([n, v]) => `${n} ${v.toFixed(2)}`).join(', ')]);
+      else if (typeof value === 'number') rows.push([`${name.replaceAll('_', ' ')}, ms`, value.toFixed(2)]);
+    }
+    for (const note of s.notes || []) rows.push(['Note', note]);
+  }
+  const table = element('table', {}, ...rows.map(([name, value]) => element('tr', {}, element('td', { textContent: name }), element('td', { textContent: value }))));
+  $('state').replaceChildren(table, element('pre', { textContent: program.lines.join('\n') }));
+}
+
+async function poll() {
+  for (;;) {
+    try {
+      if (!document.hidden && !sending) take(await command({ do: 'state' }));
+      lost = false;
+    } catch (error) {
+      if (!lost) say(`The server does not answer: ${error.message}`);
+      lost = true;
+    }
+    await new Promise(done => setTimeout(done, 1000));
+  }
+}
+let lost = false;
+
+// What depends on the rig is fetched again, one thing at a time.
+let refreshing = false, again = false;
+async function refresh() {
+  if (refreshing) { again = true; return; }
+  refreshing = true;
+  do {
+    again = false;
+    try {
+      const [keys, scene] = await Promise.all([command({ do: 'keys' }), ask('/scene').then(answer => answer.json())]);
+      page.keys = keys;
+      if (dome) dome.setScene(scene.scene);
+      page.scene = scene.scene;
+      showKeys();
+      showOutputs();
+      await showOverlay();
+    } catch (error) { say(error.message); }
+  } while (again);
+  refreshing = false;
+}
+
+async function showOverlay() {
+  if (!dome) return;
+  const kind = dome.overlay = $('overlay').value;
+  if (kind === 'picture' || kind === 'error') { dome.values = null; dome.draw(); }
+  else {
+    const { values } = await (await ask(`/overlay?kind=${kind}`)).json();
+    if (values.length === dome.outputs.length && $('overlay').value === kind) dome.setValues(values);
+  }
+  showLegend(kind);
+}
+
+function showLegend(kind) {
+  const legend = $('legend'), [least, greatest] = dome.range();
+  legend.style.display = kind === 'picture' ? 'none' : 'block';
+  if (kind === 'coverage') {
+    const colors = ['#808080', '#44aa5a', '#5069cc', '#cc5050'];
+    legend.replaceChildren('lit by', ...colors.flatMap((color, i) => {
+      const box = element('i');
+      box.style.background = color;
+      return [box, i === 3 ? '4 or more' : `${i + 1}`];
+    }));
+  } else if (kind !== 'picture') {
+    const bar = element('canvas', { width: 200, height: 1 }), context = bar.getContext('2d');
+    for (let i = 0; i < 200; i++) {
+      const part = j => Math.round(255 * Math.pow(0.8 * Math.min(Math.max(1.5 - Math.abs(4 * i / 199 - j), 0), 1), 1 / 2.2));
+      context.fillStyle = `rgb(${part(3)},${part(2)},${part(1)})`;
+      context.fillRect(i, 0, 1, 1);
+    }
+    const unit = { light: 'of full white', density: 'texels per pixel', resolution: 'pixels per degree', error: '° off' }[kind];
+    const digits = greatest < 5 ? 2 : 0;
+    legend.replaceChildren(unit, bar, element('div', {}, element('span', { textContent: least.toFixed(digits) }), element('span', { textContent: greatest.toFixed(digits) })));
+  }
+}
+
+// ---- keys ----
+
+const NAMES = { overlay: 'panel (flat drawing)', camera: "camera (the program's)", viewer: 'viewer', dome: 'dome', screen: 'screen', views: 'views', content: 'content', '': 'file' };
+const PARTS = [['right', 'up', 'back'], ['x', 'y', 'width', 'height']];
+const open = new Set();
+
+function groups() {
+  const found = new Map(), order = key => key.startsWith('output.') ? 0 : 1;
+  for (const key of [...page.keys].sort((a, b) => order(a.key) - order(b.key))) {
+    const parts = key.key.split('.');
+    const group = parts[0] === 'output' ? outputOf(key.key) : parts.length > 1 ? parts[0] : '';
+    if (!found.has(group)) found.set(group, []);
+    found.get(group).push(key);
+  }
+  return found;
+}
+// Names of outputs may have points.
+function outputOf(key) {
+  const name = page.state.rig.outputs.filter(name => key.startsWith(`output.${name}.`)).sort((a, b) => b.length - a.length)[0];
+  return `output.${name}`;
+}
+
+let shownKeys = '';
+function showKeys() {
+  const wanted = page.keys.map(key => `${key.key} ${key.type} ${key.count || ''} ${(key.words || []).join()}`).join('\n') + page.state.rig.name;
+  if (wanted === shownKeys) { page.keys.forEach(fillKey); return; }
+  shownKeys = wanted;
+  rows.clear();
+  const first = page.state.rig.outputs[0];
+  if (!open.size && first) { open.add(`output.${first}`); open.add('viewer'); open.add('camera'); }
+  if (dome && !page.state.rig.outputs.includes(dome.selected)) dome.selected = page.state.rig.outputs.length > 1 ? first : null;
+  const sections = [...groups()].map(([group, keys]) => {
+    const name = group.startsWith('output.') ? group.slice(7) : NAMES[group] ?? group;
+    const kind = keys.find(key => key.key === `${group}.kind`);
+    const section = element('details', { open: open.has(group) }, element('summary', {}, name, element('small', { textContent: kind ? kind.value : '' })));
+    section.dataset.group = group;
+    section.ontoggle = () => {
+      if (section.open) open.add(group); else open.delete(group);
+      if (section.open && group.startsWith('output.')) select(group.slice(7));
+      fillOpen(section, group, keys);
+    };
+    fillOpen(section, group, keys);
+    return section;
+  });
+  $('keys').replaceChildren(...sections);
+  mark();
+}
+
+function fillOpen(section, group, keys) {
+  if (!section.open || section.childElementCount > 1) return;
+  for (const key of keys) {
+    if (key.key.endsWith('.kind') || key.key === 'passthrough' || key.key.endsWith('.name') || key.key.endsWith('.shape') && group === 'screen') continue;
+    section.append(rowOf(key, group));
+  }
+  filter();
+}
+
+const rows = new Map();
+function rowOf(key, group) {
+  const name = group ? key.key.slice(group.length + 1) : key.key;
+  const row = element('div', { className: 'key' }, element('div', { className: 'name', title: key.what || '' }, element('span', { textContent: name }), element('small', { textContent: key.what || '' })));
+  const wrong = element('div', { className: 'wrong' });
+  const inputs = [];
+  row.dataset.key = key.key;
+  if (key.type === 'number' || key.type === 'whole') {
+    const count = key.type === 'whole' ? key.ranges.length : key.count || 1;
+    for (let i = 0; i < count; i++) inputs.push(numberInput(key, i, count, row));
+    row.append(...inputs.map(input => input.row));
+  } else {
+    const words = key.type === 'truth' ? ['true', 'false'] : key.words;
+    const choice = element('select', {}, element('option', { value: '', textContent: key.type === 'truth' ? `not set (${key.default})` : 'not set' }), ...words.map(word => element('option', { value: word, textContent: word })));
+    choice.onchange = () => { if (choice.value) change(key.key, key.type === 'truth' ? choice.value : JSON.stringify(choice.value), row); };
+    row.firstChild.append(choice);
+    inputs.push({ show: value => { choice.value = value === null ? '' : String(value); } });
+  }
+  row.append(wrong);
+  rows.set(key.key, { row, inputs, wrong });
+  fillKey(key);
+  return row;
+}
+
+// The range of a slider: what is usual, around the value where the allowed range is wide.
+function sliderRange(key, value, index) {
+  const [least, greatest] = key.type === 'whole' ? key.ranges[index] : [key.least, key.greatest];
+  const radius = page.scene ? page.scene.radius : 5;
+  let low = least, high = greatest;
+  if (greatest - least > 1000) {
+    const reach = /metre/.test(key.what) ? 1.5 * radius : Math.max(10, 2 * Math.abs(value));
+    [low, high] = /\.size$|\.window$/.test(key.key) ? [least, Math.max(4096, value)] : [Math.max(least, -reach), Math.min(greatest, reach)];
+  } else if (greatest - least > 360) [low, high] = [-180, 180];
+  if ($('fine').checked) {
+    const span = (high - low) / 40;
+    [low, high] = [Math.max(least, value - span / 2), Math.min(greatest, value + span / 2)];
+  }
+  return [Math.min(low, value), Math.max(high, value)];
+}
+
+function numberInput(key, index, count, row) {
+  const isWhole = key.type === 'whole';
+  const slider = element('input', { type: 'range' }), field = element('input', { type: 'number', step: 'any' });
+  const less = element('button', { textContent: '−', tabIndex: -1 }), more = element('button', { textContent: '+', tabIndex: -1 });
+  const labels = PARTS.find(names => names.length === count) || [];
+  slider.setAttribute('aria-label', `${key.key} ${labels[index] || ''}`);
+  field.setAttribute('aria-label', slider.getAttribute('aria-label'));
+  let held = false;
+  const step = () => isWhole ? 1 : nice((slider.max - slider.min) / 1000);
+  const send = (value, gesture) => {
+    const now = valueOf(key.key), all = Array.isArray(now) ? [...now] : now === null || now === undefined ? Array(count).fill(startOf(key)) : [now];
+    all[index] = isWhole ? Math.round(value) : tidy(value, step());
+    field.value = all[index];
+    const single = key.type === 'number' && !key.count;
+    change(key.key, single ? String(all[0]) : `[${all.join(', ')}]`, row, gesture);
+    optimistic.set(key.key, single ? all[0] : all);
+  };
+  slider.oninput = () => send(Number(slider.value), `drag ${key.key}`);
+  slider.onpointerdown = () => { held = true; };
+  slider.onchange = () => { held = false; fillKey(page.keys.find(k => k.key === key.key)); };
+  field.onchange = () => { if (field.value !== '') send(Number(field.value)); };
+  less.onclick = () => send(Number(slider.value) - step() * 4, `step ${key.key}`);
+  more.onclick = () => send(Number(slider.value) + step() * 4, `step ${key.key}`);
+  const made = element('div', { className: 'number', title: labels[index] || '' }, less, slider, more, field);
+  return {
+    row: made,
+    show: value => {
+      const one = Array.isArray(value) ? value[index] : value, at = one ?? startOf(key);
+      if (!held && document.activeElement !== slider) {
+        const [low, high] = sliderRange(key, at, index);
+        [slider.min, slider.max, slider.step] = [low, high, isWhole ? 1 : nice((high - low) / 4000)];
+      }
+      if (!held) slider.value = at;
+      if (document.activeElement !== field) { field.value = one === null || one === undefined ? '' : tidy(one, 1e-6); field.placeholder = key.default ?? ''; }
+    },
+  };
+}
+
+const nice = value => Math.pow(10, Math.floor(Math.log10(value || 1)));
+const tidy = (value, step) => Number(value.toFixed(Math.min(6, Math.max(0, Math.ceil(-Math.log10(step)) + 1))));
+const startOf = key => key.default ?? Math.min(Math.max(0, key.least ?? 0), key.greatest ?? 0);
+const optimistic = new Map();
+const valueOf = name => optimistic.has(name) ? optimistic.get(name) : (page.keys.find(key => key.key === name) || {}).value ?? null;
+
+function fillKey(key) {
+  const found = key && rows.get(key.key);
+  if (!found) return;
+  const value = optimistic.has(key.key) ? optimistic.get(key.key) : key.value;
+  found.row.classList.toggle('unset', value === null);
+  for (const input of found.inputs) input.show(value);
+}
+
+// Changes are sent one after the other; what came meanwhile is sent together.
+const waiting = new Map();
+let sending = false;
+function change(key, value, row, gesture) {
+  waiting.set(key, { value, row, gesture });
+  if (!sending) send();
+}
+async function send() {
+  sending = true;
+  while (waiting.size) {
+    const [[key, { value, gesture }]] = waiting;
+    waiting.delete(key);
+    const found = rows.get(key);
+    try {
+      take(await command({ do: 'set', changes: [`${key}=${value}`], gesture: gesture || null }));
+      if (found) { found.wrong.textContent = ''; found.row.classList.remove('bad'); }
+    } catch (error) {
+      optimistic.delete(key);
+      if (found) { found.wrong.textContent = error.message; found.row.classList.add('bad'); } else say(error.message);
+    }
+  }
+  optimistic.clear();
+  sending = false;
+}
+
+function filter() {
+  const word = $('find').value.trim().toLowerCase();
+  for (const section of $('keys').children) {
+    const matches = page.keys.filter(key => key.key.toLowerCase().includes(word)).some(key => key.key.startsWith(section.dataset.group));
+    section.style.display = !word || matches ? '' : 'none';
+    for (const row of section.querySelectorAll('.key')) row.style.display = !word || row.dataset.key.toLowerCase().includes(word) ? '' : 'none';
+  }
+}
+$('find').oninput = filter;
+$('fine').onchange = () => page.keys.forEach(fillKey);
+
+function select(name) {
+  if (dome) { dome.selected = name; dome.draw(); }
+  mark();
+}
+function mark() {
+  const name = dome && dome.selected;
+  for (const section of $('keys').children) section.classList.toggle('on', section.dataset.group === `output.${name}`);
+  for (const output of $('outputs').children) output.classList.toggle('on', output.dataset.name === name);
+}
+
+// ---- patterns ----
+
+const PATTERNS = { horizon: 'Azimuth and elevation', dome: 'Angles of the dome', border: 'Borders and names', overlap: 'Overlaps', ramps: 'Grey and colour', focus: 'Focus', white: 'White' };
+for (const [part, name] of Object.entries(PATTERNS)) {
+  const button = element('button', { textContent: name });
+  button.dataset.part = part;
+  button.onclick = () => {
+    const shown = page.state.pattern.parts, order = ['white', 'ramps', 'focus', 'overlap', 'horizon', 'dome', 'border'];
+    showPattern({ parts: order.filter(other => shown.includes(other) !== (other === part)) });
+  };
+  $('parts').append(button);
+}
+async function showPattern(what) {
+  const { parts, at } = page.state.pattern, only = $('only').value;
+  const choice = { parts, at, ...what, step: Number($('step').value) || 10, only: only === 'all outputs' ? null : only };
+  await act({ do: 'pattern', ...choice });
+}
+$('only').onchange = $('step').onchange = () => showPattern({});
+$('off').onclick = () => act({ do: 'pattern', parts: [] });
+$('cross').onclick = () => showPattern({ at: [[Number($('azimuth').value), Number($('elevation').value)]] });
+
+// ---- outputs ----
+
+function showOutputs() {
+  const list = $('outputs'), outputs = page.scene.outputs;
+  const wanted = outputs.map(output => `${output.name} ${output.size}`).join();
+  if (list.dataset.shown === wanted) return;
+  list.dataset.shown = wanted;
+  list.replaceChildren(...outputs.map(output => {
+    const box = element('div', { className: 'output' }, element('span', {}, output.name, element('small', { textContent: `${output.kind} ${output.size.join(' × ')}` })), element('canvas', { width: 480, height: Math.round(480 * output.size[1] / output.size[0]) }));
+    box.dataset.name = output.name;
+    box.onclick = () => select(output.name);
+    return box;
+  }));
+  mark();
+  drawOutputs();
+}
+function drawOutputs() {
+  if (!page.bitmap || !$('outputs').classList.contains('on')) return;
+  for (const box of $('outputs').children) {
+    const rect = page.rects[box.dataset.name], canvas = box.querySelector('canvas');
+    if (rect) canvas.getContext('2d').drawImage(page.bitmap, ...rect, 0, 0, canvas.width, canvas.height);
+  }
+}
+
+// ---- pictures ----
+
+async function pictures() {
+  let after = 0;
+  for (;;) {
+    try {
+      if (document.hidden) { await new Promise(done => setTimeout(done, 300)); continue; }
+      const side = $('outputs').classList.contains('on') ? 1024 : (page.scene && page.scene.outputs.length > 2 ? 768 : 512);
+      const answer = await ask(`/frame?after=${after}&side=${page.side || side}`);
+      if (answer.status === 204) {
+        if (!page.state || !page.state.program.runs) { page.rects = {}; if (dome && Object.keys(dome.rects).length) { dome.rects = {}; dome.draw(); } }
+        continue;
+      }
+      after = Number(answer.headers.get('X-Cupola-Frame'));
+      const rects = Object.fromEntries(answer.headers.get('X-Cupola-Places').split(';').map(place => {
+        const cut = place.lastIndexOf(':');
+        return [place.slice(0, cut), place.slice(cut + 1).split(',').map(Number)];
+      }));
+      const bitmap = await createImageBitmap(await answer.blob());
+      if (page.bitmap) page.bitmap.close();
+      Object.assign(page, { bitmap, rects, frames: page.frames + 1, lastFrame: performance.now() });
+      page.firstPicture ||= performance.now();
+      if (dome) dome.setFrame(bitmap, rects);
+      drawOutputs();
+    } catch (error) { await new Promise(done => setTimeout(done, 500)); }
+  }
+}
+
+// ---- buttons, keys and drags ----
+
+$('undo').onclick = () => act({ do: 'undo' });
+$('redo').onclick = () => act({ do: 'redo' });
+$('save').onclick = async () => {
+  try { take(await command({ do: 'save' })); say(`${page.state.rig.name} is saved.`, true); } catch (error) {
+    if (/somebody else/.test(error.message) && confirm(`${error.message}\n\nReplace it?`)) act({ do: 'save', replace: true }); else say(error.message);
+  }
+};
+$('rigs').onchange = async () => {
+  const name = $('rigs').value;
+  const replace = page.state.rig.changed && confirm('The changes of this rig are not saved. Open the other one without them?');
+  if (page.state.rig.changed && !replace) { $('rigs').value = page.state.rig.name; return; }
+  open.clear();
+  if (!await act({ do: 'rig', name, replace: Boolean(replace) })) $('rigs').value = page.state.rig.name;
+};
+$('start').onclick = () => act({ do: 'start', program: $('programs').value });
+$('stop').onclick = () => act({ do: 'stop' });
+document.addEventListener('keydown', event => {
+  if (!(event.ctrlKey || event.metaKey)) return;
+  const what = { z: event.shiftKey ? 'redo' : 'undo', y: 'redo', s: 'save' }[event.key.toLowerCase()];
+  if (what && !/number|search/.test(event.target.type)) { event.preventDefault(); $(what).click(); }
+});
+
+function choose(group, chosen) { for (const button of group) button.classList.toggle('on', button === chosen); }
+for (const button of document.querySelectorAll('nav button')) {
+  button.onclick = () => {
+    choose(document.querySelectorAll('nav button'), button);
+    for (const tab of document.querySelectorAll('.tab')) tab.classList.toggle('on', tab.id === button.dataset.tab);
+    drawOutputs();
+  };
+}
+if (dome) {
+  const places = document.querySelectorAll('[data-place]'), drags = document.querySelectorAll('[data-drag]');
+  for (const button of places) button.onclick = () => { choose(places, button); dome.place = button.dataset.place; dome.draw(); };
+  let drag = 'look';
+  for (const button of drags) button.onclick = () => { choose(drags, button); drag = button.dataset.drag; };
+  $('seat').onchange = () => { dome.seat = $('seat').value; if (dome.overlay !== 'error') places[1].click(); dome.draw(); };
+  $('overlay').onchange = () => showOverlay().catch(error => say(error.message));
+  $('frusta').onchange = () => { dome.frusta = $('frusta').checked; dome.draw(); };
+  $('lines').onchange = () => { dome.lines = $('lines').checked; dome.draw(); };
+  $('labels').onclick = event => {
+    const name = event.target.textContent, section = [...$('keys').children].find(one => one.dataset.group === `output.${name}`);
+    select(name);
+    if (section) { section.open = true; section.scrollIntoView({ block: 'start', behavior: 'smooth' }); }
+  };
+  const held = new Map(), view = $('view');
+  let apart = 0;
+  view.onpointerdown = event => { held.set(event.pointerId, [event.clientX, event.clientY]); view.setPointerCapture(event.pointerId); apart = 0; };
+  view.onpointerup = view.onpointercancel = event => { held.delete(event.pointerId); apart = 0; };
+  view.onpointermove = event => {
+    const last = held.get(event.pointerId);
+    if (!last) return;
+    const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
+    held.set(event.pointerId, [event.clientX, event.clientY]);
+    if (held.size === 2) {
+      const [a, b] = [...held.values()], now = Math.hypot(a[0] - b[0], a[1] - b[1]);
+      if (apart) zoom(apart / now);
+      apart = now;
+    } else if (drag !== 'look' && dome.selected) dragOutput(drag, dx, dy);
+    else turn(dx, dy);
+  };
+  view.onwheel = event => { event.preventDefault(); zoom(Math.exp(event.deltaY * 0.0012)); };
+  const clamp = (value, least, greatest) => Math.min(Math.max(value, least), greatest);
+  const turn = (dx, dy) => {
+    if (dome.place === 'outside') {
+      dome.orbit.yaw -= dx * 0.006;
+      dome.orbit.pitch = clamp(dome.orbit.pitch + dy * 0.006, -1.5, 1.5);
+    } else {
+      const speed = dome.look.fov / view.clientHeight;
+      dome.look.yaw -= dx * speed;
+      dome.look.pitch = clamp(dome.look.pitch + dy * speed, -1.5, 1.5);
+    }
+    dome.draw();
+  };
+  const zoom = factor => {
+    if (dome.place === 'outside') dome.orbit.distance = clamp(dome.orbit.distance * factor, 0.3, 12);
+    else dome.look.fov = clamp(dome.look.fov * factor, 0.1, 2.6);
+    dome.draw();
+  };
+  // The selected output follows the pointer: its direction, or its place seen from above.
+  const dragOutput = (how, dx, dy) => {
+    const path = `output.${dome.selected}`, has = key => page.keys.some(one => one.key === key && one.type === 'number');
+    const give = (key, value) => { optimistic.set(key, value); change(key, Array.isArray(value) ? `[${value.join(', ')}]` : String(value), null, `drag ${path}`); };
+    const factor = $('fine').checked ? 0.1 : 1;
+    if (how === 'aim') {
+      for (const [name, by] of [['yaw', dx * 0.1], ['pitch', -dy * 0.1]]) {
+        if (has(`${path}.${name}`) && by) give(`${path}.${name}`, tidy((valueOf(`${path}.${name}`) ?? 0) + by * factor, 0.01));
+      }
+    } else if (has(`${path}.position`)) {
+      const place = valueOf(`${path}.position`) || [0, 0, 0], by = 0.004 * dome.size * factor, { yaw } = dome.place === 'outside' ? dome.orbit : { yaw: -dome.look.yaw };
+      const right = dx * by, back = dy * by;
+      give(`${path}.position`, [place[0] + right * Math.cos(yaw) + back * Math.sin(yaw), place[1], place[2] - right * Math.sin(yaw) + back * Math.cos(yaw)].map(v => tidy(v, 0.001)));
+    } else if (!waiting.size) say(`${dome.selected} has no place of its own.`);
+  };
+}
+
+poll();
+pictures();

@@ -1,0 +1,311 @@
+//! The program's pictures, made small: all outputs of the newest frame in one JPEG.
+
+use super::program::Program;
+use cupola::ring::{Frame, Next, Reader};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Sides of the picture that can be asked for, pixels.
+const SIDES: std::ops::RangeInclusive<u32> = 64..=2048;
+/// Quality of the JPEG, 1 to 100.
+const QUALITY: u8 = 82;
+/// Pictures are not made more often than this, whoever asks.
+const SHORTEST: Duration = Duration::from_millis(33);
+/// How often the program's file is looked for.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Where one output is in the picture, pixels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    name: String,
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+/// A frame as it is sent.
+#[derive(Clone, Debug)]
+pub struct Small {
+    /// Number of the frame in the ring; with the number of the program it tells frames apart.
+    pub number: u64,
+    /// The program's own number.
+    pub index: u64,
+    /// The JPEG.
+    pub jpeg: Vec<u8>,
+    /// Places of the outputs.
+    places: Vec<Place>,
+    side: u32,
+    made: Instant,
+}
+
+impl Small {
+    /// `name:x,y,width,height;…`
+    pub fn layout(&self) -> String {
+        let place = |p: &Place| format!("{}:{},{},{},{}", p.name, p.x, p.y, p.width, p.height);
+        self.places.iter().map(place).collect::<Vec<_>>().join(";")
+    }
+}
+
+/// Reads the frames of the program that runs.
+pub struct Pictures {
+    ring: PathBuf,
+    reader: Option<Reader>,
+    frame: Frame,
+    newest: Option<Arc<Small>>,
+    /// Numbers go on when another program starts.
+    before: u64,
+    looked: Option<Instant>,
+    times: Times,
+}
+
+/// Times of the program's frames, from the numbers of those that were read.
+#[derive(Default)]
+struct Times {
+    first: Option<(u64, u64)>,
+    milliseconds: f64,
+}
+
+impl Times {
+    fn add(&mut self, index: u64, nanoseconds: u64) {
+        match self.first {
+            Some((first, time)) if index > first && nanoseconds > time + 500_000_000 => {
+                self.milliseconds = (nanoseconds - time) as f64 / 1e6 / (index - first) as f64;
+                self.first = Some((index, nanoseconds));
+            }
+            Some((first, _)) if index >= first => {}
+            _ => self.first = Some((index, nanoseconds)),
+        }
+    }
+}
+
+impl Pictures {
+    /// Of the program that publishes at `ring`.
+    pub fn new(ring: &Path) -> Self {
+        Self {
+            ring: ring.to_owned(),
+            reader: None,
+            frame: Frame::default(),
+            newest: None,
+            before: 0,
+            looked: None,
+            times: Times::default(),
+        }
+    }
+
+    /// Milliseconds from frame to frame, over the last half second or more; 0: not known.
+    pub fn frame_milliseconds(&self) -> f64 {
+        self.times.milliseconds
+    }
+
+    /// Size of an output's picture, if one was read.
+    pub fn size_of(&self, name: &str) -> Option<(u32, u32)> {
+        self.frame.pictures.iter().find(|picture| picture.name == name).map(|picture| picture.size)
+    }
+
+    /// A frame newer than `after`, `side` pixels wide and high; `None` if none has come within `limit`.
+    pub fn next(&mut self, after: u64, side: u32, limit: Duration) -> Option<Arc<Small>> {
+        let side = side.clamp(*SIDES.start(), *SIDES.end());
+        let end = Instant::now() + limit;
+        if let Some(newest) = &self.newest {
+            if newest.side == side && newest.number > after && newest.made.elapsed() < SHORTEST {
+                return Some(newest.clone());
+            }
+            std::thread::sleep(SHORTEST.saturating_sub(newest.made.elapsed()));
+        }
+        loop {
+            let left = end.saturating_duration_since(Instant::now());
+            match self.read(left.min(LOOK)) {
+                true => {
+                    let small = Arc::new(self.small(side));
+                    self.newest = Some(small.clone());
+                    return Some(small);
+                }
+                false if left.is_zero() => {
+                    return self.newest.clone().filter(|newest| newest.number > after && newest.side == side);
+                }
+                false => {}
+            }
+        }
+    }
+
+    /// Reads the newest frame; whether one came.
+    fn read(&mut self, limit: Duration) -> bool {
+        let Some(reader) = &mut self.reader else {
+            self.open(limit);
+            return false;
+        };
+        reader.skip_to_newest();
+        match reader.next(limit, &mut self.frame) {
+            Ok(Next::Frame) => {
+                self.times.add(self.frame.index, self.frame.time);
+                true
+            }
+            Ok(Next::Nothing) => false,
+            Ok(Next::Ended) | Err(_) => {
+                self.before += self.frame.number + 1;
+                (self.reader, self.times) = (None, Times::default());
+                false
+            }
+        }
+    }
+
+    /// Looks whether a program publishes, after a while.
+    fn open(&mut self, limit: Duration) {
+        let wait = self.looked.map_or(Duration::ZERO, |looked| LOOK.saturating_sub(looked.elapsed()));
+        std::thread::sleep(wait.min(limit));
+        self.looked = Some(Instant::now());
+        if self.ring.exists() {
+            // It may not be complete yet.
+            self.reader = Reader::open(&self.ring).ok();
+        }
+    }
+
+    fn small(&self, side: u32) -> Small {
+        let (rgb, places) = self.composed(side);
+        let mut jpeg = Vec::new();
+        let encoder = jpeg_encoder::Encoder::new(&mut jpeg, QUALITY);
+        // Fails for sides beyond 65535 only, and for what cannot be written to memory.
+        let _ = encoder.encode(&rgb, side as u16, side as u16, jpeg_encoder::ColorType::Rgb);
+        let number = self.before + self.frame.number + 1;
+        Small { number, index: self.frame.index, jpeg, places, side, made: Instant::now() }
+    }
+
+    /// All outputs of the frame in a square of three bytes for each pixel.
+    fn composed(&self, side: u32) -> (Vec<u8>, Vec<Place>) {
+        let sizes: Vec<(u32, u32)> = self.frame.pictures.iter().map(|picture| picture.size).collect();
+        let mut rgb = vec![0; 3 * side as usize * side as usize];
+        let mut places = Vec::new();
+        for (picture, (x, y, width, height)) in self.frame.pictures.iter().zip(arrange(&sizes, side)) {
+            shrink(&picture.rgba, picture.size, &mut rgb, side, (x, y, width, height));
+            places.push(Place { name: picture.name.clone(), x, y, width, height });
+        }
+        (rgb, places)
+    }
+}
+
+/// Waits for a frame newer than `after`. The lock is not held for long, so that others get theirs.
+pub fn wait(pictures: &std::sync::Mutex<Pictures>, program: &Program, after: u64, side: u32) -> Option<Arc<Small>> {
+    let started = Instant::now();
+    loop {
+        let found = {
+            let mut pictures = pictures.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            pictures.next(after, side, Duration::from_millis(100))
+        };
+        let limit = if program.status().runs { Duration::from_secs(5) } else { Duration::from_millis(500) };
+        if found.is_some() || started.elapsed() > limit {
+            return found;
+        }
+    }
+}
+
+/// Places of pictures of these sizes in a square, in rows, each as large as it fits: x, y, width, height.
+fn arrange(sizes: &[(u32, u32)], side: u32) -> Vec<(u32, u32, u32, u32)> {
+    let widest = sizes.iter().map(|size| f64::from(size.0) / f64::from(size.1.max(1))).fold(0.01, f64::max);
+    let most = sizes.len().max(1) as u32;
+    // The number of columns that makes pictures largest.
+    let scale = |columns: u32| {
+        let rows = most.div_ceil(columns);
+        (f64::from(side / columns)).min(f64::from(side / rows) * widest)
+    };
+    let columns = (1..=most).max_by(|a, b| scale(*a).total_cmp(&scale(*b))).unwrap_or(1);
+    let (cell, row) = (side / columns, side / most.div_ceil(columns));
+    let place = |(index, &(width, height)): (u32, &(u32, u32))| {
+        let (width, height) = (f64::from(width.max(1)), f64::from(height.max(1)));
+        let factor = (f64::from(cell) / width).min(f64::from(row) / height).min(1.0);
+        let fit = |length: f64, most: u32| ((length * factor).round() as u32).clamp(1, most.max(1));
+        (index % columns * cell, index / columns * row, fit(width, cell), fit(height, row))
+    };
+    (0..).zip(sizes).map(place).collect()
+}
+
+/// Means of the pixels of a picture, into a place of a square of three bytes for each pixel.
+fn shrink(rgba: &[u8], (width, height): (u32, u32), to: &mut [u8], side: u32, place: (u32, u32, u32, u32)) {
+    let (x, y, columns, rows) = place;
+    if rgba.len() < 4 * width as usize * height as usize || width == 0 || height == 0 {
+        return;
+    }
+    let cut = |index: u32, parts: u32, length: u32| (u64::from(index) * u64::from(length) / u64::from(parts)) as usize;
+    for row in 0..rows {
+        let (top, bottom) = (cut(row, rows, height), cut(row + 1, rows, height).max(cut(row, rows, height) + 1));
+        for column in 0..columns {
+            let left = cut(column, columns, width);
+            let right = cut(column + 1, columns, width).max(left + 1);
+            let mut sum = [0_u32; 3];
+            for line in top..bottom {
+                let pixels = &rgba[4 * (line * width as usize + left)..4 * (line * width as usize + right)];
+                for pixel in pixels.chunks_exact(4) {
+                    sum.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += u32::from(*value));
+                }
+            }
+            let count = ((bottom - top) * (right - left)) as u32;
+            let at = 3 * ((y + row) as usize * side as usize + (x + column) as usize);
+            to[at..at + 3].iter_mut().zip(sum).for_each(|(to, sum)| *to = ((sum + count / 2) / count) as u8);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::launch::loader::Scratch;
+    use cupola::ring::{Shape, Writer};
+
+    #[test]
+    fn places_do_not_overlap_and_keep_shapes() {
+        for sizes in [vec![(512, 512)], vec![(1920, 1080); 6], vec![(4096, 512), (100, 400), (1, 1)], vec![(640, 480); 17]] {
+            let places = arrange(&sizes, 512);
+            for (index, (&(x, y, width, height), size)) in places.iter().zip(&sizes).enumerate() {
+                assert!(x + width <= 512 && y + height <= 512, "{sizes:?}: {places:?}");
+                let shape = f64::from(width) / f64::from(height) * f64::from(size.1) / f64::from(size.0);
+                assert!(width < 20 || height < 20 || (shape - 1.0).abs() < 0.05, "{sizes:?}: {places:?}");
+                for &(x2, y2, width2, height2) in &places[..index] {
+                    assert!(x >= x2 + width2 || x2 >= x + width || y >= y2 + height2 || y2 >= y + height);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pictures_are_those_that_were_published() {
+        let scratch = Scratch::new().expect("a folder");
+        let ring = scratch.path().join("ring");
+        let mut pictures = Pictures::new(&ring);
+        assert!(pictures.next(0, 128, Duration::from_millis(60)).is_none());
+        let shapes = [("left", (200, 100)), ("right", (100, 100))];
+        let shapes = shapes.map(|(name, size)| Shape { name: name.to_owned(), size });
+        let mut writer = Writer::create(&ring, &shapes, 3, false).expect("a ring");
+        let colors: [[u8; 4]; 2] = [[200, 40, 40, 255], [40, 40, 200, 255]];
+        let publish = |writer: &mut Writer, index: u64| {
+            writer.publish(index, index * 1_000_000_000, |to| {
+                for (number, color) in colors.iter().enumerate() {
+                    let row: Vec<u8> = color.repeat(shapes[number].size.0 as usize);
+                    to.write(number, std::iter::repeat_n(&row[..], 100));
+                }
+            });
+        };
+        // The reader comes to the file, and gets what is published from then on.
+        assert!(pictures.next(0, 128, Duration::from_millis(60)).is_none());
+        publish(&mut writer, 1);
+        let small = pictures.next(0, 128, Duration::from_millis(200)).expect("a frame");
+        publish(&mut writer, 3);
+        let next = pictures.next(small.number, 128, Duration::from_millis(200)).expect("a frame");
+        assert!(next.number > small.number && (pictures.frame_milliseconds() - 1000.0).abs() < 1e-9);
+        assert_eq!(pictures.size_of("left"), Some((200, 100)));
+        let (rgb, places) = pictures.composed(128);
+        for (place, color) in places.iter().zip(colors) {
+            for (x, y) in [(0, 0), (place.width / 2, place.height / 2), (place.width - 1, place.height - 1)] {
+                let at = 3 * ((place.y + y) * 128 + place.x + x) as usize;
+                assert_eq!(rgb[at..at + 3], color[..3], "{} {x} {y}", place.name);
+            }
+        }
+        assert!(next.jpeg.starts_with(&[0xFF, 0xD8]) && next.layout().starts_with("left:0,0,"));
+        writer.end();
+        // The numbers of the next program's frames are greater.
+        let mut writer = Writer::create(&ring, &shapes, 3, false).expect("a ring");
+        assert!(pictures.next(next.number, 128, Duration::from_millis(150)).is_none());
+        publish(&mut writer, 1);
+        assert!(pictures.next(next.number, 128, Duration::from_millis(300)).expect("a frame").number > next.number);
+    }
+}

@@ -1,0 +1,244 @@
+//! The program on the dome: starting, stopping, what it said, what it takes.
+
+use cupola::system::process;
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader, Read};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Lines of the program's messages that are shown.
+const LINES: usize = 60;
+/// Longest such line, bytes.
+const LONGEST_LINE: u64 = 2000;
+/// Time that a program has to end by itself.
+const GRACE: Duration = Duration::from_secs(5);
+/// A message of the library that says nothing about what is wrong.
+const FOLLOWS: &str = "the rig's file has changed, and windows follow it";
+
+/// How programs are started.
+#[derive(Clone)]
+pub struct Launch {
+    /// Options of `cupola run`.
+    pub options: Vec<OsString>,
+    /// The file that the library follows.
+    pub working_file: PathBuf,
+    /// Where the library publishes its pictures.
+    pub ring: PathBuf,
+    /// Where the library writes statistics.
+    pub statistics: PathBuf,
+}
+
+/// What is known of the program.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub struct Status {
+    /// The running program, or the last one.
+    pub name: Option<String>,
+    /// It runs.
+    pub runs: bool,
+    /// The process of `cupola run`.
+    pub process: Option<u32>,
+    /// How the last one ended, if it failed.
+    pub ended: Option<String>,
+    /// The last lines that it and Cupola said.
+    pub lines: VecDeque<String>,
+}
+
+/// What the thread that owns the program is asked for.
+enum Order {
+    Start(String, Vec<OsString>),
+    Stop,
+    Leave,
+}
+
+/// The program, for any thread.
+#[derive(Clone)]
+pub struct Program {
+    orders: Sender<Order>,
+    status: Arc<Mutex<Status>>,
+}
+
+impl Program {
+    /// None yet, and what [`supervise`] needs.
+    pub fn new() -> (Self, Supervised) {
+        let (orders, received) = std::sync::mpsc::channel();
+        let program = Self { orders, status: Arc::default() };
+        (program.clone(), Supervised { orders: received, status: program.status })
+    }
+
+    /// Stops the program that runs, and starts another one.
+    pub fn start(&self, name: &str, command: Vec<OsString>) {
+        // The receiver lives as long as the process.
+        let _ = self.orders.send(Order::Start(name.to_owned(), command));
+    }
+
+    /// Stops the program.
+    pub fn stop(&self) {
+        let _ = self.orders.send(Order::Stop);
+    }
+
+    /// Stops the program and ends the server.
+    pub fn leave(&self) {
+        let _ = self.orders.send(Order::Leave);
+    }
+
+    /// What is known of it.
+    pub fn status(&self) -> Status {
+        self.status.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Memory of the program and of what it started, bytes.
+    pub fn memory(&self) -> u64 {
+        self.status().process.map_or(0, |process| family(process).into_iter().map(resident).sum())
+    }
+}
+
+/// What the thread has that owns the program.
+pub struct Supervised {
+    orders: Receiver<Order>,
+    status: Arc<Mutex<Status>>,
+}
+
+/// Starts and stops programs until somebody asks to leave or a signal ends this process. `is_once`: also when the program
+/// ends. On Linux a program ends with the thread that started it, so this is the thread that lives longest.
+pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
+    let mut child: Option<Child> = None;
+    loop {
+        let order = supervised.orders.recv_timeout(Duration::from_millis(50)).ok();
+        if let Some(running) = &mut child
+            && let Ok(Some(status)) = running.try_wait()
+        {
+            let failed = status.signal().map(|signal| format!("ended by signal {signal}"));
+            let failed = failed.or_else(|| status.code().filter(|code| *code != 0).map(|code| format!("exit code {code}")));
+            supervised.ended(failed);
+            child = None;
+            if is_once && order.is_none() {
+                return;
+            }
+        }
+        if process::end_was_asked_for() {
+            stop(&mut child);
+            return;
+        }
+        match order {
+            None => {}
+            Some(Order::Stop) => {
+                stop(&mut child);
+                supervised.ended(None);
+            }
+            Some(Order::Leave) => {
+                stop(&mut child);
+                return;
+            }
+            Some(Order::Start(name, command)) => {
+                stop(&mut child);
+                child = supervised.start(name, &command, launch);
+            }
+        }
+    }
+}
+
+impl Supervised {
+    fn start(&self, name: String, command: &[OsString], launch: &Launch) -> Option<Child> {
+        for file in [&launch.statistics, &launch.ring] {
+            // What an earlier program left behind; it may not be there.
+            let _ = std::fs::remove_file(file);
+        }
+        let mut run = Command::new(std::env::current_exe().unwrap_or_else(|_| "cupola".into()));
+        run.arg("run").args(&launch.options).arg("--rig").arg(&launch.working_file).arg("--").args(command);
+        run.env("CUPOLA_PUBLISH", &launch.ring)
+            .env("CUPOLA_STATS", &launch.statistics)
+            .env("CUPOLA_STATS_EVERY", "1")
+            .stdin(Stdio::null())
+            .stdout(Stdio::inherit())
+            .stderr(Stdio::piped())
+            // Ctrl-C reaches the server, which then stops the program.
+            .process_group(0);
+        let started = process::end_with_parent(&mut run).spawn();
+        let mut status = self.status.lock().unwrap_or_else(PoisonError::into_inner);
+        *status = Status { name: Some(name), ..Status::default() };
+        match started {
+            Ok(mut child) => {
+                status.runs = true;
+                status.process = Some(child.id());
+                if let Some(words) = child.stderr.take() {
+                    let kept = self.status.clone();
+                    std::thread::spawn(move || keep_lines(words, &kept));
+                }
+                Some(child)
+            }
+            Err(error) => {
+                status.ended = Some(error.to_string());
+                None
+            }
+        }
+    }
+
+    fn ended(&self, failed: Option<String>) {
+        let mut status = self.status.lock().unwrap_or_else(PoisonError::into_inner);
+        (status.runs, status.process, status.ended) = (false, None, failed);
+    }
+}
+
+/// Passes on what the program says, and keeps its last lines.
+fn keep_lines(words: impl Read, status: &Mutex<Status>) {
+    let mut words = BufReader::new(words);
+    loop {
+        let mut line = Vec::new();
+        match words.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
+            Ok(0) | Err(_) => return,
+            Ok(_) => {}
+        }
+        let line = String::from_utf8_lossy(&line);
+        let line = line.trim_end();
+        if line.contains(FOLLOWS) {
+            continue;
+        }
+        eprintln!("{line}");
+        let mut status = status.lock().unwrap_or_else(PoisonError::into_inner);
+        status.lines.push_back(line.to_owned());
+        if status.lines.len() > LINES {
+            status.lines.pop_front();
+        }
+    }
+}
+
+/// Ends the program: asks first.
+fn stop(child: &mut Option<Child>) {
+    let Some(mut running) = child.take() else { return };
+    // It may have ended by itself.
+    let _ = process::terminate(&running);
+    let asked = Instant::now();
+    while asked.elapsed() < GRACE {
+        if !matches!(running.try_wait(), Ok(None)) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let _ = process::kill_group(&running);
+    let _ = running.wait();
+}
+
+/// A process and those that it started.
+fn family(process: u32) -> Vec<u32> {
+    let children = std::fs::read_to_string(format!("/proc/{process}/task/{process}/children")).unwrap_or_default();
+    let children = children.split_whitespace().filter_map(|id| id.parse().ok());
+    std::iter::once(process).chain(children.flat_map(family)).collect()
+}
+
+/// Memory of a process, bytes.
+fn resident(process: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kilobytes: Option<u64> = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok());
+    kilobytes.unwrap_or(0) << 10
+}
+
+/// Memory of this process, bytes.
+pub fn own_memory() -> u64 {
+    resident(std::process::id())
+}

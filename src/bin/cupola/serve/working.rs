@@ -1,0 +1,341 @@
+//! The rig that is being changed: a text with its history, and the file that the program follows.
+//!
+//! The rig's own file changes when it is saved, and at no other time. The program follows a *working file* in a private
+//! folder, which is written after each change that makes a valid rig.
+
+use crate::tune;
+use cupola::rig::{self, Rig};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
+/// Steps that can be undone.
+const STEPS: usize = 500;
+/// Changes of one gesture that follow each other faster than this are one step.
+const ONE_GESTURE: Duration = Duration::from_secs(2);
+/// Keys that name files relative to the rig file.
+const FILES: [&str; 2] = ["file", "image"];
+
+/// A rig with its history.
+pub struct Working {
+    /// The name under which it was opened: a preset or a file.
+    name: String,
+    /// The rig's own file; `None` of a preset.
+    file: Option<PathBuf>,
+    /// Paths in the rig are relative to it.
+    folder: PathBuf,
+    /// What the file had when it was read or written last.
+    saved: String,
+    steps: Vec<String>,
+    current: usize,
+    gesture: Option<(String, Instant)>,
+    rig: Rig,
+    /// What the working file has instead of keys of the text: a pattern.
+    shown_instead: Vec<String>,
+    working_file: PathBuf,
+    version: u64,
+}
+
+impl Working {
+    /// Opens a preset or a file, for a program that follows `working_file`.
+    ///
+    /// # Errors
+    /// What is wrong with the rig, or with the working file, for people.
+    pub fn open(name: &str, working_file: &Path) -> Result<Self, String> {
+        let preset = rig::presets().iter().find(|preset| preset.name == name);
+        let (file, text) = match preset {
+            Some(preset) => (None, preset.text.to_owned()),
+            None => {
+                // What is no rig is refused with the usual words before it is read here.
+                rig::load(name).map_err(|error| error.message)?;
+                let file = std::path::absolute(name).map_err(|error| format!("{name}: {error}"))?;
+                let text = std::fs::read_to_string(&file).map_err(|error| format!("{name}: {error}"))?;
+                (Some(file), text)
+            }
+        };
+        let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        let rig = rig::parse(&text, name, &folder).map_err(|error| error.message)?;
+        let working = Self {
+            name: name.to_owned(),
+            file,
+            folder,
+            saved: text.clone(),
+            steps: vec![text],
+            current: 0,
+            gesture: None,
+            rig,
+            shown_instead: Vec::new(),
+            working_file: working_file.to_owned(),
+            version: 0,
+        };
+        working.write()?;
+        Ok(working)
+    }
+
+    /// The name under which it was opened.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The rig of the moment, without a pattern.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Its text.
+    pub fn text(&self) -> &str {
+        &self.steps[self.current]
+    }
+
+    /// Grows with each change.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Whether the rig's file lacks changes.
+    pub fn is_changed(&self) -> bool {
+        self.text() != self.saved
+    }
+
+    /// Numbers of steps that can be undone, and done again.
+    pub fn steps(&self) -> (usize, usize) {
+        (self.current, self.steps.len() - 1 - self.current)
+    }
+
+    /// The keys of the rig, those of its usual tables that the text lacks included.
+    pub fn keys(&self) -> Vec<rig::Key> {
+        let text = with_usual_tables(self.text()).unwrap_or_else(|| self.text().to_owned());
+        rig::keys(&text, &self.name, &self.folder)
+    }
+
+    /// Applies changes such as `output.NAME.yaw=3`, all of them or none. Changes of the same `gesture` (a drag) that follow
+    /// each other are one step.
+    ///
+    /// # Errors
+    /// The rig's own message, and nothing is changed.
+    pub fn set(&mut self, changes: &[String], gesture: Option<&str>) -> Result<(), String> {
+        let text = tune::changed(self.text(), changes).map_err(|why| format!("{}: {why}", self.name))?;
+        if text == self.text() {
+            return Ok(());
+        }
+        let rig = self.parsed(&text)?;
+        self.write_text(&text)?;
+        let continues = self.gesture.take().is_some_and(|(last, at)| {
+            gesture == Some(last.as_str()) && at.elapsed() < ONE_GESTURE && self.current + 1 == self.steps.len()
+        });
+        if continues && self.current > 0 {
+            self.steps[self.current] = text;
+        } else {
+            self.steps.truncate(self.current + 1);
+            self.steps.push(text);
+            if self.steps.len() > STEPS {
+                self.steps.remove(0);
+            }
+            self.current = self.steps.len() - 1;
+        }
+        self.gesture = gesture.map(|gesture| (gesture.to_owned(), Instant::now()));
+        self.rig = rig;
+        self.version += 1;
+        Ok(())
+    }
+
+    /// Goes a step back, or forward again. Returns whether there was one.
+    ///
+    /// # Errors
+    /// The working file cannot be written.
+    pub fn step(&mut self, forward: bool) -> Result<bool, String> {
+        let next = if forward { self.current.checked_add(1) } else { self.current.checked_sub(1) };
+        let Some(text) = next.and_then(|next| self.steps.get(next)).cloned() else { return Ok(false) };
+        let rig = self.parsed(&text)?;
+        self.write_text(&text)?;
+        self.current = next.unwrap_or_default();
+        self.gesture = None;
+        self.rig = rig;
+        self.version += 1;
+        Ok(true)
+    }
+
+    /// Writes the text to the rig's file.
+    ///
+    /// # Errors
+    /// The rig is a preset, the file was changed by others meanwhile (unless `replace`), or it cannot be written.
+    pub fn save(&mut self, replace: bool) -> Result<PathBuf, String> {
+        let Some(file) = self.file.clone() else {
+            return Err(format!(
+                "{} is a preset and has no file; begin with a copy: cupola check {} --print > my.toml",
+                self.name, self.name
+            ));
+        };
+        let found = std::fs::read_to_string(&file);
+        if !replace && found.is_ok_and(|found| found != self.saved) {
+            return Err(format!("{} was changed by somebody else since it was opened; nothing was saved", self.name));
+        }
+        tune::replace(&file, self.text()).map_err(|error| format!("{}: {error}", self.name))?;
+        self.saved = self.text().to_owned();
+        self.gesture = None;
+        self.version += 1;
+        Ok(file)
+    }
+
+    /// Lets the program show something else: `changes` are for the working file alone.
+    ///
+    /// # Errors
+    /// The rig's message, and nothing is changed.
+    pub fn show_instead(&mut self, changes: Vec<String>) -> Result<(), String> {
+        let before = std::mem::replace(&mut self.shown_instead, changes);
+        let written = self.write();
+        if written.is_err() {
+            self.shown_instead = before;
+        } else {
+            self.version += 1;
+        }
+        written
+    }
+
+    fn parsed(&self, text: &str) -> Result<Rig, String> {
+        let rig = rig::parse(text, &self.name, &self.folder).map_err(|error| error.message)?;
+        if rig.passthrough != self.rig.passthrough {
+            return Err(format!("{}: passthrough needs a new start of the program; change it in the file", self.name));
+        }
+        Ok(rig)
+    }
+
+    fn write(&self) -> Result<(), String> {
+        self.write_text(self.text())
+    }
+
+    /// Writes the working file.
+    fn write_text(&self, text: &str) -> Result<(), String> {
+        let mut document: DocumentMut = text.parse().map_err(|error| format!("{}: {error}", self.name))?;
+        if document.get("name").is_none() {
+            document.insert("name", Item::Value(Value::from(self.rig.name.as_str())));
+        }
+        let folder = if self.folder.as_os_str().is_empty() { Path::new("/") } else { &self.folder };
+        name_files_absolutely(document.as_table_mut(), folder);
+        let text = tune::changed(&document.to_string(), &self.shown_instead)?;
+        if !self.shown_instead.is_empty() {
+            rig::parse(&text, &self.name, &self.folder).map_err(|error| error.message)?;
+        }
+        write_quickly(&self.working_file, &text).map_err(|error| format!("{}: {error}", self.working_file.display()))
+    }
+}
+
+/// As [`tune::replace`], without waiting for the disk: the file lives only as long as this process.
+fn write_quickly(path: &Path, text: &str) -> std::io::Result<()> {
+    let next = path.with_extension("next");
+    std::fs::write(&next, text)?;
+    std::fs::rename(next, path)
+}
+
+/// Makes names of files absolute: the working file lies elsewhere.
+fn name_files_absolutely(table: &mut dyn TableLike, folder: &Path) {
+    for (key, item) in table.iter_mut() {
+        if let Some(name) = item.as_str().filter(|_| FILES.contains(&key.get())) {
+            let path = folder.join(name);
+            if let (Some(path), Some(value)) = (path.to_str(), item.as_value_mut()) {
+                *value = Value::from(path);
+            }
+        } else if let Some(tables) = item.as_array_of_tables_mut() {
+            tables.iter_mut().for_each(|inner| name_files_absolutely(inner, folder));
+        } else if let Some(inner) = item.as_table_like_mut() {
+            name_files_absolutely(inner, folder);
+        }
+    }
+}
+
+/// The text with those tables that every rig may have.
+fn with_usual_tables(text: &str) -> Option<String> {
+    let mut document: DocumentMut = text.parse().ok()?;
+    let empty = || Item::Table(toml_edit::Table::new());
+    for name in ["dome", "viewer", "camera", "overlay", "views"] {
+        document.entry(name).or_insert_with(empty);
+    }
+    for output in document.get_mut("output").and_then(Item::as_array_of_tables_mut)?.iter_mut() {
+        output.entry("blend").or_insert_with(empty);
+    }
+    Some(document.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::launch::loader::Scratch;
+
+    const RIG: &str = "# mine\n[dome]\nradius = 4.0 # wide\n\n[[output]]\nname = \"all\"\nkind = \"domemaster\"\n";
+
+    fn opened(scratch: &Scratch) -> Working {
+        let file = scratch.path().join("dome.toml");
+        std::fs::write(&file, RIG).expect("written");
+        Working::open(file.to_str().expect("a path"), &scratch.path().join("working.toml")).expect("a rig")
+    }
+
+    fn change(working: &mut Working, change: &str, gesture: Option<&str>) -> Result<(), String> {
+        working.set(&[change.to_owned()], gesture)
+    }
+
+    #[test]
+    fn the_file_changes_when_it_is_saved_and_keeps_its_comments() {
+        let scratch = Scratch::new().expect("a folder");
+        let mut working = opened(&scratch);
+        let read = |name: &str| std::fs::read_to_string(scratch.path().join(name)).expect("a file");
+        change(&mut working, "dome.radius=5", None).expect("valid");
+        assert!(read("working.toml").contains("radius = 5") && read("dome.toml") == RIG && working.is_changed());
+        working.save(false).expect("saved");
+        assert_eq!(read("dome.toml"), RIG.replace("4.0", "5"));
+        assert!(!working.is_changed());
+        // What somebody else wrote is not lost.
+        std::fs::write(scratch.path().join("dome.toml"), "# theirs\n").expect("written");
+        change(&mut working, "dome.radius=6", None).expect("valid");
+        assert!(working.save(false).is_err() && read("dome.toml") == "# theirs\n");
+        working.save(true).expect("saved");
+        assert!(read("dome.toml").contains("radius = 6 # wide"));
+    }
+
+    #[test]
+    fn a_wrong_change_is_refused_with_its_line_and_changes_nothing() {
+        let scratch = Scratch::new().expect("a folder");
+        let mut working = opened(&scratch);
+        let before = std::fs::read(scratch.path().join("working.toml")).expect("a file");
+        for wrong in ["dome.radius=-1", "dome.radios=3", "output.none.eye=0", "dome", "output.all.kind=\"x\""] {
+            assert!(change(&mut working, wrong, None).is_err(), "{wrong}");
+        }
+        let message = change(&mut working, "dome.radius=-1", None).expect_err("wrong");
+        assert!(message.contains("dome.toml:3: dome.radius: -1 is out of range"), "{message}");
+        assert_eq!(std::fs::read(scratch.path().join("working.toml")).expect("a file"), before);
+        assert_eq!((working.version(), working.steps()), (0, (0, 0)));
+    }
+
+    #[test]
+    fn a_gesture_is_one_step_and_steps_can_be_undone() {
+        let scratch = Scratch::new().expect("a folder");
+        let mut working = opened(&scratch);
+        for radius in 1..20 {
+            change(&mut working, &format!("dome.radius={radius}"), Some("dome.radius")).expect("valid");
+        }
+        change(&mut working, "dome.tilt=10", None).expect("valid");
+        assert_eq!(working.steps(), (2, 0));
+        assert!(working.step(false).expect("written") && working.text().contains("radius = 19"));
+        assert!(working.step(false).expect("written") && working.text() == RIG);
+        assert!(!working.step(false).expect("none left"));
+        assert!(working.step(true).expect("written") && working.text().contains("radius = 19"));
+        change(&mut working, "dome.tilt=20", None).expect("valid");
+        assert_eq!(working.steps(), (2, 0));
+        for step in 0..2 * STEPS {
+            change(&mut working, &format!("dome.tilt={}", step % 90), None).expect("valid");
+        }
+        assert_eq!(working.steps().0, STEPS - 1);
+    }
+
+    #[test]
+    fn keys_are_those_of_all_usual_tables_with_their_ranges() {
+        let scratch = Scratch::new().expect("a folder");
+        let keys = opened(&scratch).keys();
+        let find = |path: &str| keys.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("{path}"));
+        let radius = serde_json::to_value(find("dome.radius")).expect("JSON");
+        assert_eq!((&radius["least"], &radius["greatest"], &radius["given"]), (&0.0.into(), &1e6.into(), &true.into()));
+        let ramp = serde_json::to_value(find("output[0].blend.ramp")).expect("JSON");
+        assert_eq!((&ramp["default"], &ramp["given"]), (&0.25.into(), &false.into()));
+        assert!(keys.len() > 30, "{}", keys.len());
+        assert!(keys.iter().all(|key| !key.path.contains("fisheye")));
+    }
+}
