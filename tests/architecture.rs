@@ -76,7 +76,7 @@ const MAY_KNOW_VULKAN: [&str; 5] =
     ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
 /// Crates for the command alone.
-const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];
+const COMMAND_ONLY: [&str; 6] = ["clap", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "rosc"];
 
 /// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation writes.
 const MAY_ROUND: [&str; 2] = ["src/correct/single.rs", "src/blend/simulation.rs"];

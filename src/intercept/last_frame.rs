@@ -93,7 +93,8 @@ pub fn store(frame: LastFrame) -> u64 {
 /// Writes the statistics of the stored frame, if that is asked for and was not done for a while.
 fn write_now_and_then(latest: &mut Latest) {
     static WRITTEN: Mutex<Option<Instant>> = Mutex::new(None);
-    let Some((settings, every)) = settings::settings().and_then(|settings| Some((settings, settings.stats_every?))) else {
+    let Some((settings, every)) = settings::settings().and_then(|settings| Some((settings, settings.stats_every?)))
+    else {
         return;
     };
     let mut written = WRITTEN.locked();

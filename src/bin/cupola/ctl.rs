@@ -129,7 +129,9 @@ fn shown(key: &Value) -> String {
 
 fn print_key(key: &Value) {
     let accepts = match key["type"].as_str() {
-        Some("number") => format!("{} to {}, {}", key["least"], key["greatest"], key["what"].as_str().unwrap_or_default()),
+        Some("number") => {
+            format!("{} to {}, {}", key["least"], key["greatest"], key["what"].as_str().unwrap_or_default())
+        }
         Some("whole") => key["what"].as_str().unwrap_or_default().to_owned(),
         Some("word") => {
             let words = key["words"].as_array().into_iter().flatten().filter_map(Value::as_str);

@@ -40,7 +40,12 @@ impl Problems {
     }
 
     /// Notes a key, if keys are noted.
-    pub(in crate::rig) fn note_key(&mut self, path: impl FnOnce() -> String, given: bool, accepts: impl FnOnce() -> Accepts) {
+    pub(in crate::rig) fn note_key(
+        &mut self,
+        path: impl FnOnce() -> String,
+        given: bool,
+        accepts: impl FnOnce() -> Accepts,
+    ) {
         if let Some(keys) = &mut self.keys {
             keys.push(Key { path: path(), given, accepts: accepts() });
         }

@@ -128,7 +128,9 @@ impl Server {
             Command::Keys {} => return Ok(Value::Array(keys(&desk.working))),
             Command::Get { key } => {
                 let found = keys(&desk.working).into_iter().find(|known| known["key"] == *key);
-                return found.ok_or_else(|| format!("{}: there is no key {key}; cupola ctl keys lists them", desk.working.name()));
+                return found.ok_or_else(|| {
+                    format!("{}: there is no key {key}; cupola ctl keys lists them", desk.working.name())
+                });
             }
             Command::Set { changes, gesture } => {
                 desk.working.set(&changes, gesture.as_deref())?;
@@ -185,7 +187,10 @@ impl Server {
 
     fn start(&self, program: Option<String>, command: Option<Vec<String>>, is_trusted: bool) -> Result<(), String> {
         if let Some(command) = command {
-            let name = command.first().filter(|_| is_trusted).ok_or("only cupola ctl on the same machine starts any program")?;
+            let name = command
+                .first()
+                .filter(|_| is_trusted)
+                .ok_or("only cupola ctl on the same machine starts any program")?;
             self.program.start(name, command.iter().map(OsString::from).collect());
             return Ok(());
         }
@@ -213,7 +218,10 @@ impl Server {
     fn sizes(&self, rig: &rig::Rig) -> Vec<(u32, u32)> {
         let pictures = self.pictures();
         let size = |(index, output): (usize, &rig::Output)| {
-            output.size.or_else(|| pictures.size_of(&output.name)).unwrap_or_else(|| crate::map::native_size(rig, index))
+            output
+                .size
+                .or_else(|| pictures.size_of(&output.name))
+                .unwrap_or_else(|| crate::map::native_size(rig, index))
         };
         rig.outputs.iter().enumerate().map(size).collect()
     }

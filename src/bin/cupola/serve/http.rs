@@ -40,7 +40,11 @@ pub struct Request {
 impl Request {
     /// The value of `name` in `?name=value&…`.
     pub fn value(&self, name: &str) -> Option<&str> {
-        self.query.split('&').filter_map(|pair| pair.split_once('=')).find(|(key, _)| *key == name).map(|(_, value)| value)
+        self.query
+            .split('&')
+            .filter_map(|pair| pair.split_once('='))
+            .find(|(key, _)| *key == name)
+            .map(|(_, value)| value)
     }
 }
 
@@ -221,14 +225,16 @@ fn head_of(bytes: &[u8], access: &Access) -> Result<Option<(Request, usize, usiz
     if header("transfer-encoding").is_some() || length > LONGEST_BODY {
         return Err(Answer::words(413, "The request is too long."));
     }
-    let (path, query) = parsed.path.unwrap_or_default().split_once('?').unwrap_or((parsed.path.unwrap_or_default(), ""));
+    let (path, query) =
+        parsed.path.unwrap_or_default().split_once('?').unwrap_or((parsed.path.unwrap_or_default(), ""));
     let request = Request {
         is_post,
         path: path.to_owned(),
         query: query.to_owned(),
         body: Vec::new(),
         has_token: access.knows(header(HEADER)),
-        is_last: parsed.version == Some(0) || header("connection").is_some_and(|word| word.eq_ignore_ascii_case("close")),
+        is_last: parsed.version == Some(0)
+            || header("connection").is_some_and(|word| word.eq_ignore_ascii_case("close")),
     };
     Ok(Some((request, head, length)))
 }
@@ -293,7 +299,8 @@ mod tests {
             state ^= state << 17;
             state
         };
-        let good = b"POST /do HTTP/1.1\r\nHost: localhost:8640\r\nContent-Length: 5\r\nX-Cupola-Token: abc\r\n\r\nhello";
+        let good =
+            b"POST /do HTTP/1.1\r\nHost: localhost:8640\r\nContent-Length: 5\r\nX-Cupola-Token: abc\r\n\r\nhello";
         let mut understood = 0;
         for _ in 0..20_000 {
             let mut bytes = good.to_vec();

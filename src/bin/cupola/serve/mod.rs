@@ -91,7 +91,10 @@ struct Ways {
 
 fn osc_address(text: &str) -> Result<SocketAddr, String> {
     let port = |text: &str| text.parse().ok().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
-    text.parse().ok().or_else(|| port(text)).ok_or_else(|| "expected a port, for example 9000, or ADDRESS:PORT".to_owned())
+    text.parse()
+        .ok()
+        .or_else(|| port(text))
+        .ok_or_else(|| "expected a port, for example 9000, or ADDRESS:PORT".to_owned())
 }
 
 /// Runs the subcommand.
@@ -140,7 +143,8 @@ fn serve(
     let server = Arc::new(server);
     process::note_end_signals();
     announce(&server, ways)?;
-    let socket = socket::serve(server.clone()).map_err(|error| Failure::new(format!("the socket of cupola ctl: {error}")))?;
+    let socket =
+        socket::serve(server.clone()).map_err(|error| Failure::new(format!("the socket of cupola ctl: {error}")))?;
     eprintln!("cupola: cupola ctl --socket {}", socket.path().display());
     if starts {
         server.run(Command::Start { program: None, command: None }, true).map_err(Failure::usage)?;
@@ -161,7 +165,8 @@ fn ring_file() -> std::path::PathBuf {
 /// Opens the ways to the server, and prints the address.
 fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
     let address = SocketAddr::from((ways.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST)), ways.port));
-    let busy = |what: &str, error: std::io::Error| Failure::new(format!("{what}: {error}; --port 0 takes any free port"));
+    let busy =
+        |what: &str, error: std::io::Error| Failure::new(format!("{what}: {error}; --port 0 takes any free port"));
     let listener = TcpListener::bind(address).map_err(|error| busy(&address.to_string(), error))?;
     let address = listener.local_addr().map_err(|error| busy(&address.to_string(), error))?;
     let access = Access::new(address).map_err(|error| Failure::new(format!("random numbers: {error}")))?;
@@ -172,7 +177,9 @@ fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
     };
     eprintln!("cupola: open {}", access.url(&host));
     if !address.ip().is_loopback() {
-        eprintln!("cupola: whoever can read this network can read the address, too; use a network of your own, or ssh -L");
+        eprintln!(
+            "cupola: whoever can read this network can read the address, too; use a network of your own, or ssh -L"
+        );
     }
     let answered = server.clone();
     http::serve(listener, Arc::new(access), move |request| answer(&answered, request));
@@ -191,7 +198,9 @@ fn answer(server: &Server, request: &Request) -> Answer {
     match (request.is_post, request.path.as_str()) {
         (false, "/") => return Answer::new(200, "text/html; charset=utf-8", PAGE),
         (false, "/favicon.ico") => return Answer::words(404, ""),
-        _ if !request.has_token => return Answer::words(403, "Open the address that cupola printed, with all of its end."),
+        _ if !request.has_token => {
+            return Answer::words(403, "Open the address that cupola printed, with all of its end.");
+        }
         _ => {}
     }
     let number = |name: &str| request.value(name).and_then(|value| value.parse::<u64>().ok());
@@ -218,7 +227,8 @@ fn answer(server: &Server, request: &Request) -> Answer {
             answered(scene.overlay(overlay).map(|values| json!({ "version": version, "values": values })))
         }
         (true, "/do") => {
-            let command = serde_json::from_slice::<Command>(&request.body).map_err(|error| format!("no request: {error}"));
+            let command =
+                serde_json::from_slice::<Command>(&request.body).map_err(|error| format!("no request: {error}"));
             answered(command.and_then(|command| server.run(command, false)))
         }
         _ => Answer::words(404, "There is nothing here."),

@@ -74,7 +74,8 @@ fn owners(table: &str, port: u16) -> impl Iterator<Item = u32> {
 
 /// The request that a message means.
 fn command(message: &OscMessage) -> Result<Command, String> {
-    let words: Vec<String> = message.args.iter().map(word).collect::<Option<_>>().ok_or("an argument is neither number nor text")?;
+    let words: Vec<String> =
+        message.args.iter().map(word).collect::<Option<_>>().ok_or("an argument is neither number nor text")?;
     let path = message.addr.strip_prefix("/cupola/").ok_or("the address does not begin with /cupola/")?;
     let first = || words.first().cloned();
     Ok(match path.split('/').collect::<Vec<_>>()[..] {
@@ -118,10 +119,14 @@ mod tests {
 
     #[test]
     fn addresses_are_keys() {
-        let set = |change: &str, key: &str| Command::Set { changes: vec![change.to_owned()], gesture: Some(format!("osc {key}")) };
+        let set = |change: &str, key: &str| Command::Set {
+            changes: vec![change.to_owned()],
+            gesture: Some(format!("osc {key}")),
+        };
         let yaw = message("/cupola/set/output/front/yaw", vec![OscType::Float(12.1)]);
         assert_eq!(yaw, Ok(set("output.front.yaw=12.1", "output.front.yaw")));
-        let place = message("/cupola/set/viewer/position", vec![OscType::Int(0), OscType::Double(0.5), OscType::Int(1)]);
+        let place =
+            message("/cupola/set/viewer/position", vec![OscType::Int(0), OscType::Double(0.5), OscType::Int(1)]);
         assert_eq!(place, Ok(set("viewer.position=[0, 0.5, 1]", "viewer.position")));
         assert_eq!(message("/cupola/stop", Vec::new()), Ok(Command::Stop {}));
         for wrong in ["/cupola/set", "/cupola/set/dome/radius", "/cupola/quit", "/other", "/cupola/rig", ""] {

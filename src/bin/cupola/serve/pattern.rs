@@ -38,11 +38,22 @@ impl Choice {
 ///
 /// # Errors
 /// What is wrong with the choice, for people.
-pub fn changes(rig: &Rig, sizes: &[(u32, u32)], choice: &Choice, folder: &Path, number: u64) -> Result<Vec<String>, String> {
-    let part = |name: &String| <Part as clap::ValueEnum>::from_str(name, false).map_err(|_| format!("there is no pattern {name:?}"));
+pub fn changes(
+    rig: &Rig,
+    sizes: &[(u32, u32)],
+    choice: &Choice,
+    folder: &Path,
+    number: u64,
+) -> Result<Vec<String>, String> {
+    let part = |name: &String| {
+        <Part as clap::ValueEnum>::from_str(name, false).map_err(|_| format!("there is no pattern {name:?}"))
+    };
     let parts: Vec<Part> = choice.parts.iter().map(part).collect::<Result<_, _>>()?;
     let step = choice.step.unwrap_or(10.0);
-    if !(0.1..=90.0).contains(&step) || choice.at.len() > 100 || choice.at.iter().flatten().any(|angle| !angle.is_finite()) {
+    if !(0.1..=90.0).contains(&step)
+        || choice.at.len() > 100
+        || choice.at.iter().flatten().any(|angle| !angle.is_finite())
+    {
         return Err("a pattern has lines 0.1 to 90 degrees apart, and at most 100 crosses".to_owned());
     }
     let is_named = |name: &String| rig.outputs.iter().any(|output| output.name == *name);
@@ -127,14 +138,20 @@ mod tests {
         let text = "[[output]]\nname = \"a\"\nkind = \"domemaster\"\nsize = [64, 64]\nblend = { black_level = 0.1 }\n\
                     [[output]]\nname = \"b\"\nkind = \"projector\"\nfov = [60, 40]\nmethod = \"primitive\"\nflip = \"both\"\n";
         let rig = cupola::rig::parse(text, "rig.toml", Path::new("")).expect("a rig");
-        let choice = Choice { parts: vec!["horizon".into(), "border".into()], step: None, only: Some("a".into()), at: Vec::new() };
+        let choice = Choice {
+            parts: vec!["horizon".into(), "border".into()],
+            step: None,
+            only: Some("a".into()),
+            at: Vec::new(),
+        };
         let folder = scratch.path().join("pattern");
         let changes = changes(&rig, &[(64, 64), (40, 30)], &choice, &folder, 1).expect("a pattern");
         let changed = tune::changed(text, &changes).expect("keys");
         let shown = cupola::rig::parse(&changed, "rig.toml", Path::new("")).expect("valid");
         assert!(shown.outputs.iter().all(|output| output.black.is_some() && output.mask.is_some()));
         // The one that was not chosen is dark, the other one is not.
-        let lit = |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8().iter().any(|value| *value > 0);
+        let lit =
+            |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8().iter().any(|value| *value > 0);
         assert!(lit("a-1.png") && !lit("b-1.png") && !lit("dark.png"));
         let wrong = Choice { parts: vec!["nothing".into()], ..choice };
         assert!(super::changes(&rig, &[(64, 64), (40, 30)], &wrong, &folder, 2).is_err());

@@ -254,7 +254,9 @@ mod tests {
 
     #[test]
     fn places_do_not_overlap_and_keep_shapes() {
-        for sizes in [vec![(512, 512)], vec![(1920, 1080); 6], vec![(4096, 512), (100, 400), (1, 1)], vec![(640, 480); 17]] {
+        for sizes in
+            [vec![(512, 512)], vec![(1920, 1080); 6], vec![(4096, 512), (100, 400), (1, 1)], vec![(640, 480); 17]]
+        {
             let places = arrange(&sizes, 512);
             for (index, (&(x, y, width, height), size)) in places.iter().zip(&sizes).enumerate() {
                 assert!(x + width <= 512 && y + height <= 512, "{sizes:?}: {places:?}");

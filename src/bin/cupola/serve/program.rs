@@ -113,7 +113,8 @@ pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
             && let Ok(Some(status)) = running.try_wait()
         {
             let failed = status.signal().map(|signal| format!("ended by signal {signal}"));
-            let failed = failed.or_else(|| status.code().filter(|code| *code != 0).map(|code| format!("exit code {code}")));
+            let failed =
+                failed.or_else(|| status.code().filter(|code| *code != 0).map(|code| format!("exit code {code}")));
             supervised.ended(failed);
             child = None;
             if is_once && order.is_none() {

@@ -68,7 +68,8 @@ impl Scene {
     /// Of outputs with these sizes in pixels.
     pub fn new(rig: &Rig, sizes: Vec<(u32, u32)>) -> Self {
         // An output with the program's own lens has no place that is known here.
-        let maps: Vec<_> = sizes.iter().enumerate().map(|(index, size)| WarpMap::new(rig, index, *size, None).ok()).collect();
+        let maps: Vec<_> =
+            sizes.iter().enumerate().map(|(index, size)| WarpMap::new(rig, index, *size, None).ok()).collect();
         let meshes = maps.iter().map(|map| map.as_ref().map_or(Mesh::empty(), |map| Mesh::new(rig, map))).collect();
         Self { rig: rig.clone(), sizes, maps, meshes }
     }
@@ -87,7 +88,7 @@ impl Scene {
                 "points": points(mesh.vertices.iter().map(|v| v.point)),
                 "triangles": mesh.triangles,
                 "frustum": map.as_ref().map_or(json!([]), |map| points(frustum(map).into_iter().map(Some))),
-                "origin": map.as_ref().and_then(|map| map.origin()).map(|point| rounded(point)),
+                "origin": map.as_ref().and_then(|map| map.origin()).map(rounded),
             })
         }).collect();
         json!({
@@ -257,12 +258,19 @@ fn lines(rig: &Rig) -> Vec<Vec<DVec3>> {
         let ((sine, up), (right, ahead)) = (polar.to_radians().sin_cos(), around.to_radians().sin_cos());
         DVec3::new(sine * right, up, -sine * ahead)
     };
-    let circles = (1..12).map(|step| (0..=72).map(|part| direction(15.0 * f64::from(step), 5.0 * f64::from(part))).collect());
-    let through = (0..12).map(|step| (3..=36).map(|part| direction(5.0 * f64::from(part), 30.0 * f64::from(step))).collect());
+    let circles =
+        (1..12).map(|step| (0..=72).map(|part| direction(15.0 * f64::from(step), 5.0 * f64::from(part))).collect());
+    let through =
+        (0..12).map(|step| (3..=36).map(|part| direction(5.0 * f64::from(part), 30.0 * f64::from(step))).collect());
     let mut lines = Vec::new();
     for directions in circles.chain(through).collect::<Vec<Vec<DVec3>>>() {
         let points: Vec<Option<DVec3>> = directions.into_iter().map(hit).collect();
-        lines.extend(points.split(Option::is_none).filter(|part| part.len() > 1).map(|part| part.iter().flatten().copied().collect()));
+        lines.extend(
+            points
+                .split(Option::is_none)
+                .filter(|part| part.len() > 1)
+                .map(|part| part.iter().flatten().copied().collect()),
+        );
     }
     lines.extend(surface.rims().iter().map(|rim| (0..=96).map(|part| rim(f64::from(part) / 96.0)).collect()));
     lines
@@ -330,7 +338,10 @@ mod tests {
             outputs.iter().flat_map(|values| values.as_array().expect("values")).filter_map(Value::as_f64).collect()
         };
         let (light, coverage) = (flat(&light), flat(&coverage));
-        assert!(light.len() > 3000 && light.iter().filter(|value| (**value - 1.0).abs() < 1e-4).count() * 100 > light.len() * 98);
+        assert!(
+            light.len() > 3000
+                && light.iter().filter(|value| (**value - 1.0).abs() < 1e-4).count() * 100 > light.len() * 98
+        );
         assert!(coverage.contains(&1.0) && coverage.contains(&2.0) && coverage.iter().all(|count| *count <= 4.0));
     }
 }

@@ -111,7 +111,8 @@ pub fn ask(path: Option<&Path>, command: &Command) -> Result<Value, String> {
     writeln!(stream, "{request}").map_err(failed)?;
     let mut line = String::new();
     BufReader::new(stream).read_line(&mut line).map_err(failed)?;
-    let mut answer: Value = serde_json::from_str(&line).map_err(|error| format!("the answer is not understood: {error}"))?;
+    let mut answer: Value =
+        serde_json::from_str(&line).map_err(|error| format!("the answer is not understood: {error}"))?;
     match answer.get("error").and_then(Value::as_str) {
         Some(message) => Err(message.to_owned()),
         None => Ok(answer["ok"].take()),

@@ -173,7 +173,9 @@ const open = new Set();
 
 function groups() {
   const found = new Map(), order = key => key.startsWith('output.') ? 0 : 1;
-  for (const key of [...page.keys].sort((a, b) => order(a.key) - order(b.key))) {
+  // What is turned most often comes first.
+  const last = /\.(size|window|eye|method|flip|name)$/, late = key => last.test(key) ? 1 : 0;
+  for (const key of [...page.keys].sort((a, b) => order(a.key) - order(b.key) || (order(a.key) ? 0 : outputRank(a.key) - outputRank(b.key) || late(a.key) - late(b.key)))) {
     const parts = key.key.split('.');
     const group = parts[0] === 'output' ? outputOf(key.key) : parts.length > 1 ? parts[0] : '';
     if (!found.has(group)) found.set(group, []);
@@ -181,6 +183,7 @@ function groups() {
   }
   return found;
 }
+const outputRank = key => page.state.rig.outputs.indexOf(outputOf(key).slice(7));
 // Names of outputs may have points.
 function outputOf(key) {
   const name = page.state.rig.outputs.filter(name => key.startsWith(`output.${name}.`)).sort((a, b) => b.length - a.length)[0];
