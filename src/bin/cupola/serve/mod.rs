@@ -33,7 +33,7 @@ use std::sync::Arc;
 /// The page, with everything that it needs in one.
 const PAGE: &str = concat!(
     "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\n",
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Cupola</title>\n<style>",
+    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Cupola</title>\n<style>",
     include_str!("page/style.css"),
     "</style>\n",
     include_str!("page/body.html"),
@@ -197,7 +197,6 @@ fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
 fn answer(server: &Server, request: &Request) -> Answer {
     match (request.is_post, request.path.as_str()) {
         (false, "/") => return Answer::new(200, "text/html; charset=utf-8", PAGE),
-        (false, "/favicon.ico") => return Answer::words(404, ""),
         _ if !request.has_token => {
             return Answer::words(403, "Open the address that cupola printed, with all of its end.");
         }

@@ -133,6 +133,8 @@ pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
             }
             Some(Order::Leave) => {
                 stop(&mut child);
+                // Whoever asked gets an answer.
+                std::thread::sleep(Duration::from_millis(100));
                 return;
             }
             Some(Order::Start(name, command)) => {

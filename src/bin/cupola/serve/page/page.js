@@ -78,7 +78,7 @@ function showHealth(state) {
     ? [milliseconds ? `<b>${(1000 / milliseconds).toFixed(1)}</b> frames/s` : 'starts', `<b>${megabytes(state.memory.program)}</b>`]
     : [program.ended ? 'program failed' : 'no program'];
   $('health').innerHTML = words.join(' · ');
-  $('note').textContent = !program.runs ? (program.ended ? 'The program ended; see Health.' : 'No program runs: the lines are angles of the dome.')
+  $('note').textContent = $('overlay').value !== 'picture' ? '' : !program.runs ? (program.ended ? 'The program ended; see Health.' : 'No program runs: the lines are angles of the dome.')
     : Object.keys(dome ? dome.rects : page.rects || {}).length === 0 ? 'Waiting for the program’s first picture.' : '';
   const s = state.statistics, rows = [['Rig', state.rig.name], ['Program', program.name ? `${program.name}${program.runs ? '' : ' (not running)'}` : 'none']];
   if (program.ended) rows.push(['It ended', program.ended]);
@@ -134,6 +134,7 @@ async function refresh() {
 async function showOverlay() {
   if (!dome) return;
   const kind = dome.overlay = $('overlay').value;
+  if (page.state) showHealth(page.state);
   if (kind === 'picture' || kind === 'error') { dome.values = null; dome.draw(); }
   else {
     const { values } = await (await ask(`/overlay?kind=${kind}`)).json();
