@@ -11,7 +11,7 @@ const SIDES: std::ops::RangeInclusive<u32> = 64..=2048;
 /// Quality of the JPEG, 1 to 100.
 const QUALITY: u8 = 82;
 /// Pictures are not made more often than this, whoever asks.
-const SHORTEST: Duration = Duration::from_millis(33);
+const SHORTEST: Duration = Duration::from_millis(66);
 /// How often the program's file is looked for.
 const LOOK: Duration = Duration::from_millis(50);
 
