@@ -224,6 +224,31 @@ fn no_pixel_beside_a_silhouette_is_without_a_view() {
     }
 }
 
+/// A mirror that is seen so flatly that it lights a sliver of the picture. A part of what that
+/// shows lies between the planner's samples, in a cell that gets no view therefore.
+#[test]
+fn a_sliver_between_the_planners_samples_gets_a_view() {
+    let text = "[dome]\nradius = 5\ntilt = -146.08266086875614\n[screen]\nshape = \"sphere\"\n\
+        radius = 3.5291004170047744\ncoverage = 235.03470030139053\nyaw = 4.630245552804354\n\
+        pitch = 23.512096742964616\nroll = 20.53189032063139\n\
+        position = [-0.23286152098629356, -0.17092803150735944, -0.37574316137027197]\n\
+        [viewer]\nyaw = -127.84415122847778\npitch = -65.04148106007644\nroll = 101.52135603657865\n\
+        [[output]]\nkind = \"projector\"\n\
+        position = [-0.5552093139160645, -0.6359894972330413, 5.359316063498888]\n\
+        yaw = 17.421805015696172\npitch = 35.24218053668274\nroll = -38.95396990099576\n\
+        fov = [116.63587913618228, 76.89468192302522]\n\
+        mirror = { center = [-0.6366970500634948, -0.37353861822225326, 3.0349890840305824], \
+        radius = 1.0860570646108172 }\n";
+    let mut rig = crate::rig::parse(text, "sliver.toml", std::path::Path::new("")).expect("valid");
+    rig.views.quality = 8.0;
+    let request = request(&[(256, 128)]);
+    let plan = build(&rig, &request).expect("a plan");
+    let (found, lit) = holes(&plan);
+    assert!(found == 0 && lit > 90, "{found} of {lit} pixels");
+    let planned = crate::views::plan(&rig, &request).expect("a plan");
+    assert!(planned.views.len() < plan.views.views.len(), "the planner knows all of it: the case is void");
+}
+
 #[test]
 fn the_planner_knows_all_that_presets_show() {
     for preset in crate::rig::presets() {

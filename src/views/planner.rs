@@ -5,10 +5,11 @@ use crate::error::Result;
 use crate::geom::Frustum;
 use crate::rig::Rig;
 use crate::views::arranging::planned_view::Arrangement;
-use crate::views::arranging::{cached, content};
+use crate::views::arranging::{cached, content, unseen};
 use crate::views::placing::{idle, layout};
 use crate::views::sampling::output_map::{self, OutputMap};
 use crate::views::view_plan::{LEFT_OUT, Request, ViewPlan};
+use glam::DVec2;
 use std::borrow::Cow;
 
 /// Plans the views of `rig`: deterministic, and without a graphics API.
@@ -80,5 +81,15 @@ impl<'a> Planning<'a> {
         let Some(view) = self.arrangement.views.get_mut(view).filter(|view| view.exact.is_none()) else { return false };
         view.fit.extent = view.fit.extent.union(extent);
         true
+    }
+
+    /// Adds views for what an output shows at pixel positions that no view can be widened to show.
+    /// Returns whether there are some.
+    pub fn add(&mut self, output: usize, places: &[DVec2]) -> bool {
+        let Some(output_map) = self.output_maps.get(output) else { return false };
+        let added = unseen::views(&self.rig, (output, output_map), places, &self.arrangement.views);
+        let any = !added.is_empty();
+        self.arrangement.views.extend(added);
+        any
     }
 }

@@ -61,7 +61,10 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     };
     let mut examined = examine(&views);
     // The planner knows an output between its samples only; here every pixel has been asked for.
-    if widen(&mut planning, &views, &examined) {
+    for _ in 0..MOST_REPAIRS {
+        if !complete(&mut planning, &views, &examined) {
+            break;
+        }
         views = planning.place()?;
         examined = examine(&views);
     }
@@ -135,15 +138,23 @@ fn pictures(
     described.map(picture).collect()
 }
 
-/// Widens views by what was found beyond them. Returns whether there was anything.
-fn widen(planning: &mut Planning<'_>, views: &ViewPlan, examined: &[Examined]) -> bool {
-    let mut widened = false;
+/// Views are completed at most so often. What a view that is new cannot show either is found when
+/// it is examined.
+const MOST_REPAIRS: usize = 3;
+
+/// Widens views by what was found beyond them, and adds views for what none of them can show.
+/// Returns whether there was anything.
+fn complete(planning: &mut Planning<'_>, views: &ViewPlan, examined: &[Examined]) -> bool {
+    let mut changed = false;
     for (views, examined) in views.output_views.iter().zip(examined) {
         for (&view, beyond) in views.iter().zip(&examined.beyond) {
-            widened |= beyond.as_ref().is_some_and(|extent| planning.widen(view, extent));
+            changed |= beyond.as_ref().is_some_and(|extent| planning.widen(view, extent));
         }
     }
-    widened
+    for (output, examined) in examined.iter().enumerate().filter(|(_, examined)| !examined.unseen.is_empty()) {
+        changed |= planning.add(output, &examined.unseen);
+    }
+    changed
 }
 
 /// Views have at most so many texels around what outputs sample, however wrong a mesh is.

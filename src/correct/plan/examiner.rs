@@ -3,7 +3,7 @@
 
 use crate::correct::passes::source::Source;
 use crate::correct::plan::blocks::Picture;
-use crate::correct::plan::needs::{Examined, Needs};
+use crate::correct::plan::needs::{Examined, MOST_UNSEEN, Needs};
 use crate::correct::plan::rectangles::BLOCK;
 use crate::geom::rectangle::PixelSpan;
 use crate::geom::screen::Bounds;
@@ -30,6 +30,7 @@ pub(super) struct Examiner<'a> {
     views: Vec<Answering>,
     neighbours: Vec<(QuadraticForm, Cone)>,
     beyond: Vec<Option<Frustum>>,
+    unseen: Vec<DVec2>,
 }
 
 /// What a view answers for.
@@ -86,6 +87,7 @@ impl<'a> Examiner<'a> {
             views: output_views.iter().map(answering).collect(),
             neighbours: neighbours.iter().map(|neighbour| (neighbour.picture, Cone::new(in_front, &picture))).collect(),
             beyond: vec![None; output_views.len()],
+            unseen: Vec::new(),
         }
     }
 
@@ -117,7 +119,7 @@ impl<'a> Examiner<'a> {
             }
             above = below;
         }
-        Examined { needs, beyond: self.beyond }
+        Examined { needs, beyond: self.beyond, unseen: self.unseen }
     }
 
     /// Normalised coordinates of a pixel position.
@@ -262,7 +264,7 @@ impl<'a> Examiner<'a> {
             needs.dark = true;
             return false;
         };
-        needs.views |= 1 << self.answering(direction).min(63);
+        needs.views |= 1 << self.answering(direction, DVec2::new(x, y)).min(63);
         true
     }
 
@@ -274,8 +276,9 @@ impl<'a> Examiner<'a> {
     }
 
     /// The view that answers for a direction: the first that contains it. Should there be none, or
-    /// none that surely does, the one in which it lies deepest is to be widened, and answers.
-    fn answering(&mut self, direction: DVec3) -> usize {
+    /// none that surely does, the one in which it lies deepest is to be widened, and answers. Where
+    /// that cannot be widened so far, the place is noted.
+    fn answering(&mut self, direction: DVec3, place: DVec2) -> usize {
         if self.content.is_some() {
             return 0;
         }
@@ -294,13 +297,15 @@ impl<'a> Examiner<'a> {
             }
         }
         let index = first.unwrap_or(deepest.0);
-        if let (Some(view), Some(beyond)) = (self.views.get(index), self.beyond.get_mut(index)) {
-            let local = view.rotation * direction;
-            let (x, y) = (local.x / -local.z, local.y / -local.z);
-            if -local.z >= LEAST_COSINE {
+        let local = self.views.get(index).map(|view| view.rotation * direction);
+        match (local.filter(|local| -local.z >= LEAST_COSINE), self.beyond.get_mut(index)) {
+            (Some(local), Some(beyond)) => {
+                let (x, y) = (local.x / -local.z, local.y / -local.z);
                 let point = Frustum { left: x, right: x, bottom: y, top: y };
                 *beyond = Some(beyond.map_or(point, |others| others.union(&point)));
             }
+            _ if first.is_none() && self.unseen.len() < MOST_UNSEEN => self.unseen.push(place),
+            _ => {}
         }
         index
     }

@@ -3,6 +3,7 @@
 
 use crate::cache::Cache;
 use crate::geom::Frustum;
+use glam::DVec2;
 use serde::Serialize;
 use std::convert::Infallible;
 
@@ -42,11 +43,18 @@ pub(in crate::correct) struct Examined {
     /// For each of the output's views the tangents of directions for which no view answers, and
     /// this one would have to be widened least.
     pub beyond: Vec<Option<Frustum>>,
+    /// Pixel positions whose directions are too far from the axes of all views; at most
+    /// [`MOST_UNSEEN`].
+    pub unseen: Vec<DVec2>,
 }
 
-/// What is kept: runs of blocks with the same needs, with their lengths, and the tangents beyond
-/// each view.
-type Kept = (Vec<(u32, Needs)>, Vec<Option<Frustum>>);
+/// Greatest number of positions that no view can show. The views that are made for these show
+/// others like them, or can be widened.
+pub(super) const MOST_UNSEEN: usize = 4096;
+
+/// What is kept: runs of blocks with the same needs, with their lengths, the tangents beyond each
+/// view, and the positions that no view can show.
+type Kept = (Vec<(u32, Needs)>, Vec<Option<Frustum>>, Vec<DVec2>);
 
 /// Returns the result of `compute` for so many blocks and views, or what `cache` has for `key`.
 pub(super) fn cached(
@@ -56,17 +64,21 @@ pub(super) fn cached(
     cache: &Cache,
     compute: impl FnOnce() -> Examined,
 ) -> Examined {
-    let is_sound = |(runs, beyond): &Kept| {
-        is_sound(runs, blocks) && beyond.len() == views && beyond.iter().flatten().all(Frustum::is_finite)
+    let is_sound = |(runs, beyond, unseen): &Kept| {
+        is_sound(runs, blocks)
+            && beyond.len() == views
+            && beyond.iter().flatten().all(Frustum::is_finite)
+            && unseen.len() <= MOST_UNSEEN
+            && unseen.iter().all(|place| place.is_finite())
     };
     let compute = || {
-        let Examined { needs, beyond } = compute();
-        Ok((runs(&needs), beyond))
+        let Examined { needs, beyond, unseen } = compute();
+        Ok((runs(&needs), beyond, unseen))
     };
     let found: Result<Kept, Infallible> = cache.cached("blocks", key, is_sound, compute);
-    let Ok((runs, beyond)) = found;
+    let Ok((runs, beyond, unseen)) = found;
     let needs = runs.iter().flat_map(|(length, needs)| std::iter::repeat_n(*needs, *length as usize)).collect();
-    Examined { needs, beyond }
+    Examined { needs, beyond, unseen }
 }
 
 /// Runs of blocks with the same needs, with their lengths.

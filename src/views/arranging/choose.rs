@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3};
 /// its picture into a point, pixels shrink without bound, and a view as fine as the finest of them
 /// would fit into no atlas. The bar leaves alone what is merely oblique: a 90° × 60° lens at 0.9
 /// radii needs 7.
-const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
+pub(super) const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.
 pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangement> {
@@ -253,7 +253,7 @@ fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usi
 }
 
 /// A direction in words: `front`, `up`, `front-left` …
-fn direction_name(direction: DVec3) -> String {
+pub(super) fn direction_name(direction: DVec3) -> String {
     // A third of the way to the next axis counts as between the two.
     const SHARE: f64 = 0.38;
     let word = |part: f64, positive: &'static str, negative: &'static str| {
@@ -264,7 +264,7 @@ fn direction_name(direction: DVec3) -> String {
     words.into_iter().flatten().collect::<Vec<_>>().join("-")
 }
 
-fn free_name(name: &str, views: &[PlannedView]) -> String {
+pub(super) fn free_name(name: &str, views: &[PlannedView]) -> String {
     let taken = |candidate: &str| views.iter().any(|view| view.name == candidate);
     if !taken(name) {
         return name.to_owned();

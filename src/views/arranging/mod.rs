@@ -6,7 +6,8 @@
 //! with content has one view for all of them (`content`).
 //! `cost` says what a view costs beside its texels. The result is an arrangement of planned views
 //! (`planned_view`), which have no place yet. `cached` keeps it for the next start, and `cells`
-//! gives searches of the laboratory the cost of any cells.
+//! gives searches of the laboratory the cost of any cells. `unseen` makes views for pixels that the
+//! samples missed.
 
 pub mod cached;
 pub mod cells;
@@ -17,3 +18,4 @@ pub mod dedicated;
 pub mod partition;
 pub mod planned_view;
 pub mod projected;
+pub mod unseen;

@@ -35,6 +35,11 @@ impl<'a> Answers<'a> {
         }
     }
 
+    /// Whether the plan has a view with this index.
+    pub fn has(&self, view: usize) -> bool {
+        view < self.plan.views.len()
+    }
+
     /// Texels per pixel in the direction in which there are fewest, where that is known. `pixel` is
     /// the sample's place in `map`.
     pub fn texels_per_pixel(&self, view: usize, sample: &Sample, pixel: DVec2, map: &OutputMap) -> Option<f64> {

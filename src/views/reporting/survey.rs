@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::rig::Rig;
 use crate::views::reporting::answers::Answers;
-use crate::views::sampling::output_map::OutputMap;
+use crate::views::sampling::output_map::{OutputMap, Sample};
 use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
@@ -44,8 +44,18 @@ impl<'a> Surveyor<'a> {
     pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
         let sample = self.output_map.sample(pixel)?;
         let view = self.answers.view(&sample)?;
-        let texels_per_pixel = self.answers.texels_per_pixel(view, &sample, pixel, &self.output_map);
-        Some(Surveyed { output: self.output, direction: sample.direction, view, texels_per_pixel })
+        Some(self.surveyed(pixel, &sample, view))
+    }
+
+    /// The same for the view with this index, whichever answers; `None` also where the plan has no such view.
+    pub fn in_view(&self, pixel: DVec2, view: usize) -> Option<Surveyed> {
+        let sample = self.output_map.sample(pixel)?;
+        self.answers.has(view).then(|| self.surveyed(pixel, &sample, view))
+    }
+
+    fn surveyed(&self, pixel: DVec2, sample: &Sample, view: usize) -> Surveyed {
+        let texels_per_pixel = self.answers.texels_per_pixel(view, sample, pixel, &self.output_map);
+        Surveyed { output: self.output, direction: sample.direction, view, texels_per_pixel }
     }
 }
 

@@ -72,6 +72,9 @@ struct ProjectorMap {
     to_viewer: DMat3,
 }
 
+/// Width of a pixel none of whose neighbours shows anything, radians.
+const ALONE: f64 = 1e-3;
+
 /// A domemaster's pixels are taken to be no narrower than this part of their nominal width.
 const LEAST_WIDTH: f64 = 1e-3;
 
@@ -251,6 +254,15 @@ impl OutputMap {
                 of_unit_length(*rays * at.extend(1.0), outer(across, across) + outer(down, down))
             }
         }
+    }
+
+    /// As [`OutputMap::sample`]; where nothing is shown around the position, its pixel counts as
+    /// [`ALONE`] wide.
+    pub fn sample_or_disc(&self, pixel: DVec2) -> Option<Sample> {
+        self.sample(pixel).or_else(|| {
+            let direction = self.direction(pixel)?;
+            Some(Sample { direction, spread: (DMat3::IDENTITY - outer(direction, direction)) * (ALONE * ALONE) })
+        })
     }
 
     /// The direction seen at a pixel position, as [`OutputMap::sample`] has it, for less work.

@@ -17,6 +17,9 @@ pub enum Backend {
     Cpu,
 }
 
+/// What a pixel shows: its direction, any length, and the view that is sampled, where the driver says it.
+pub type Sampled = (DVec3, Option<usize>);
+
 /// An open driver, or none.
 pub enum Driver {
     /// A context, current on this thread.
@@ -48,10 +51,12 @@ impl Driver {
         })
     }
 
-    /// The directions that output `output` shows, row 0 at the top, any length.
-    pub fn directions(&self, plan: &Plan, output: usize) -> Result<Vec<Option<DVec3>>, Failure> {
+    /// What output `output` shows, row 0 at the top.
+    pub fn directions(&self, plan: &Plan, output: usize) -> Result<Vec<Option<Sampled>>, Failure> {
         if let Some(map) = self.map(plan, output)? {
-            let direction = |pixel: &MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
+            let direction = |pixel: &MapPixel| {
+                pixel.view.map(|view| (DVec3::from_array(pixel.direction.map(f64::from)), Some(view)))
+            };
             return Ok(map.iter().map(direction).collect());
         }
         let pass = &plan.passes[output];
@@ -59,7 +64,7 @@ impl Driver {
         let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (f64::from(column), f64::from(row))));
         let direction = |(column, row)| {
             let (x, y) = pass.source.normalised(pass.size, column + 0.5, row + 0.5);
-            pass.source.direction(x, y)
+            pass.source.direction(x, y).map(|direction| (direction, None))
         };
         Ok(pixels.map(direction).collect())
     }

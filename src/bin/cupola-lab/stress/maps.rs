@@ -97,7 +97,8 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
     let plan = planned(&rig, &[size]).map_err(refused)?;
     let directions = driver.directions(&plan, 0).map_err(refused)?;
     let exact = WarpMap::new(&case.rig, 0, size, None)?;
-    let look = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
+    let at = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
+    let look = |x: u32, y: u32| at(x, y).map(|(direction, _)| direction);
     let is_table = matches!(plan.passes[0].source, Source::Table(_));
     let all_far = match names.greater_bound {
         GreaterBound::Far => case.place == Place::Far,
@@ -115,8 +116,11 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
             if part <= 1.0 {
                 return part;
             }
-            // The error of a view that is coarser because of the size limit counts in texels.
-            let texels = surveyor.at(found.centre()).and_then(|pixel| pixel.texels_per_pixel);
+            // The error of a view that is coarser because of the size limit counts in texels: of the one that is
+            // sampled, which beside a border may be the one that ends there.
+            let sampled = at(found.pixel.0, found.pixel.1).and_then(|(_, view)| view);
+            let surveyed = sampled.and_then(|view| surveyor.in_view(found.centre(), view));
+            let texels = surveyed.and_then(|pixel| pixel.texels_per_pixel);
             let part = part * texels.map_or(1.0, |texels| (texels / scale).min(1.0));
             // Near a silhouette the direction changes much within a small part of a pixel. The
             // error there is the distance to the pixel position with this direction.
