@@ -123,6 +123,7 @@ fn read() -> crate::Result<Settings> {
         Some("auto") => Some(Duplicate::Auto),
         Some("never") => Some(Duplicate::Never),
         Some("always") => Some(Duplicate::Always),
+        Some("in-turn") => Some(Duplicate::InTurn),
         Some(other) => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
     };
     let rig = loaded(Path::new(&name), &overrides, duplicate)?;

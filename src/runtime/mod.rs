@@ -1,5 +1,5 @@
 //! What belongs to one window: its rig and plan ([`session`]), captures and statistics ([`report`],
-//! [`frame_times`]). [`cache`] opens the process's cache of results, [`embedded`] serves the C
+//! [`frame_times`]), which view a frame draws ([`turns`]). [`cache`] opens the process's cache of results, [`embedded`] serves the C
 //! interface.
 
 pub mod cache;
@@ -7,5 +7,6 @@ pub mod embedded;
 pub mod frame_times;
 pub mod report;
 pub mod session;
+pub mod turns;
 
 pub use session::Session;

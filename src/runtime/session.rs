@@ -1,6 +1,7 @@
 //! A rig at work in a window of a given size.
 
 use super::cache;
+use super::turns::Turns;
 use crate::correct;
 use crate::correct::projected::matrices::LensConstants;
 use crate::correct::{LowerLeftRect, PixelRect, Plan, UpperLeftRect};
@@ -38,7 +39,12 @@ pub struct Session {
     rects: Vec<PixelRect>,
     /// Which outputs lost their own method.
     refused: Vec<String>,
+    /// The program draws one view in each of its frames.
+    turns: Option<Turns>,
 }
+
+/// Free rows between a view and the panel, where views are drawn in turn.
+const TURN_GUTTER: u32 = 1;
 
 /// A primitive becomes at most so many on the processor: enough for a triangle around half of the sphere in a picture of
 /// 4096² pixels at a twentieth of a pixel, and a tenth of a second of work.
@@ -104,7 +110,7 @@ impl Session {
         let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };
         let plan = plan(rig, draws, &request)?;
-        Ok(Self { rig: rig.clone(), draws, request, plan, rects, refused: Vec::new() })
+        Ok(Self { rig: rig.clone(), draws, request, plan, rects, refused: Vec::new(), turns: None })
     }
 
     /// The same rig and window with other tiles beside the views.
@@ -117,7 +123,26 @@ impl Session {
         let mut plan = plan(&self.rig, draws, &request)?;
         let refused = self.refused.clone();
         plan.views.notes.extend_from_slice(&refused);
-        Ok(Self { rig: self.rig.clone(), draws, request, plan, rects: self.rects.clone(), refused })
+        let session =
+            Self { rig: self.rig.clone(), draws, request, plan, rects: self.rects.clone(), refused, turns: None };
+        Ok(if self.turns.is_some() { session.in_turn() } else { session })
+    }
+
+    /// The program draws one view in each of its frames, with the size of its window, instead of all views in each. The
+    /// atlas is then only what the views are collected in.
+    pub fn in_turn(mut self) -> Self {
+        self.turns = Some(Turns::new(self.views().len(), self.rig.views.warm_up));
+        self
+    }
+
+    /// The view that the program draws in this frame; `None` where it draws all of them.
+    pub fn turn(&self) -> Option<usize> {
+        Some(self.turns.as_ref()?.view())
+    }
+
+    /// The turns, where the program draws one view in each of its frames.
+    pub fn turns(&self) -> Option<&Turns> {
+        self.turns.as_ref()
     }
 
     /// The rig.
@@ -145,11 +170,29 @@ impl Session {
         &self.plan.views.views
     }
 
-    /// A view's tile in the atlas, and whether it is drawn with the program's own lens.
+    /// Where a view is drawn, and whether flat drawing goes there as well.
     pub fn tile(&self, index: usize) -> (LowerLeftRect, bool) {
-        self.views()
-            .get(index)
-            .map_or((LowerLeftRect::new(0, 0, 1, 1), true), |view| (rect(&view.tile), view.program_lens))
+        match (self.views().get(index), &self.turns) {
+            (None, _) => (LowerLeftRect::new(0, 0, 1, 1), true),
+            (Some(_), Some(_)) => (LowerLeftRect::of_size(self.request.window), true),
+            (Some(view), None) => (rect(&view.tile), view.program_lens),
+        }
+    }
+
+    /// A view's tile in the atlas.
+    pub fn atlas_tile(&self, index: usize) -> Option<LowerLeftRect> {
+        self.views().get(index).map(|view| rect(&view.tile))
+    }
+
+    /// The panel's tile in the atlas.
+    pub fn atlas_panel(&self) -> Option<LowerLeftRect> {
+        self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
+    }
+
+    /// Size in texels of what the program draws to: the atlas, or, in turn, a view and the panel above it.
+    pub fn surface_size(&self) -> (u32, u32) {
+        let (width, height) = self.request.window;
+        if self.turns.is_some() { (width, 2 * height + TURN_GUTTER) } else { self.plan.views.atlas }
     }
 
     /// For each view the lens of its picture, as patched shaders take it; zeros for perspective ones. Empty where all views
@@ -186,14 +229,16 @@ impl Session {
         views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
     }
 
-    /// The tile of the flat panel.
+    /// Where the flat panel is drawn.
     pub fn panel(&self) -> Option<LowerLeftRect> {
-        self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
+        let window = LowerLeftRect::of_size(self.request.window);
+        let above = LowerLeftRect { y: window.height + TURN_GUTTER as i32, ..window };
+        self.atlas_panel().map(|panel| if self.turns.is_some() { above } else { panel })
     }
 
-    /// The tile of the program's own picture.
+    /// The tile of the program's own picture. In turn it is the view's.
     pub fn primary(&self) -> Option<LowerLeftRect> {
-        self.plan.views.primary.as_ref().map(rect)
+        self.plan.views.primary.as_ref().filter(|_| self.turns.is_none()).map(rect)
     }
 
     /// Where each output is in the window from the top left, `place` added.

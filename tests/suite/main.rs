@@ -25,6 +25,7 @@ mod frag_coord;
 #[path = "../harness/mod.rs"]
 mod harness;
 mod hidden;
+mod in_turn;
 mod injection;
 mod inspection;
 mod live;
@@ -69,6 +70,7 @@ harness::tests! {
     faults,
     hidden,
     injection,
+    in_turn,
     inspection,
     live,
     load,

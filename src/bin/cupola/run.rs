@@ -92,7 +92,7 @@ pub struct Options {
     #[arg(long)]
     no_cache: bool,
     /// Draw scenes that the program renders to textures once per view [default: from the rig]
-    #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
+    #[arg(long, value_name = "auto|never|always|in-turn", value_parser = ["auto", "never", "always", "in-turn"])]
     duplicate: Option<String>,
     /// Also write Cupola's messages to a file
     #[arg(long, value_name = "FILE")]

@@ -48,8 +48,15 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
     views.resolution = section.choice("resolution", &resolutions, problems).unwrap_or(Resolution::Nominal);
     let allowed = Allowed::closed(-1e3, 1e3, "a vector in the viewer's axes for each view");
     views.cells = section.vectors("cells", MOST_CELLS, &allowed, problems).unwrap_or_else(|| cells.to_vec());
-    let duplicates = [("auto", Duplicate::Auto), ("never", Duplicate::Never), ("always", Duplicate::Always)];
+    let duplicates = [
+        ("auto", Duplicate::Auto),
+        ("never", Duplicate::Never),
+        ("always", Duplicate::Always),
+        ("in-turn", Duplicate::InTurn),
+    ];
     views.duplicate = section.choice("duplicate", &duplicates, problems).unwrap_or(Duplicate::Auto);
+    let allowed = Allowed::closed(0.0, 60.0, "a number of frames");
+    views.warm_up = section.number("warm_up", &allowed, 0.0, problems).ceil() as usize;
     section.finish(&[], problems);
     views
 }

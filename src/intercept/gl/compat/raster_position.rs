@@ -170,12 +170,19 @@ fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebu
     for index in 0..target.session.views().len() {
         let Some(projection) = ctx.compat.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
+        let turn = target.session.turn();
+        if turn.is_some_and(|turn| turn != index) {
+            continue;
+        }
         if own_lens {
             own_window_space(ctx, tile);
-            placed.as_set(tile);
         } else {
             ctx.set_scissor(Some(tile));
             ctx.set_viewport(tile);
+        }
+        if own_lens && turn.is_none() {
+            placed.as_set(tile);
+        } else {
             projection::load(gl, mode, &projection);
             placed.set();
         }

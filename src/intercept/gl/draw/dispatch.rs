@@ -16,7 +16,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::fallback;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
-use crate::intercept::gl::offscreen::displayed::{self, Shows};
+use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::inspected::{self, Seen};
 use crate::intercept::gl::offscreen::{coverage, draws, sampling};
 use crate::intercept::gl::per_view::classify::{classify, main_viewport, several_viewports};
@@ -34,6 +34,7 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
+use crate::intercept::gl::state::offscreen::displayed::Shows;
 use crate::intercept::inspection;
 use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
@@ -87,9 +88,10 @@ fn draw_to_window(
     ctx.note_drawn();
     let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
     inspect(ctx, class, None);
-    let shown = match ctx.queries.primitives() {
-        true => Views::ALL,
-        false => select::views(ctx, class, bounds, changes),
+    let shown = match ctx.session().and_then(Session::turn) {
+        Some(view) => Views::only(view),
+        None if ctx.queries.primitives() => Views::ALL,
+        None => select::views(ctx, class, bounds, changes),
     };
     let Some(target) = ctx.drawable.target() else { return };
     let (session, primary) = (target.session.clone(), target.primary());
@@ -170,7 +172,7 @@ impl Target for Window {
         };
         if own_lens {
             own_window_space(ctx, tile);
-            return None;
+            return self.session.turn().map(|_| self.class);
         }
         view_window_space(ctx, tile, ctx.draw.wide_primitives.cut.then_some(tile));
         Some(self.class)
@@ -179,6 +181,9 @@ impl Target for Window {
     fn factors(&self, ctx: &mut Context, view: usize, _class: Option<DrawClass>) -> QueryScaling {
         let views = self.session.views().len();
         let primitives = 1.0 / (views + usize::from(self.primary.is_some())) as f64;
+        if self.session.turns().is_some() {
+            return QueryScaling::ONCE;
+        }
         let samples = if view >= views { 0.0 } else { scaling::scene_samples(ctx, &self.session, false) };
         QueryScaling { samples, primitives }
     }

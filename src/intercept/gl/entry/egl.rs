@@ -198,6 +198,7 @@ unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer
 unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint {
     present::swap(
         window(display, surface),
+        1,
         || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface),
     )
 }
@@ -235,6 +236,7 @@ unsafe extern "C" fn post_sub_buffer(
     let [x, y, w, h] = size.map_or([x, y, w, h], |(width, height)| [0, 0, width as c_int, height as c_int]);
     present::swap(
         window,
+        1,
         || real_call!(c"eglPostSubBufferNV", (Pointer, Pointer, c_int, c_int, c_int, c_int) -> c_uint, display, surface, x, y, w, h),
     )
 }
@@ -263,6 +265,7 @@ unsafe extern "C" fn swap_buffers_with_damage_khr(
     let (rects, count) = damage(window.as_ref(), rects, count);
     present::swap(
         window,
+        1,
         || real_call!(c"eglSwapBuffersWithDamageKHR", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count),
     )
 }
@@ -277,6 +280,7 @@ unsafe extern "C" fn swap_buffers_with_damage_ext(
     let (rects, count) = damage(window.as_ref(), rects, count);
     present::swap(
         window,
+        1,
         || real_call!(c"eglSwapBuffersWithDamageEXT", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count),
     )
 }

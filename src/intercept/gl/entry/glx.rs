@@ -171,6 +171,7 @@ unsafe extern "C" fn make_context_current(display: Pointer, draw: c_ulong, read:
 unsafe extern "C" fn swap_buffers(display: Pointer, drawable: c_ulong) {
     present::swap(
         window(display, drawable),
+        (),
         || real_call!(c"glXSwapBuffers", (Pointer, c_ulong) -> (), display, drawable),
     );
 }
@@ -182,6 +183,7 @@ unsafe extern "C" fn copy_sub_buffer(display: Pointer, drawable: c_ulong, x: c_i
     let [x, y, w, h] = size.map_or([x, y, w, h], |(width, height)| [0, 0, width as c_int, height as c_int]);
     present::swap(
         window,
+        (),
         || real_call!(c"glXCopySubBufferMESA", (Pointer, c_ulong, c_int, c_int, c_int, c_int) -> (), display, drawable, x, y, w, h),
     );
 }
@@ -200,6 +202,7 @@ unsafe extern "C" fn swap_buffers_msc(
 ) -> i64 {
     present::swap(
         window(display, drawable),
+        0,
         || real_call!(c"glXSwapBuffersMscOML", (Pointer, c_ulong, i64, i64, i64) -> i64, display, drawable, target, divisor, remainder),
     )
 }

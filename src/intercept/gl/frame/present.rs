@@ -5,7 +5,7 @@ use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::frame::{frame_number, front_buffer, report};
+use crate::intercept::gl::frame::{frame_number, front_buffer, in_turn, report};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::{inspected, view_copies};
 use crate::intercept::gl::state::drawable::Drawable;
@@ -32,16 +32,14 @@ pub fn corrects(window: &Window) -> bool {
         && current().is_some_and(|c| !c.switched_off && c.drawable.target().is_some())
 }
 
-/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer.
-pub fn swap<R>(window: Option<Window>, swap: impl FnOnce() -> R) -> R {
+/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer. Where the views are
+/// drawn in turn and are not complete, there is nothing to swap, and the answer is `left_out`.
+pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) -> R {
     if ending::has_begun() {
         return swap();
     }
     let ours = window.as_ref().is_some_and(is_current);
-    if ours {
-        before_swap();
-    }
-    let answer = swap();
+    let answer = if ours && !before_swap() { left_out } else { swap() };
     if ours {
         after_swap();
     } else if let Some(window) = window {
@@ -50,19 +48,22 @@ pub fn swap<R>(window: Option<Window>, swap: impl FnOnce() -> R) -> R {
     answer
 }
 
-/// Before the window is swapped: its back buffer gets the corrected picture.
-fn before_swap() {
-    let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
+/// Before the window is swapped: its back buffer gets the corrected picture. `false`: it is not to be swapped.
+fn before_swap() -> bool {
+    let Some(ctx) = current().filter(|c| !c.switched_off) else { return true };
     let show = || {
-        frame(ctx);
+        let complete = frame(ctx);
         if ctx.drawable.target().is_some_and(|t| !t.config().double_buffered) {
             // SAFETY: a swap of a window with one buffer is a flush.
             in_window(ctx, |gl| unsafe { gl.flush() });
         }
+        complete
     };
-    if crate::fence::guard(show).is_none() {
+    let complete = crate::fence::guard(show);
+    if complete.is_none() {
         after_panic("presenting a frame");
     }
+    complete.unwrap_or(true)
 }
 
 /// After the window was swapped: the next frame begins.
@@ -138,7 +139,9 @@ fn correct(ctx: &mut Context) {
 
 fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.drawable.take_target() else { return };
-    target.resolve(ctx, None);
+    if target.collected.is_none() {
+        target.resolve(ctx, None);
+    }
     let cleared = target.views_cleared();
     let (texture, outputs) = (target.texture(), target.outputs());
     let errors = target.backend().errors();
@@ -172,10 +175,17 @@ fn look_for_a_scene(ctx: &mut Context) {
     (ctx.frame.flat_program, ctx.frame.culling_program) = (flat_program, culling_program);
 }
 
-fn frame(ctx: &mut Context) {
+/// Corrects the frame, and keeps what is asked for. `false`: its views are not complete.
+fn frame(ctx: &mut Context) -> bool {
+    if !in_turn::end_frame(ctx) {
+        return false;
+    }
     ctx.frame.counts.frames += 1;
     look_for_a_scene(ctx);
-    let Some(settings) = settings::settings() else { return correct(ctx) };
+    let Some(settings) = settings::settings() else {
+        correct(ctx);
+        return true;
+    };
     let number =
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
     let last = last_frame::is_last(settings, number);
@@ -198,6 +208,7 @@ fn frame(ctx: &mut Context) {
     if last {
         last_frame::end_program();
     }
+    true
 }
 
 /// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one

@@ -149,11 +149,12 @@ fn view_pictures(driver: &Driver, drawable: &Drawable) -> Vec<Picture> {
     let session = &target.session;
     let mut pictures = Vec::new();
     for (i, view) in session.views().iter().enumerate() {
-        pictures.push(read_back(driver.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
+        let tile = session.atlas_tile(i).unwrap_or_default();
+        pictures.push(read_back(driver.gl, target.atlas_framebuffer(), &view.name, tile));
     }
-    for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
+    for (name, tile) in [("panel", session.atlas_panel()), ("primary", session.primary())] {
         if let Some(tile) = tile {
-            pictures.push(read_back(driver.gl, target.readable_framebuffer(), name, tile));
+            pictures.push(read_back(driver.gl, target.atlas_framebuffer(), name, tile));
         }
     }
     pictures

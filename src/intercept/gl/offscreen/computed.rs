@@ -13,6 +13,7 @@ use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
+use crate::runtime::Session;
 
 /// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
 const MOST_NUMBERS: i32 = 256;
@@ -42,6 +43,11 @@ pub fn dispatch(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&G
 /// Issues a dispatch of the chosen program.
 fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&Gl)) {
     let gl = ctx.driver.gl;
+    if let Some(view) = ctx.session().and_then(Session::turn) {
+        upload::load_view(ctx, view, DrawClass::Flat);
+        issue(gl);
+        return upload::load_own(ctx);
+    }
     let program = ctx.shaders.program.clone();
     let stage = program.as_ref().and_then(|program| program.compute.as_ref());
     let Some(stage) = stage.filter(|_| ctx.view_copies.any() && possible(ctx)) else { return issue(gl) };

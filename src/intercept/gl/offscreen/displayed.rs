@@ -6,28 +6,21 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::transfers::{End, resample, window_format};
 use crate::intercept::gl::offscreen::view_copies::{own_tile, possible, supply, views};
-use crate::intercept::gl::offscreen::{coverage, sampling};
+use crate::intercept::gl::offscreen::{coverage, in_turn, sampling};
 use crate::intercept::gl::per_view::{panel, window_space};
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
-use crate::intercept::gl::state::offscreen::coverage::Measure;
+use crate::intercept::gl::state::offscreen::displayed::Shows;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use std::cell::Cell;
 
-/// What a flat draw to the window does.
-pub enum Shows {
-    /// It fills the window with pictures that are drawn once per view.
-    Pictures(Set),
-    /// It is flat, and to be measured.
-    Unknown(Measure),
-    /// It is flat.
-    Nothing,
-}
-
 /// Looks at a flat draw to the window, of which `main` tells whether it has the main viewport.
 pub fn look(ctx: &mut Context, main: bool) -> Shows {
+    if in_turn::is_on(ctx) {
+        return in_turn::look_at_window(ctx, main);
+    }
     if !ctx.view_copies.any() || !possible(ctx) {
         return Shows::Nothing;
     }
@@ -65,6 +58,10 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
     ctx.frame.note_scene();
     // What was flat until now is covered.
     panel::clear_panel(ctx);
+    if in_turn::is_on(ctx) {
+        in_turn::show(ctx, changes, issue);
+        return;
+    }
     if make_canvases(ctx) {
         show_by_canvas(ctx, changes, sampled, issue);
         return;

@@ -7,7 +7,7 @@ use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{
     copy_count, duplicate_mode, enter, leave, look, own_tile, possible, supply, views, without_scissor,
 };
-use crate::intercept::gl::offscreen::{coverage, sampling};
+use crate::intercept::gl::offscreen::{coverage, in_turn, sampling};
 use crate::intercept::gl::per_view::background;
 use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
@@ -32,6 +32,9 @@ pub fn draw(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: &mut dyn FnMut(&mut Context, &Gl),
 ) -> bool {
+    if in_turn::is_on(ctx) {
+        return in_turn::draw(ctx, changes, issue);
+    }
     if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback || !possible(ctx) {
         leave(ctx);
         let why = Some("draws here are issued once (picking, discard, feedback, or no view with another lens)");

@@ -5,7 +5,7 @@
 //! views, [`transfers`] copies between them, [`coverage`] finds out whether a draw fills the window,
 //! [`scene_graph`] which images are needed, [`sampling`] which a draw samples.
 //! [`computed`] repeats dispatches of compute shaders. [`inspected`]
-//! describes draws for `cupola inspect`.
+//! describes draws for `cupola inspect`. Where the views are drawn in turn, there are no copies, and [`in_turn`] has the draws.
 //!
 //! ```text
 //! scene → image of the program (a tile per view) → … → flat draw that fills the window → each view
@@ -15,6 +15,7 @@ pub mod computed;
 pub mod coverage;
 pub mod displayed;
 pub mod draws;
+pub mod in_turn;
 pub mod inspected;
 pub mod report;
 pub mod sampling;

@@ -56,7 +56,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
 }
 
 /// Whether a copy covers (nearly) all of the window.
-fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
+pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
     let Some(target) = drawable.target() else { return false };
     let (width, height) = target.size();
     let inside = |a: i32, b: i32, size: u32| i64::from(a.max(b).min(size as i32) - a.min(b).max(0)).max(0);

@@ -23,15 +23,17 @@ use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::{log, settings};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
+use crate::runtime::Session;
 
 /// What the user asked for.
 pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
 
-/// Whether there is anything to do: views of ours, which are not the program's own picture.
+/// Whether images have copies: there are views of ours, which are not the program's own picture, and not drawn in turn.
 pub(super) fn possible(ctx: &Context) -> bool {
-    duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(|s| s.views().iter().any(|v| !v.program_lens))
+    let has_other_lenses = |s: &Session| s.turns().is_none() && s.views().iter().any(|v| !v.program_lens);
+    duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(has_other_lenses)
 }
 
 /// How many views there are.

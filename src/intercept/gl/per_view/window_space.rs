@@ -4,15 +4,15 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::scene::to_window::ToWindow;
 
-/// Height of what is drawn to, if that is the window's atlas.
-fn atlas_height(ctx: &Context) -> i32 {
-    ctx.session().filter(|_| ctx.redirected()).map_or(0, |session| session.plan().views.atlas.1 as i32)
+/// Height of what is drawn to, if that stands for the window.
+fn surface_height(ctx: &Context) -> i32 {
+    ctx.session().filter(|_| ctx.redirected()).map_or(0, |session| session.surface_size().1 as i32)
 }
 
 /// The tile of a view is drawn to, with the lens of the view.
 pub fn view_window_space(ctx: &mut Context, tile: LowerLeftRect, scissor: Option<LowerLeftRect>) {
     let height = ctx.session().map_or(0, |session| session.window().1 as i32);
-    ctx.draw.to_window = ToWindow::of_view(tile.into(), ctx.app.viewport.into(), height, atlas_height(ctx));
+    ctx.draw.to_window = ToWindow::of_view(tile.into(), ctx.app.viewport.into(), height, surface_height(ctx));
     ctx.set_scissor(scissor);
     ctx.set_viewport(tile);
 }
@@ -24,7 +24,7 @@ pub fn program_window_space(ctx: &mut Context) {
 
 /// The program's own viewports and scissors, moved to a tile of the window's size and kept inside it.
 pub fn own_window_space(ctx: &mut Context, tile: LowerLeftRect) {
-    ctx.draw.to_window = ToWindow::of_tile(tile.into(), atlas_height(ctx));
+    ctx.draw.to_window = ToWindow::of_tile(tile.into(), surface_height(ctx));
     if let Some(arrays) = ctx.app.arrays().map(|arrays| arrays.moved_into(tile)) {
         ctx.set_arrays(&arrays);
         return;

@@ -11,7 +11,7 @@ use crate::intercept::vk::state::swapchains::{PictureSource, StandIn, Swapchain}
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::lock::Lock;
-use crate::rig::{Method, Rig};
+use crate::rig::{Duplicate, Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::atomic::Ordering;
@@ -88,6 +88,11 @@ fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Atla
     ];
     for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
+    }
+    if rig.views.duplicate == Duplicate::InTurn {
+        log::once(
+            "Vulkan: views are not drawn in turn: what is drawn off screen is followed as with duplicate \"auto\"",
+        );
     }
     AtlasLayout::new(rig, size, device.driver.greatest_image(), read, vertices)
 }

@@ -17,7 +17,7 @@ fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     let window = target.size();
     let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
     if part.is_none_or(|part| part.is_most_of(window)) {
-        return vec![LowerLeftRect::of_size(target.session.plan().views.atlas)];
+        return vec![LowerLeftRect::of_size(target.session.surface_size())];
     }
     let tiles = target.flat_tiles().into_iter().flatten();
     tiles.map(|(tile, _)| ctx.app.scissor.moved_into(tile)).collect()
@@ -28,8 +28,8 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     ctx.driver.take_errors();
     let gl = ctx.driver.gl;
-    let atlas = ctx.drawable.target().map(|t| t.session.plan().views.atlas);
-    let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));
+    let surface = ctx.drawable.target().map(|t| t.session.surface_size());
+    let size = surface.map_or((0, 0), |(width, height)| (width as i32, height as i32));
     // The tiles moved: what was accumulated is lost, for a frame.
     if let Some(old) = ctx.drawable.accumulation.take_if(|old| old.size() != size) {
         old.destroy(gl);
@@ -84,7 +84,7 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
         if operation != Operation::Return {
             target.resolve(ctx, None);
         }
-        buffer.operate(ctx.driver.gl, operation, value, target.texture(), target.framebuffer(), &parts);
+        buffer.operate(ctx.driver.gl, operation, value, target.readable().texture(), target.framebuffer(), &parts);
     });
 }
 

@@ -46,7 +46,17 @@ pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: 
     ctx.note_drawn();
     want_panel(ctx);
     let Some(target) = ctx.drawable.target() else { return };
-    for (tile, _) in target.flat_tiles().into_iter().flatten() {
+    let in_turn = target.session.turns().is_some() && transfers::fills_window(&ctx.drawable, destination);
+    let tiles = match target.own_picture().filter(|_| in_turn) {
+        // It shows what the program has made of the view.
+        Some(tile) => [Some((tile, false)), None, None],
+        None => target.flat_tiles(),
+    };
+    if in_turn {
+        ctx.frame.note_scene();
+        clear_panel(ctx);
+    }
+    for (tile, _) in tiles.into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;
         issue([x0 + tile.x, y0 + tile.y, x1 + tile.x, y1 + tile.y]);

@@ -18,9 +18,7 @@ use std::ffi::c_void;
 /// Binds what the program's reads of `part` of its window come from. Returns where the program's picture begins in it.
 /// `alpha`: the read takes alpha, too.
 pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] {
-    let own_picture = |t: &DefaultFramebuffer| {
-        t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
-    };
+    let own_picture = DefaultFramebuffer::own_picture;
     if ctx.drawable.target().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
         first_read::fill_primary(&mut OwnCalls::begin(ctx));

@@ -13,23 +13,53 @@ use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::{live, settings};
+use crate::rig::Duplicate;
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// The atlas, and where it has samples the one that they are resolved to.
-fn surfaces(gl: &Gl, size: (i32, i32), config: &Config) -> Result<(Surface, Option<Surface>)> {
-    let surface = Surface::new(gl, size, config.samples, config.srgb)?;
-    if config.samples == 0 {
-        return Ok((surface, None));
-    }
-    match Surface::new(gl, size, 0, config.srgb) {
-        Ok(resolved) => Ok((surface, Some(resolved))),
-        Err(error) => {
-            surface.destroy(gl);
-            Err(error)
+/// Pictures that stand for a window.
+struct Surfaces {
+    /// What the program draws to.
+    drawn: Surface,
+    /// The same with one sample per pixel, where it has several.
+    resolved: Option<Surface>,
+    /// The atlas, where the views are drawn in turn.
+    collected: Option<Surface>,
+}
+
+impl Surfaces {
+    fn new(gl: &Gl, session: &Session, config: &Config) -> Result<Self> {
+        let make = |(width, height): (u32, u32), samples| {
+            Surface::new(gl, (width as i32, height as i32), samples, config.srgb)
+        };
+        let mut made = Self { drawn: make(session.surface_size(), config.samples)?, resolved: None, collected: None };
+        if let Err(error) = made.complete(session, config, make) {
+            made.destroy(gl);
+            return Err(error);
         }
+        Ok(made)
+    }
+
+    fn complete(
+        &mut self,
+        session: &Session,
+        config: &Config,
+        make: impl Fn((u32, u32), i32) -> Result<Surface>,
+    ) -> Result<()> {
+        if config.samples > 0 {
+            self.resolved = Some(make(session.surface_size(), 0)?);
+        }
+        if session.turns().is_some() {
+            self.collected = Some(make(session.plan().views.atlas, 0)?);
+        }
+        Ok(())
+    }
+
+    fn destroy(self, gl: &Gl) {
+        let Self { drawn, resolved, collected } = self;
+        [Some(drawn), resolved, collected].into_iter().flatten().for_each(|surface| surface.destroy(gl));
     }
 }
 
@@ -45,28 +75,33 @@ impl DefaultFramebuffer {
         }
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
         let plan = methods::planner(ctx, &live.rig);
-        let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
+        let mut session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
+        let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
+        if live.rig.views.duplicate == Duplicate::InTurn && perspective {
+            // The panel has its place from the start: views that were collected would be lost with the old atlas.
+            session = session.with(Extras { panel: true, ..extras })?.in_turn();
+        }
         let config = Config::of_window(gl, &ctx.driver.profile, window);
         Self::with_session(&ctx.driver, session, config, live.version)
     }
 
     fn with_session(driver: &Driver, session: Session, config: Config, version: u64) -> Result<Self> {
         let gl = driver.gl;
-        let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
         let mut backend = GlBackend::new(gl, driver.profile.es)?.with_cache(gl, cache::of_process());
         let panel = session.panel().is_some();
-        let surfaces = match backend.prepare(gl, session.plan(), panel) {
-            Ok(()) => surfaces(gl, size, &config),
-            Err(error) => Err(error),
-        };
-        let (surface, resolved) = match surfaces {
+        let surfaces = backend.prepare(gl, session.plan(), panel).and_then(|()| Surfaces::new(gl, &session, &config));
+        let Surfaces { drawn, resolved, collected } = match surfaces {
             Ok(surfaces) => surfaces,
             Err(error) => {
                 backend.destroy(gl);
                 return Err(error);
             }
         };
-        let closed = unsampled_areas::prepare(gl, &mut backend, session.plan());
+        // In turn the window's own corners lie there.
+        let closed = match session.turns() {
+            Some(_) => Vec::new(),
+            None => unsampled_areas::prepare(gl, &mut backend, session.plan()),
+        };
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs: Vec<_> = session.viewports().map(|place| Target { framebuffer: 0, viewport: place }).collect();
         backend.own_framebuffer(&outputs, session.window());
@@ -77,8 +112,9 @@ impl DefaultFramebuffer {
             version,
             lenses,
             config,
-            surface,
+            surface: drawn,
             resolved,
+            collected,
             backend,
             content: Content::default(),
             ready: Cell::new(None),

@@ -13,6 +13,11 @@ impl Views {
     /// Every view.
     pub const ALL: Self = Self { seen: u64::MAX, bounded: false };
 
+    /// One view.
+    pub fn only(index: usize) -> Self {
+        Self { seen: if index < 64 { 1 << index } else { 0 }, bounded: false }
+    }
+
     /// Whether the draw goes to this view.
     pub fn contain(self, index: usize) -> bool {
         index >= 64 || self.seen >> index & 1 != 0

@@ -31,6 +31,8 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) surface: Surface,
     /// The surface's picture with one sample per pixel, where it has several.
     pub(in crate::intercept::gl) resolved: Option<Surface>,
+    /// The atlas that the views are collected in, where they are drawn in turn; elsewhere `surface` is the atlas.
+    pub(in crate::intercept::gl) collected: Option<Surface>,
     pub(in crate::intercept::gl) backend: GlBackend,
     /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
     pub lenses: Vec<LensConstants>,
@@ -69,7 +71,8 @@ impl DefaultFramebuffer {
 
     /// Whether `name` is a framebuffer of ours.
     pub fn is_ours(&self, name: u32) -> bool {
-        name == self.surface.framebuffer() || self.resolved.as_ref().is_some_and(|r| r.framebuffer() == name)
+        let others = self.resolved.iter().chain(&self.collected);
+        name == self.surface.framebuffer() || others.into_iter().any(|other| other.framebuffer() == name)
     }
 
     /// The tile of the flat panel.
@@ -84,8 +87,20 @@ impl DefaultFramebuffer {
 
     /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
     pub fn flat_tiles(&self) -> [Option<(LowerLeftRect, bool)>; 3] {
-        let own = (0..self.session.views().len()).map(|i| self.session.tile(i)).find(|(_, own_lens)| *own_lens);
-        [own.map(|(tile, _)| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
+        // What is drawn in turn would show it in each view.
+        let own = self.own_tile().filter(|_| self.session.turns().is_none());
+        [own.map(|tile| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
+    }
+
+    /// What the program takes for its window: the tile with its own lens, or the view that is drawn in turn.
+    fn own_tile(&self) -> Option<LowerLeftRect> {
+        let mut tiles = (0..self.session.views().len()).map(|i| self.session.tile(i));
+        tiles.find(|(_, own)| *own).map(|(tile, _)| tile)
+    }
+
+    /// What the program's reads of its window come from.
+    pub fn own_picture(&self) -> Option<LowerLeftRect> {
+        self.primary().or_else(|| self.own_tile())
     }
 
     /// A draw went to a view.
@@ -131,6 +146,8 @@ impl DefaultFramebuffer {
         // A view with the program's own lens gets flat drawing, too.
         let followed =
             settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
+        // In turn a clear is that of one view.
+        let followed = followed && self.session.turns().is_none();
         self.content.views_cleared().filter(|_| followed)
     }
 
@@ -141,7 +158,12 @@ impl DefaultFramebuffer {
 
     /// The texture with the atlas, one sample per pixel.
     pub fn texture(&self) -> u32 {
-        self.readable().texture()
+        self.collected.as_ref().unwrap_or_else(|| self.readable()).texture()
+    }
+
+    /// The framebuffer with the atlas, to be read from.
+    pub fn atlas_framebuffer(&self) -> u32 {
+        self.collected.as_ref().unwrap_or_else(|| self.readable()).framebuffer()
     }
 
     pub(in crate::intercept::gl) fn readable(&self) -> &Surface {
@@ -155,15 +177,16 @@ impl DefaultFramebuffer {
 
     /// The objects that contexts do not share.
     pub fn own_objects(&self) -> OwnObjects {
-        let resolved = self.resolved.as_ref().map_or(0, Surface::framebuffer);
-        OwnObjects { framebuffers: [self.surface.framebuffer(), resolved], vertex_array: self.backend.vertex_array() }
+        let name = |surface: &Option<Surface>| surface.as_ref().map_or(0, Surface::framebuffer);
+        let framebuffers = [self.surface.framebuffer(), name(&self.resolved), name(&self.collected)];
+        OwnObjects { framebuffers, vertex_array: self.backend.vertex_array() }
     }
 
     /// Makes those anew, in the current context, around the shared ones.
     pub(in crate::intercept::gl) fn rehome(&mut self, gl: &Gl) -> Result<()> {
         self.surface.rehome(gl)?;
-        if let Some(resolved) = &mut self.resolved {
-            resolved.rehome(gl)?;
+        for other in self.resolved.iter_mut().chain(&mut self.collected) {
+            other.rehome(gl)?;
         }
         self.backend.rehome(gl);
         Ok(())
@@ -173,15 +196,15 @@ impl DefaultFramebuffer {
     pub fn destroy(mut self, gl: &Gl) {
         self.backend.destroy(gl);
         self.surface.destroy(gl);
-        if let Some(resolved) = self.resolved.take() {
-            resolved.destroy(gl);
+        for other in self.resolved.take().into_iter().chain(self.collected.take()) {
+            other.destroy(gl);
         }
     }
 }
 
 /// Names of a picture's objects in the context that drew it before.
 pub struct OwnObjects {
-    framebuffers: [u32; 2],
+    framebuffers: [u32; 3],
     vertex_array: u32,
 }
 
@@ -190,7 +213,7 @@ impl OwnObjects {
     pub fn destroy(&self, gl: &Gl) {
         // SAFETY: objects of ours; the name 0 is ignored.
         unsafe {
-            gl.delete_framebuffers(2, self.framebuffers.as_ptr());
+            gl.delete_framebuffers(3, self.framebuffers.as_ptr());
             gl.delete_vertex_arrays(1, &self.vertex_array);
         }
     }

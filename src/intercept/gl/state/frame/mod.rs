@@ -48,6 +48,8 @@ pub struct Frame {
     pub(in crate::intercept::gl) culling_program: CullingProgram,
     /// Something of a scene was ever shown in the window.
     shows_scene: bool,
+    /// In turn: a scene was drawn off screen in this frame.
+    pub(in crate::intercept::gl) scene_off_screen: bool,
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
     /// Times for `--stats`; `None` if they are not asked for.
@@ -102,6 +104,7 @@ impl Frame {
         self.background.end_frame();
         self.viewport_area = [0, self.viewport_area[0]];
         self.begun = false;
+        self.scene_off_screen = false;
         self.draw_count.end_frame(self.counts.draws_seen);
     }
 }

@@ -1,7 +1,19 @@
-//! Pictures of the window's size, one for each view.
+//! What flat draws show of images that are drawn once per view.
 
 use crate::backend::gl::driver::api::Gl;
+use crate::intercept::gl::state::offscreen::coverage::Measure;
+use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
+
+/// What a flat draw to the window does.
+pub enum Shows {
+    /// It fills the window with pictures that are drawn once per view.
+    Pictures(Set),
+    /// It is flat, and to be measured.
+    Unknown(Measure),
+    /// It is flat.
+    Nothing,
+}
 
 /// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program
 /// samples has its pixel, and `gl_FragCoord` is what it would be in the window.

@@ -1,0 +1,55 @@
+//! Views in turn: each frame of the program draws one view, and the frames of a round are one on the dome.
+
+use crate::backend::gl::driver::api;
+use crate::correct::LowerLeftRect;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::log;
+use crate::runtime::Session;
+
+/// Ends a frame of the program. Returns whether the window can be corrected: its views are all drawn, or they are not drawn in
+/// turn.
+pub fn end_frame(ctx: &mut Context) -> bool {
+    let Some(turns) = ctx.session().and_then(Session::turns) else { return true };
+    let (end, frames) = (turns.end_frame(), turns.frames());
+    log::once(&format!(
+        "views are drawn in turn: {frames} frames of the program are one on the dome; what moves by the clock needs --clock"
+    ));
+    if let Some(view) = end.view {
+        collect(&mut OwnCalls::begin(ctx), view, end.is_last);
+    }
+    end.is_last
+}
+
+/// Copies what was drawn to the atlas: the view, and in the last frame of a round the panel.
+fn collect(ctx: &mut Context, view: usize, is_last: bool) {
+    let Some(target) = ctx.drawable.take_target() else { return };
+    target.resolve(ctx, None);
+    let session = &target.session;
+    let panel = session.panel().zip(session.atlas_panel()).filter(|_| is_last);
+    let tiles = [session.atlas_tile(view).map(|tile| (session.tile(view).0, tile)), panel];
+    ctx.set_scissor(None);
+    for (from, to) in tiles.into_iter().flatten() {
+        copy(ctx, &target, from, to);
+    }
+    ctx.drawable.put_target(target);
+    ctx.restore_window_space();
+}
+
+fn copy(ctx: &Context, target: &DefaultFramebuffer, from: LowerLeftRect, to: LowerLeftRect) {
+    let gl = ctx.driver.gl;
+    let ([x0, y0, x1, y1], [u0, v0, u1, v1]) = (from.corners(), to.corners());
+    let filter = if from.size() == to.size() { api::GL_NEAREST } else { api::GL_LINEAR };
+    let (mut read, mut draw) = (0, 0);
+    // SAFETY: copies between framebuffers of ours; the bindings are put back.
+    unsafe {
+        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable_framebuffer());
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, target.atlas_framebuffer());
+        gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, api::GL_COLOR_BUFFER_BIT, filter);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
+    }
+}

@@ -1,0 +1,66 @@
+//! Views in turn: which view the program draws in its present frame.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The place in the round of the views. Contexts of a program share it.
+#[derive(Debug)]
+pub struct Turns {
+    /// Frames of the program since the round began.
+    frame: AtomicUsize,
+    views: usize,
+    /// Frames of the program for each view.
+    repeats: usize,
+}
+
+/// What the end of a frame of the program is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EndOfTurn {
+    /// The view that was drawn, if its picture counts; `None`: it was a frame to warm up.
+    pub view: Option<usize>,
+    /// All views are drawn.
+    pub is_last: bool,
+}
+
+impl Turns {
+    /// Turns of `views` views (at least 1), each with so many frames before the one that counts.
+    pub fn new(views: usize, warm_up: usize) -> Self {
+        Self { frame: AtomicUsize::new(0), views: views.max(1), repeats: warm_up + 1 }
+    }
+
+    /// Frames of the program in a round.
+    pub fn frames(&self) -> usize {
+        self.views * self.repeats
+    }
+
+    /// The view that is drawn in this frame of the program.
+    pub fn view(&self) -> usize {
+        self.frame.load(Ordering::Relaxed) / self.repeats
+    }
+
+    /// Ends a frame of the program.
+    pub fn end_frame(&self) -> EndOfTurn {
+        let frame = self.frame.load(Ordering::Relaxed);
+        let next = frame + 1;
+        let is_last = next >= self.frames();
+        self.frame.store(if is_last { 0 } else { next }, Ordering::Relaxed);
+        EndOfTurn { view: next.is_multiple_of(self.repeats).then_some(frame / self.repeats), is_last }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{EndOfTurn, Turns};
+
+    #[test]
+    fn each_view_counts_once_in_a_round_and_after_its_warm_up() {
+        let turns = Turns::new(2, 2);
+        let rounds: Vec<(usize, EndOfTurn)> =
+            (0..2 * turns.frames()).map(|_| (turns.view(), turns.end_frame())).collect();
+        let views: Vec<usize> = rounds.iter().map(|(view, _)| *view).collect();
+        assert_eq!(views, [0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1]);
+        let counted: Vec<_> = rounds.iter().map(|(_, end)| end.view).collect();
+        assert_eq!(counted[..6], [None, None, Some(0), None, None, Some(1)]);
+        assert_eq!(rounds.iter().filter(|(_, end)| end.is_last).count(), 2);
+        assert!(rounds[5].1.is_last);
+    }
+}
