@@ -39,7 +39,10 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("backend", &["cache", "correct"]),
     ("ring", &["system"]),
     ("runtime", &["cache", "fence", "system", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
-    ("intercept", &["cache", "digest", "fence", "message", "system", "rig", "views", "correct", "backend", "runtime"]),
+    (
+        "intercept",
+        &["cache", "digest", "fence", "message", "system", "rig", "ring", "views", "correct", "backend", "runtime"],
+    ),
     ("ffi", &["cache", "fence", "message", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),
 ];

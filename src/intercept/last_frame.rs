@@ -2,7 +2,7 @@
 
 use super::inspection::page::{self, Page};
 use super::settings::{self, Settings};
-use super::{inspection, log, signals};
+use super::{inspection, log, publishing, signals};
 use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::report::{self, Picture, Statistics};
@@ -127,6 +127,7 @@ pub fn amend(number: u64, change: impl FnOnce(&mut Statistics)) {
 /// received.
 pub fn end_program() {
     write();
+    publishing::end();
     if let Some(signal) = signals::received() {
         signals::end_by(signal);
     }

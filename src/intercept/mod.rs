@@ -12,6 +12,7 @@ pub mod last_frame;
 pub mod lens;
 pub mod live;
 pub mod log;
+pub mod publishing;
 pub mod scene;
 pub mod settings;
 pub mod signals;

@@ -4,6 +4,7 @@ use super::file_stamp::FileStamp;
 use super::log;
 use crate::error::{Error, ErrorKind};
 use crate::rig::{self, Duplicate, Overrides, Rig};
+use crate::ring;
 use crate::system::{is_privileged, variable};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -42,6 +43,13 @@ pub struct Settings {
     pub stats_every: Option<Duration>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
+    /// `CUPOLA_PUBLISH=FILE` (`1`: the file that is used where none is named; `0`: none): finished pictures for other
+    /// processes. Without it they are published if the rig says so.
+    pub publish: Option<PathBuf>,
+    /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for those who read them, and loses no picture.
+    pub publish_waits: bool,
+    /// `CUPOLA_DOMEMASTER=SIDE`: one more output beside the window, to be published.
+    domemaster: Option<u32>,
     /// `CUPOLA_MASK`: whether the parts of views that no output samples are closed for drawing.
     pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
@@ -126,8 +134,21 @@ fn read() -> crate::Result<Settings> {
         Some("in-turn") => Some(Duplicate::InTurn),
         Some(other) => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
     };
-    let rig = loaded(Path::new(&name), &overrides, duplicate)?;
+    let domemaster = match text("CUPOLA_DOMEMASTER") {
+        Some(n) => Some(parse_side(&n).ok_or_else(|| wrong("CUPOLA_DOMEMASTER", &n, "1024"))?),
+        None => None,
+    };
+    let rig = loaded(Path::new(&name), &overrides, duplicate, domemaster)?;
+    let publish = match path("CUPOLA_PUBLISH") {
+        Some(path) if path == Path::new("0") => None,
+        Some(path) if path != Path::new("1") => Some(std::path::absolute(&path).unwrap_or(path)),
+        None if !rig.publishes() => None,
+        _ => Some(ring::default_path()),
+    };
     Ok(Settings {
+        publish,
+        publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
+        domemaster,
         rig,
         rig_file,
         rig_stamp,
@@ -167,17 +188,28 @@ impl Settings {
     /// Reads the rig's file again, with what the environment said at the start.
     pub fn load(&self) -> crate::Result<Rig> {
         match &self.rig_file {
-            Some(file) => loaded(file, &self.overrides, self.duplicate),
+            Some(file) => loaded(file, &self.overrides, self.duplicate, self.domemaster),
             None => Ok(self.rig.clone()),
         }
     }
 }
 
 /// The rig of a preset's name or a file, with the keys that the environment replaces.
-fn loaded(name_or_path: &Path, overrides: &Overrides, duplicate: Option<Duplicate>) -> crate::Result<Rig> {
+fn loaded(
+    name_or_path: &Path,
+    overrides: &Overrides,
+    duplicate: Option<Duplicate>,
+    domemaster: Option<u32>,
+) -> crate::Result<Rig> {
     let mut rig = overrides.apply(rig::load(&name_or_path.to_string_lossy())?)?;
     if let Some(duplicate) = duplicate {
         rig.views.duplicate = duplicate;
+    }
+    if let Some(side) = domemaster {
+        rig = rig.with_domemaster(side);
+    }
+    if variable("CUPOLA_PUBLISH").is_some_and(|value| value == "0") {
+        rig.beside.clear();
     }
     Ok(rig)
 }
@@ -205,6 +237,11 @@ fn parse_size(text: &str) -> Option<(u32, u32)> {
     let (width, height) = (width.parse().ok()?, height.parse().ok()?);
     let fits = |n: u32| (1..=16384).contains(&n);
     (fits(width) && fits(height)).then_some((width, height))
+}
+
+/// A side of a picture in pixels, 1…16384.
+fn parse_side(text: &str) -> Option<u32> {
+    text.parse().ok().filter(|side| (1..=16384).contains(side))
 }
 
 #[cfg(test)]

@@ -86,7 +86,10 @@ pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
         validate::check(rig, &mut problems);
     }
     match rig {
-        Some(rig) if problems.is_empty() => Ok(rig),
+        Some(mut rig) if problems.is_empty() => {
+            (rig.outputs, rig.beside) = rig.outputs.into_iter().partition(|output| output.shown);
+            Ok(rig)
+        }
         _ => Err(Error::new(ErrorKind::InvalidRig, problems.message(file_name))),
     }
 }

@@ -20,8 +20,11 @@ const RAYS: usize = 65;
 
 /// Adds every problem of `rig` that is not one of a single value.
 pub(super) fn check(rig: &Rig, problems: &mut Problems) {
+    let shown = rig.outputs.iter().filter(|output| output.shown).count();
     match (rig.passthrough, rig.outputs.len()) {
-        (false, 0) => problems.add("output", "is missing; expected at least one [[output]], or passthrough = true"),
+        (false, _) if shown == 0 => {
+            problems.add("output", "is missing; expected at least one [[output]], or passthrough = true")
+        }
         (true, 1..) => {
             problems.add(
                 "passthrough",
@@ -88,7 +91,7 @@ fn windows(outputs: &[Output], problems: &mut Problems) {
     let placed = outputs.iter().filter(|output| output.window.is_some()).count();
     for (index, output) in outputs.iter().enumerate() {
         let Some(place) = output.window else {
-            if placed > 0 {
+            if placed > 0 && output.shown {
                 let why =
                     "is missing, but other outputs have one; expected a place for each output, or for none (a grid)";
                 problems.add(&path(index, ".window"), why);

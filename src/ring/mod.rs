@@ -15,11 +15,13 @@
 //! [`layout`] says where everything lies; `cupola_ring.h` says it to programs in C.
 
 pub mod layout;
+pub mod place;
 pub mod reader;
 pub mod writer;
 
 #[cfg(test)]
 mod tests;
 
-pub use reader::{Frame, Next, Reader};
-pub use writer::{Shape, Writer};
+pub use place::{default_path, remove_if_ended};
+pub use reader::{Frame, Next, Picture, Reader};
+pub use writer::{Pictures, Shape, Writer};

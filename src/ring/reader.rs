@@ -103,6 +103,9 @@ impl Reader {
             fence(Ordering::SeqCst);
             words.cursor().fetch_max(value(&memory, header::PUBLISHED), Ordering::AcqRel);
         }
+        // A writer may wait for its first reader.
+        memory.words()[header::TAKEN].fetch_add(1, Ordering::Release);
+        memory.wake(header::TAKEN);
         Ok(Self { path: path.to_owned(), entry, shape, lost, memory })
     }
 

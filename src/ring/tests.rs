@@ -18,7 +18,8 @@ fn shapes(sizes: &[(u32, u32)]) -> Vec<Shape> {
 
 /// The pixels of a picture of frame `index`.
 fn pixels(index: u64, picture: usize, (width, height): (u32, u32)) -> Vec<u8> {
-    (0..width * height * 4).map(|i| (u64::from(i) * 7 + index * 31 + picture as u64 * 101) as u8).collect()
+    let value = |i: u32| if i % 4 == 3 { 255 } else { (u64::from(i) * 7 + index * 31 + picture as u64 * 101) as u8 };
+    (0..width * height * 4).map(value).collect()
 }
 
 fn publish(writer: &mut Writer, index: u64) {
@@ -26,7 +27,7 @@ fn publish(writer: &mut Writer, index: u64) {
     let widths: Vec<usize> = writer.shapes().iter().map(|shape| shape.size.0 as usize * 4).collect();
     writer.publish(index, index * 1000, |pictures| {
         for (i, rgba) in all.iter().enumerate() {
-            pictures.write(i, rgba.chunks_exact(widths[i]));
+            (0..).zip(rgba.chunks_exact(widths[i])).for_each(|(y, row)| pictures.row(i, y, row));
         }
     });
 }

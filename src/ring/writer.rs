@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 /// Fewer slots than this would make readers lose frames that they have just begun to copy.
 pub const LEAST_SLOTS: usize = 3;
 
+/// The alpha of two pixels.
+const OPAQUE: u64 = u64::from_ne_bytes([0, 0, 0, 255, 0, 0, 0, 255]);
+
 /// How often a waiting writer looks whether its readers still live.
 const LOOK: Duration = Duration::from_millis(100);
 
@@ -227,6 +230,19 @@ impl Writer {
         is_locked(&self.memory) || (is_expected() && self.before.as_ref().is_some_and(is_locked))
     }
 
+    /// Waits for the first reader, for about a minute; whether it came. The time is counted in waits of the system, for the
+    /// program's clock may stand still.
+    pub fn wait_for_a_reader(&self) -> bool {
+        for _ in 0..600 {
+            let taken = value(&self.memory, header::TAKEN);
+            if self.readers().0 > 0 {
+                return true;
+            }
+            self.memory.wait(header::TAKEN, taken as u32, LOOK);
+        }
+        false
+    }
+
     /// Waits until each living reader has copied everything, for no longer than `limit`.
     pub fn drain(&self, limit: Duration) {
         self.wait_for_readers(Some(Instant::now() + limit), |reader| {
@@ -262,8 +278,12 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// The program ends: readers are told, and the file is removed.
+    /// The program ends: readers are told, and the file is removed. In a copy of the process that `fork` made nothing is
+    /// done: the file is not its own.
     pub fn end(self) {
+        if value(&self.memory, header::PROCESS) != u64::from(std::process::id()) {
+            return;
+        }
         self.finish(ENDED);
         // A reader has it open; a file that is gone already needs no removal.
         let _ = std::fs::remove_file(&self.path);
@@ -284,33 +304,24 @@ pub struct Pictures<'a> {
 }
 
 impl Pictures<'_> {
-    /// Writes picture `number`: its rows, from the top, of 4 bytes for each pixel. Rows that are missing stay as they were.
-    pub fn write<'r>(&mut self, number: usize, rows: impl Iterator<Item = &'r [u8]>) {
+    /// Writes row `y`, counted from the top, of picture `number`: 4 bytes for each pixel, of which the last is written as
+    /// 255. Rows that are not written stay as they were in an earlier frame. What lies outside of the picture is left out.
+    pub fn row(&mut self, number: usize, y: u32, row: &[u8]) {
         let (Some(shape), Some(pixels)) = (self.shapes.get(number), self.pixels.get(number)) else { return };
-        let (width, height) = (shape.size.0 as usize * 4, shape.size.1 as usize);
-        let first = self.slot + pixels;
-        if width.is_multiple_of(8) {
-            for (number, row) in rows.take(height).enumerate() {
-                self.memory.write(first + number * width / 8, &row[..width]);
-            }
-        } else {
-            self.write_odd(first, width, rows.take(height));
+        let (width, height) = (shape.size.0 as usize, shape.size.1);
+        let row = &row[..row.len().min(width * 4)];
+        if y >= height {
+            return;
         }
-    }
-
-    /// Rows of an odd number of pixels: a word may hold the end of one and the begin of the next.
-    fn write_odd<'r>(&mut self, first: usize, width: usize, rows: impl Iterator<Item = &'r [u8]>) {
-        let (mut word, mut held, mut filled) = (first, [0_u8; 8], 0);
-        for row in rows {
-            for pixel in row[..width].chunks_exact(4) {
-                held[filled..filled + 4].copy_from_slice(pixel);
-                filled += 4;
-                if filled == 8 {
-                    self.memory.write(word, &held);
-                    (word, filled) = (word + 1, 0);
-                }
-            }
+        // Two pixels are a word, so that a row may begin in the middle of one.
+        let first = y as usize * width;
+        let (half, rest) = row.split_at(if first % 2 == 1 { 4.min(row.len()) } else { 0 });
+        let word = self.slot + pixels + first / 2;
+        if let Some(pixel) = half.first_chunk::<4>() {
+            let mut both = self.memory.words()[word].load(Ordering::Relaxed).to_ne_bytes();
+            both[4..].copy_from_slice(pixel);
+            self.memory.write_or(word, &both, OPAQUE);
         }
-        self.memory.write(word, &held[..filled]);
+        self.memory.write_or(word + first % 2, rest, OPAQUE);
     }
 }

@@ -87,8 +87,24 @@ pub struct Statistics {
     pub own_errors: u64,
     /// Times of the window's frames.
     pub milliseconds: FrameMilliseconds,
+    /// What was published for other processes, if anything was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published: Option<Published>,
     /// Notes of the planner.
     pub notes: Vec<String>,
+}
+
+/// Published frames in [`Statistics`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Published {
+    /// Frames that were published.
+    pub frames: u64,
+    /// Readers that are there.
+    pub readers: usize,
+    /// Frames that readers lost, all added up.
+    pub lost: u64,
+    /// Frames that were not published because the graphics driver had not yet finished those before them.
+    pub left_out: u64,
 }
 
 /// Times of frames in [`Statistics`]; what was not measured is left out.

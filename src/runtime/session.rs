@@ -106,6 +106,7 @@ impl Session {
             .iter()
             .zip(&rects)
             .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect.width, rect.height)))
+            .chain(rig.beside.iter().filter_map(|output| output.size))
             .collect();
         let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };
@@ -211,7 +212,7 @@ impl Session {
     /// The greatest error that the output of a view may have by its method, pixels.
     fn max_error(&self, index: usize) -> Option<f64> {
         let output = self.plan.views.output_views.iter().position(|views| views.contains(&index))?;
-        self.rig.outputs.get(output)?.method.max_error()
+        self.rig.outputs.iter().chain(&self.rig.beside).nth(output)?.method.max_error()
     }
 
     /// How primitives are divided for a view; `None` where they need not be.
@@ -366,7 +367,7 @@ impl Session {
 
 /// Plans `rig` for a program of so many `draws` in a frame, unless the rig itself says what it favours.
 fn plan(rig: &Rig, draws: Option<u32>, request: &Request) -> Result<Plan> {
-    let cache = cache::of_process();
+    let (cache, rig) = (cache::of_process(), &*rig.with_all_outputs());
     match draws.filter(|_| rig.views.favour == Favour::Balanced) {
         None => correct::build_with(rig, request, cache),
         Some(draws) => {

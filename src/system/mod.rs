@@ -7,7 +7,7 @@ pub mod process;
 mod shared_memory;
 
 pub use build_id::build_id;
-pub use clock::thread_time;
+pub use clock::{monotonic, thread_time};
 pub use file::create;
-pub use process::{is_privileged, variable};
+pub use process::{is_privileged, user, variable};
 pub use shared_memory::SharedMemory;

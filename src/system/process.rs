@@ -9,6 +9,12 @@ use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 
+/// Number of the user.
+pub fn user() -> u32 {
+    // SAFETY: returns a number.
+    unsafe { libc::getuid() }
+}
+
 /// Whether this program has more rights than the user who started it, as set-user-ID programs have: what the user's
 /// environment asks for does not count then.
 pub fn is_privileged() -> bool {

@@ -75,15 +75,23 @@ impl SharedMemory {
     /// # Panics
     /// If they reach beyond the memory.
     pub fn write(&self, word: usize, bytes: &[u8]) {
+        self.write_or(word, bytes, 0);
+    }
+
+    /// As [`SharedMemory::write`], with the bits of `set` set in each word.
+    ///
+    /// # Panics
+    /// As for [`SharedMemory::write`].
+    pub fn write_or(&self, word: usize, bytes: &[u8], set: u64) {
         let (whole, rest) = bytes.as_chunks::<8>();
         let (to, last) = self.words()[word..].split_at(whole.len());
         for (to, from) in to.iter().zip(whole) {
-            to.store(u64::from_ne_bytes(*from), Ordering::Relaxed);
+            to.store(u64::from_ne_bytes(*from) | set, Ordering::Relaxed);
         }
         if !rest.is_empty() {
             let mut padded = [0; 8];
             padded[..rest.len()].copy_from_slice(rest);
-            last[0].store(u64::from_ne_bytes(padded), Ordering::Relaxed);
+            last[0].store(u64::from_ne_bytes(padded) | set, Ordering::Relaxed);
         }
     }
 

@@ -19,6 +19,8 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
         black: None,
         eye: 0.0,
         flip: Flip::default(),
+        publish: false,
+        shown: true,
     }
 }
 
@@ -40,6 +42,7 @@ pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
             .enumerate()
             .map(|(index, kind)| output(&format!("output-{index}"), kind.clone()))
             .collect(),
+        beside: Vec::new(),
     }
 }
 

@@ -36,6 +36,7 @@ mod outlines;
 mod picture;
 mod programs;
 mod projected;
+mod published;
 mod random_order;
 mod reference;
 mod rigs;
@@ -78,6 +79,7 @@ harness::tests! {
     matrix_forms,
     offscreen,
     outlines,
+    published,
     random_order,
     semantics,
     steady,

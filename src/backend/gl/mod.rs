@@ -16,6 +16,7 @@ mod state;
 
 pub use crate::correct::shaders::map::MapPixel;
 pub use map::gpu_map;
+pub use objects::own_framebuffer::OwnFramebuffer;
 pub use objects::target::Target;
 pub use passes::{ClearedViews, GlBackend};
 pub use state::current_program::CurrentProgram;

@@ -4,6 +4,7 @@ use crate::display;
 use crate::failure::Failure;
 use crate::launch::{Environment, apply, loader};
 use cupola::rig::{Overrides, Rig};
+use cupola::ring;
 use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
@@ -82,6 +83,13 @@ pub struct Options {
     /// Use the resolution of each output for captures, independent of the window size
     #[arg(long)]
     offscreen: bool,
+    /// Publish the finished pictures of each frame to other programs, in shared memory [default file: /dev/shm/cupola-USER,
+    /// with the number of the user]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    publish: Option<PathBuf>,
+    /// Publish a domemaster of N × N pixels that is drawn beside the window
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16384))]
+    domemaster: Option<u32>,
     /// Draw everything in every view (no culling)
     #[arg(long)]
     no_cull: bool,
@@ -165,9 +173,17 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     command.args(rest);
     apply(&mut command, &environment);
     let expected = Expected::new(&options, inspection.as_ref());
+    let published = environment.iter().find(|(name, _)| *name == "CUPOLA_PUBLISH").and_then(|(_, file)| file.clone());
+    if let Some(file) = published.as_deref().map(Path::new) {
+        eprintln!("cupola: finished pictures are published in {}", file.display());
+    }
     // The library ends the program in a frame; only one that draws none has to be stopped.
     let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
     let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
+    if let Some(file) = &published {
+        // A program that was killed leaves it behind.
+        ring::remove_if_ended(Path::new(file));
+    }
     let code = match ended {
         Ended::Stopped => 0,
         Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
@@ -198,11 +214,26 @@ impl Options {
         Ok(overrides.apply(cupola::rig::load(&self.rig_name())?)?)
     }
 
+    /// The file of published pictures, if there are any to publish.
+    fn published(&self, rig: &Rig) -> Result<Option<OsString>, Failure> {
+        let environment = || std::env::var_os("CUPOLA_PUBLISH").filter(|file| !file.is_empty() && file != "1");
+        let file = match &self.publish {
+            Some(file) if !file.as_os_str().is_empty() => Some(writable_file(file)?),
+            Some(_) => Some(ring::default_path().into()),
+            None if self.domemaster.is_some() || rig.publishes() => {
+                Some(environment().unwrap_or_else(|| ring::default_path().into()))
+            }
+            None => None,
+        };
+        Ok(file.filter(|file| file != "0"))
+    }
+
     /// Environment variables that configure the library.
     fn environment(&self, inspection: Option<&Inspection>) -> Result<Environment, Failure> {
         // Wrong options are told before anything starts.
-        self.rig()?;
+        let rig = self.rig()?;
         let mut environment = settings(self, &self.rig_name())?;
+        environment.extend(self.published(&rig)?.map(|file| ("CUPOLA_PUBLISH", Some(file))));
         if let Some(Inspection { output }) = inspection {
             environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));
         }
@@ -273,6 +304,7 @@ fn settings(arguments: &Options, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
     set("CUPOLA_SECONDS", arguments.seconds.map(|seconds| seconds.as_secs_f64().to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
+    set("CUPOLA_DOMEMASTER", arguments.domemaster.map(|side| side.to_string().into()));
     set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     set("CUPOLA_MASK", arguments.no_mask.then(|| "0".into()));

@@ -1,12 +1,20 @@
 //! The part of the statistics that a plan and a rig give, on both APIs.
 
+use crate::intercept::publishing;
 use crate::runtime::Session;
 use crate::runtime::report::Statistics;
 
 /// Statistics with the name of the rig, and the counts of the cache.
 pub fn begin(frames: u64, rig: &str, driver: String) -> Statistics {
     let cache = crate::runtime::cache::of_process().counts();
-    Statistics { frames, rig: rig.to_owned(), driver, cache, ..Statistics::default() }
+    Statistics {
+        frames,
+        rig: rig.to_owned(),
+        driver,
+        cache,
+        published: publishing::statistics(),
+        ..Statistics::default()
+    }
 }
 
 /// Adds the pixels and the notes of a plan.

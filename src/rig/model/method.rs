@@ -152,7 +152,7 @@ impl Rig {
     /// [`Method::Fragment`], which shows the same from views.
     pub fn with_views_for(&self, refused: impl Fn(&Method) -> bool) -> Self {
         let mut rig = self.clone();
-        for output in rig.outputs.iter_mut().filter(|output| refused(&output.method)) {
+        for output in rig.outputs.iter_mut().chain(&mut rig.beside).filter(|output| refused(&output.method)) {
             output.method = Method::Fragment;
         }
         rig

@@ -44,11 +44,58 @@ pub struct Rig {
     pub views: Views,
     /// Where flat (orthographic) drawing appears.
     pub overlay: Overlay,
-    /// The outputs.
+    /// The outputs that the window shows.
     pub outputs: Vec<Output>,
+    /// Outputs that have no place in the window: they are drawn for those who read published frames. Each has a `size`.
+    pub beside: Vec<Output>,
 }
 
 impl Rig {
+    /// The rig with all outputs in `outputs`, those beside the window last: what is planned.
+    pub fn with_all_outputs(&self) -> Cow<'_, Self> {
+        if self.beside.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut all = self.clone();
+        all.outputs.append(&mut all.beside);
+        Cow::Owned(all)
+    }
+
+    /// Whether the rig itself asks for published pictures.
+    pub fn publishes(&self) -> bool {
+        !self.beside.is_empty() || self.outputs.iter().any(|output| output.publish)
+    }
+
+    /// The outputs whose pictures are published if some are, by their place in [`Rig::outputs`]: all where none is chosen.
+    /// Those beside the window follow them.
+    pub fn published_outputs(&self) -> impl Iterator<Item = usize> + '_ {
+        let all = !self.publishes();
+        self.outputs.iter().enumerate().filter(move |(_, output)| all || output.publish).map(|(index, _)| index)
+    }
+
+    /// The same rig with one more output beside the window: a domemaster of `side` × `side` pixels, which shows what the
+    /// dome covers. Its name is `domemaster`, with a number where an output has that name.
+    pub fn with_domemaster(mut self, side: u32) -> Self {
+        let is_taken = |name: &str| self.outputs.iter().chain(&self.beside).any(|output| output.name == name);
+        let names = std::iter::once("domemaster".to_owned()).chain((2..).map(|number| format!("domemaster-{number}")));
+        let Some(name) = names.into_iter().find(|name| !is_taken(name)) else { return self };
+        self.beside.push(Output {
+            name,
+            kind: OutputKind::Domemaster { aperture: self.dome.coverage, tilt: self.dome.tilt },
+            method: Method::Fragment,
+            size: Some((side, side)),
+            window: None,
+            blend: Blend::default(),
+            mask: None,
+            black: None,
+            eye: 0.0,
+            flip: Flip::default(),
+            publish: true,
+            shown: false,
+        });
+        self
+    }
+
     /// The rig whose outputs are not mirrored.
     pub fn upright(&self) -> Cow<'_, Self> {
         if self.outputs.iter().all(|output| output.flip.is_none()) {
@@ -143,6 +190,12 @@ pub struct Output {
     pub eye: f64,
     /// Mirroring of the finished picture; everything else refers to the picture before it.
     pub flip: Flip,
+    /// Its finished pictures are published. Where no output says so, all are, if publishing is asked for.
+    #[serde(skip)]
+    pub publish: bool,
+    /// It has a place in the window.
+    #[serde(skip)]
+    pub shown: bool,
 }
 
 /// Kinds of outputs.

@@ -67,7 +67,19 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
         .filter_map(|(index, section)| output::output(section, index, &dome, directory, problems))
         .collect();
     root.finish(&[("outputs", "the file as [[output]], one for each output")], problems);
-    Some(Rig { name, passthrough, dome, screen: surface, viewer, camera, content, views, overlay, outputs })
+    Some(Rig {
+        name,
+        passthrough,
+        dome,
+        screen: surface,
+        viewer,
+        camera,
+        content,
+        views,
+        overlay,
+        outputs,
+        beside: Vec::new(),
+    })
 }
 
 /// Reads a text that has only the table `content`.

@@ -92,6 +92,8 @@ pub(super) fn output(
     let window = window.map(|[x, y, width, height]| PixelRect { x, y, width, height });
     let eye = section.number("eye", &EYE, 0.0, problems);
     let method = method::method(&mut section, problems);
+    let shown = shown(&mut section, kind, size, window, problems);
+    let publish = section.boolean("publish", !shown, problems);
     let output_kind = match kind {
         Kind::Domemaster => domemaster(&mut section, dome, problems),
         Kind::Projector => {
@@ -119,7 +121,32 @@ pub(super) fn output(
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     let black = blend::black(section.section("black", problems), size, &blend, directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
-    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, black, eye, flip })
+    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, black, eye, flip, publish, shown })
+}
+
+/// Whether the output has a place in the window.
+fn shown(
+    section: &mut Section,
+    kind: Kind,
+    size: Option<(u32, u32)>,
+    window: Option<PixelRect>,
+    problems: &mut Problems,
+) -> bool {
+    let shown = section.boolean("shown", true, problems);
+    let path = section.path("shown");
+    if !shown && matches!(kind, Kind::Projector | Kind::Mesh) {
+        problems.add(
+            &path,
+            "is for pictures that readers of published frames get; a projector has its place in the window",
+        );
+    }
+    if !shown && size.is_none() {
+        problems.add(&path, "needs a size; expected size = [width, height] in pixels beside shown = false");
+    }
+    if !shown && window.is_some() {
+        problems.add(&path, "means that the output has no place in the window; leave out `window`");
+    }
+    shown
 }
 
 /// A domemaster: the plain one where the file says no other projection.

@@ -1,6 +1,7 @@
 //! Objects of ours in the program's context: programs, textures, framebuffers.
 
 pub mod binaries;
+pub mod own_framebuffer;
 pub mod program;
 pub mod surface;
 pub mod target;

@@ -79,6 +79,9 @@ impl GlBackend {
             }
         }
         for (output, target) in self.outputs.iter().zip(targets) {
+            if target.viewport.width == 0 || target.viewport.height == 0 {
+                continue;
+            }
             // SAFETY: as above.
             unsafe {
                 gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);

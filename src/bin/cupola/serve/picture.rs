@@ -283,7 +283,7 @@ mod tests {
             writer.publish(index, index * 1_000_000_000, |to| {
                 for (number, color) in colors.iter().enumerate() {
                     let row: Vec<u8> = color.repeat(shapes[number].size.0 as usize);
-                    to.write(number, std::iter::repeat_n(&row[..], 100));
+                    (0..100).for_each(|y| to.row(number, y, &row));
                 }
             });
         };

@@ -1,9 +1,8 @@
 //! Corrected pictures that do not go to the window: captures at an output's own resolution.
 
-use crate::backend::gl::Target;
+use crate::backend::gl::{OwnFramebuffer, Target};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::read_pixels;
-use crate::intercept::gl::framebuffer::reading::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
 use crate::runtime::report::Picture;

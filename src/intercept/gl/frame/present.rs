@@ -5,7 +5,7 @@ use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::frame::{frame_number, front_buffer, in_turn, report};
+use crate::intercept::gl::frame::{frame_number, front_buffer, in_turn, publish, report};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::{inspected, view_copies};
 use crate::intercept::gl::state::drawable::Drawable;
@@ -190,7 +190,8 @@ fn frame(ctx: &mut Context) -> bool {
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
     let last = last_frame::is_last(settings, number);
     let kept = last || settings.frames.is_none();
-    if is_occluded(&ctx.drawable) && !(kept && last_frame::wants_outputs(settings)) {
+    let published = publish::wants(ctx);
+    if is_occluded(&ctx.drawable) && !(kept && last_frame::wants_outputs(settings)) && !published {
         ctx.frame.counts.hidden_frames += 1;
     } else {
         measure(ctx, |gl, _, device| device.drawn(gl));
@@ -200,6 +201,12 @@ fn frame(ctx: &mut Context) -> bool {
             device.corrected(gl);
             times.correction.add(thread_time().saturating_sub(before.unwrap_or_default()));
         });
+    }
+    if published {
+        publish::frame(ctx, number);
+    }
+    if last {
+        publish::hand_on(ctx, true);
     }
     if kept {
         inspected::end_frame(ctx);
@@ -225,6 +232,7 @@ fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut Device
 }
 
 fn next_frame(ctx: &mut Context) {
+    publish::hand_on(ctx, false);
     let inspects = settings::settings().filter(|settings| settings.inspect.is_some());
     if let (Some(settings), Some(window)) = (inspects, &ctx.drawable.window) {
         last_frame::begin(settings, frame_number::next(window.handle()));

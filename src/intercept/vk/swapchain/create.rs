@@ -143,7 +143,8 @@ pub unsafe extern "system" fn create(
     } else {
         vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST
     };
-    let read = settings.capture.as_ref().map_or(vk::ImageUsageFlags::empty(), |_| vk::ImageUsageFlags::TRANSFER_SRC);
+    let reads = settings.capture.is_some() || settings.publish.is_some();
+    let read = if reads { vk::ImageUsageFlags::TRANSFER_SRC } else { vk::ImageUsageFlags::empty() };
     // SAFETY: the program's own call.
     let supported = unsafe { supported_usage(&device, given) };
     if !supported.contains(wanted | read) {
@@ -241,7 +242,8 @@ unsafe fn build(
     };
     let texel_format = TexelFormat::of(info.image_format).unwrap_or(TexelFormat::Rgba8);
     let version = corrected.map_or(0, |(live, _)| live.version);
-    Ok(Swapchain { extent: info.image_extent, texel_format, supported, real, stand_in, failed: false, version })
+    let (extent, publishing, failed) = (info.image_extent, None, false);
+    Ok(Swapchain { extent, texel_format, supported, real, stand_in, publishing, failed, version })
 }
 
 /// # Safety
@@ -305,6 +307,9 @@ pub unsafe extern "system" fn destroy(
         if let Some(managed) = managed {
             let mut managed = managed.locked();
             managed.real.iter().for_each(|image| device.images.forget_swapchain_image(*image));
+            if let Some(mut publishing) = managed.publishing.take() {
+                publishing.destroy(&device.driver);
+            }
             if let Some(mut stand_in) = managed.stand_in.take() {
                 stand_in.destroy(&device);
             }

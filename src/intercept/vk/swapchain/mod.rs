@@ -13,5 +13,6 @@
 
 pub mod create;
 pub mod present;
+pub mod publish;
 pub mod read_back;
 pub mod stand_in;

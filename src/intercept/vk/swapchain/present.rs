@@ -11,13 +11,13 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::swapchains::Swapchain;
-use crate::intercept::vk::swapchain::read_back;
-use crate::intercept::{log, settings};
+use crate::intercept::vk::swapchain::{publish, read_back};
+use crate::intercept::{log, publishing, settings};
 use crate::lock::Lock;
 use crate::rig::{Duplicate, Rig};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::system::thread_time;
-use ash::vk;
+use ash::vk::{self, Handle};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -128,6 +128,20 @@ unsafe fn prepare(
             }
             Made::Lost => complete = false,
             Made::AsItIs => {}
+        }
+        if publishing::wants(handle.as_raw()) {
+            // SAFETY: as above.
+            match unsafe { publish::frame(device, queue, &mut managed, index as usize, waits, frames) } {
+                Ok(Some(copied)) => {
+                    ready.get_or_insert_default().push(copied);
+                    waits = &[];
+                }
+                Ok(None) => {}
+                Err(error) => log::once(&format!("Vulkan: a frame could not be published: {error}")),
+            }
+            if let Some(reading) = managed.publishing.as_mut().filter(|_| last) {
+                reading.publish(&device.driver, true);
+            }
         }
         if !keep {
             continue;

@@ -2,6 +2,7 @@
 //! window's picture of them.
 
 use crate::backend::vk::{COLOR, SourceImage, TargetImage, VkBackend};
+use crate::correct::UpperLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
@@ -68,6 +69,8 @@ impl StandIn {
             real: real.to_vec(),
             targets: Vec::new(),
             between: None,
+            beside: Vec::new(),
+            beside_images: Vec::new(),
             slots: Vec::new(),
             backend: VkBackend::new(&device.driver.api),
             format: plain_format(info.image_format),
@@ -133,9 +136,19 @@ impl StandIn {
                     self.targets.push(view);
                 }
             } else {
-                let between = between_image(device, plain, info.image_extent).map_err(refused("an image"))?;
+                let between = own_target(device, plain, info.image_extent).map_err(refused("an image"))?;
                 self.between = Some(between);
                 self.targets.push(between.view(&device.driver, plain, same).map_err(refused("a view of an image"))?);
+            }
+            for output in &self.layout.session.rig().beside {
+                let (width, height) = output.size.unwrap_or_default();
+                let image = own_target(device, plain, vk::Extent2D { width, height }).map_err(refused("an image"))?;
+                self.beside.push((image, vk::ImageView::null()));
+                self.beside_images.push(image.image);
+                let view = image.view(&device.driver, plain, same).map_err(refused("a view of an image"))?;
+                if let Some(last) = self.beside.last_mut() {
+                    last.1 = view;
+                }
             }
         }
         let mut backend = std::mem::replace(&mut self.backend, VkBackend::new(&device.driver.api));
@@ -229,7 +242,15 @@ impl StandIn {
             before: around,
             after: around,
         };
-        images.zip(&self.targets).map(target).collect()
+        let beside = self.beside.iter().zip(&self.layout.session.rig().beside);
+        let beside = beside.map(|((own, view), output)| TargetImage {
+            final_layout: COPIED_FROM.layout,
+            extent: output.size.unwrap_or_default(),
+            before: copy,
+            after: copy,
+            ..target((own.image, view))
+        });
+        images.zip(&self.targets).map(target).chain(beside).collect()
     }
 
     /// The image that the program has as number `index`.
@@ -402,6 +423,14 @@ impl StandIn {
                     barrier(&device.driver, buffer, atlas, COPIED_TO, PRESENTED);
                 }
             }
+            let outputs = self.layout.outputs.len();
+            for (number, output) in self.layout.session.rig().beside.iter().enumerate().take(self.beside.len()) {
+                let (width, height) = output.size.unwrap_or_default();
+                let mut places = vec![UpperLeftRect::default(); outputs + number];
+                places.push(UpperLeftRect::new(0, 0, width as i32, height as i32));
+                let target = self.targets.len() + number;
+                self.backend.record(buffer, self.source_of(index, show), target, &places)?;
+            }
             let target = if self.between.is_some() { 0 } else { index };
             self.backend.record(buffer, self.source_of(index, show), target, &self.layout.outputs)?;
             if show == PictureSource::Panel && self.covers() {
@@ -451,6 +480,11 @@ impl StandIn {
             }
             if let Some(between) = self.between.take() {
                 between.destroy(&device.driver);
+            }
+            self.beside_images.clear();
+            for (image, view) in self.beside.drain(..) {
+                functions.destroy_image_view(view, None);
+                image.destroy(&device.driver);
             }
         }
     }
@@ -503,7 +537,7 @@ unsafe fn atlas_image(
 
 /// # Safety
 /// The device must be live.
-unsafe fn between_image(
+unsafe fn own_target(
     device: &Device,
     format: vk::Format,
     vk::Extent2D { width, height }: vk::Extent2D,

@@ -1,13 +1,12 @@
 //! The program's own picture, resampled from the views for its first read.
 
-use crate::backend::gl::{GlBackend, Target};
+use crate::backend::gl::{GlBackend, OwnFramebuffer, Target};
 
 use crate::backend::gl::driver::api;
 use crate::correct::{Batch, LowerLeftRect, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::reading::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::framebuffer::reading::{first_read_color, first_read_depth};
 use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::log;

@@ -2,12 +2,13 @@
 //!
 //! [`background`] tells flat drawing before the scene from what is on the panel, [`draw_count`]
 //! tells the number of draws, [`front_buffer`] limits flushes, [`statistics`] counts for `--stats`,
-//! [`device_times`] measures for it.
+//! [`device_times`] measures for it, [`publishing`] reads pictures back for other processes.
 
 pub mod background;
 pub mod device_times;
 pub mod draw_count;
 pub mod front_buffer;
+pub mod publishing;
 pub mod statistics;
 
 use crate::correct::LowerLeftRect;
@@ -16,6 +17,7 @@ use crate::intercept::gl::state::frame::background::Background;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
+use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::FlatProgram;
@@ -54,6 +56,8 @@ pub struct Frame {
     pub(in crate::intercept::gl) counts: Counts,
     /// Times for `--stats`; `None` if they are not asked for.
     pub(in crate::intercept::gl) times: Option<Times>,
+    /// Read-back of what is published; `None` if nothing is.
+    pub(in crate::intercept::gl) publishing: Option<Box<Publishing>>,
 }
 
 /// Times of a window's frames.

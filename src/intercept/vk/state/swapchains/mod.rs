@@ -1,12 +1,14 @@
 //! Swapchains of the program and what stands in for their images.
 //!
-//! [`formats`] lists the formats that can be corrected.
+//! [`formats`] lists the formats that can be corrected, [`publishing`] reads pictures back for other processes.
 
 pub mod formats;
+pub mod publishing;
 
 use crate::backend::vk::VkBackend;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
 use crate::intercept::vk::state::swapchains::formats::TexelFormat;
+use crate::intercept::vk::state::swapchains::publishing::Publishing;
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
@@ -60,6 +62,9 @@ pub struct StandIn {
     /// Where the real images encode what is written to them, the correction is made here and
     /// copied.
     pub(in crate::intercept::vk) between: Option<OwnImage>,
+    /// The outputs that are published beside the window, with views.
+    pub(in crate::intercept::vk) beside: Vec<(OwnImage, vk::ImageView)>,
+    pub(in crate::intercept::vk) beside_images: Vec<vk::Image>,
     pub(in crate::intercept::vk) slots: Vec<Slot>,
     pub(in crate::intercept::vk) backend: VkBackend,
     /// The format that the correction reads and writes.
@@ -84,6 +89,8 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// Stand-in images; `None`: the program has the real images.
     pub(in crate::intercept::vk) stand_in: Option<StandIn>,
+    /// Read-back of what is published; `None` if nothing is.
+    pub(in crate::intercept::vk) publishing: Option<Publishing>,
     /// After a failure: the program's own picture.
     pub(in crate::intercept::vk) failed: bool,
     /// Which state of the rig's file it follows.

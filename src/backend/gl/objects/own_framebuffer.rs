@@ -1,6 +1,7 @@
 //! A framebuffer of ours with one texture.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
 
 /// A framebuffer with one texture of 8 bits.
 pub struct OwnFramebuffer {
@@ -12,14 +13,12 @@ pub struct OwnFramebuffer {
 impl OwnFramebuffer {
     /// Of so many pixels.
     pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
-        let mut canvas = Self { framebuffer: 0, texture: 0 };
+        let canvas = Self { framebuffer: own_names::framebuffer(gl), texture: own_names::texture(gl) };
         // SAFETY: makes objects of ours; the bindings that are touched are put back.
         unsafe {
             let (mut bound, mut texture) = (0, 0);
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
             gl.get_integerv(api::GL_TEXTURE_BINDING_2D, &mut texture);
-            gl.gen_framebuffers(1, &mut canvas.framebuffer);
-            gl.gen_textures(1, &mut canvas.texture);
             gl.bind_texture(api::GL_TEXTURE_2D, canvas.texture);
             gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA8, width, height);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);

@@ -1,0 +1,90 @@
+//! Finished pictures for other processes: what is read of a frame, and when.
+
+use crate::backend::gl::driver::api;
+use crate::correct::LowerLeftRect;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::context::read_pixels::while_reading;
+use crate::intercept::gl::state::frame::publishing::Publishing;
+use crate::intercept::publishing::{self, Stamp};
+use crate::intercept::settings;
+use std::sync::Arc;
+
+/// Whether frames of the context's window are published.
+pub fn wants(ctx: &Context) -> bool {
+    ctx.drawable.window.as_ref().is_some_and(|window| publishing::wants(window.handle() as u64))
+}
+
+/// Publishes the frame that was just corrected: reads its pictures, and hands on those that were read before.
+pub fn frame(ctx: &mut Context, number: u64) {
+    let ctx: &mut Context = &mut OwnCalls::begin(ctx);
+    let Some(mut publishing) = fitting(ctx) else { return };
+    let gl = ctx.driver.gl;
+    publishing.publish(gl, false);
+    if !publishing.targets.is_empty()
+        && let Some(target) = ctx.drawable.target()
+    {
+        let cleared = target.views_cleared();
+        let (texture, known) = (target.texture(), &ctx.driver.known_state);
+        let pending = target.backend().present_changed(gl, texture, &publishing.targets, cleared.as_ref(), known);
+        if pending != api::GL_NO_ERROR {
+            ctx.driver.note_error(pending);
+        }
+    }
+    while_reading(gl, 0, || publishing.read(gl, Stamp::now(number)));
+    if publishing::waits() {
+        publishing.publish(gl, true);
+    }
+    ctx.frame.publishing = Some(publishing);
+}
+
+/// Hands on what the device has copied since; `all`: waits for it.
+pub fn hand_on(ctx: &mut Context, all: bool) {
+    if let Some(publishing) = &mut ctx.frame.publishing {
+        publishing.publish(ctx.driver.gl, all);
+    }
+}
+
+/// What reads the pictures of the window as it is now; `None` if there are none.
+fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
+    let gl = ctx.driver.gl;
+    let session = ctx.drawable.target().map(|target| &target.session);
+    let window = match session {
+        Some(session) => session.window(),
+        None => ctx.drawable.window.as_ref()?.size(),
+    };
+    if let Some(publishing) = ctx.frame.publishing.take() {
+        if publishing.session.as_ref().map(Arc::as_ptr) == session.map(Arc::as_ptr) && publishing.window == window {
+            return Some(publishing);
+        }
+        publishing.destroy(gl);
+    }
+    let profile = &ctx.driver.profile;
+    let later = profile.version >= if profile.es { 30 } else { 32 };
+    let new = match session {
+        None => {
+            let whole = ("window".to_owned(), LowerLeftRect::of_size(window));
+            Publishing::new(gl, (None, window), std::iter::once(whole), std::iter::empty(), later)
+        }
+        Some(session) => {
+            let (rig, plan) = (session.rig(), session.plan());
+            let places: Vec<LowerLeftRect> = session.viewports().collect();
+            let own_size = settings::settings().is_some_and(|settings| settings.offscreen);
+            let (shown, beside) = (rig.published_outputs(), rig.outputs.len()..plan.passes.len());
+            let (in_window, elsewhere): (Vec<_>, Vec<_>) = if own_size {
+                (Vec::new(), shown.chain(beside).collect())
+            } else {
+                (shown.collect(), beside.collect())
+            };
+            let named = |index: usize| plan.passes[index].name.clone();
+            Publishing::new(
+                gl,
+                (Some(Arc::clone(session)), window),
+                in_window.into_iter().map(|index| (named(index), places[index])),
+                elsewhere.into_iter().map(|index| (named(index), index, plan.passes[index].size)),
+                later,
+            )
+        }
+    };
+    Some(Box::new(new)).filter(|new| !new.is_empty())
+}

@@ -1,0 +1,224 @@
+//! Read-back of the pictures that are published, by buffers that are read when the device has filled them.
+
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::own_names;
+use crate::backend::gl::{OwnFramebuffer, Target};
+use crate::correct::LowerLeftRect;
+use crate::intercept::publishing::{self, Stamp};
+use crate::ring::{Pictures, Shape};
+use crate::runtime::session::Session;
+use std::ffi::c_void;
+use std::sync::Arc;
+
+/// So many frames may be on their way from the device; more are left out.
+const FRAMES: usize = 3;
+
+/// Nanoseconds of one wait for the device.
+const WAIT: u64 = 1_000_000_000;
+
+/// A frame on its way.
+#[derive(Clone, Copy, Debug, Default)]
+struct Transfer {
+    buffer: u32,
+    /// The address of its fence; 0 = nothing is on its way.
+    fence: usize,
+    stamp: Stamp,
+}
+
+/// Where the pictures of one window come from.
+pub struct Publishing {
+    /// The plan that it belongs to; `None`: the window is left alone.
+    pub(in crate::intercept::gl) session: Option<Arc<Session>>,
+    /// Size of the window.
+    pub(in crate::intercept::gl) window: (u32, u32),
+    shapes: Vec<Shape>,
+    /// Where each picture is read.
+    places: Vec<Target>,
+    /// For outputs that are drawn beside the window: the place of each output of the plan, empty where it is not drawn.
+    pub(in crate::intercept::gl) targets: Vec<Target>,
+    canvases: Vec<OwnFramebuffer>,
+    /// First byte of each picture.
+    offsets: Vec<usize>,
+    bytes: usize,
+    transfers: [Transfer; FRAMES],
+    /// Numbers of the next transfer and of the oldest on its way.
+    next: usize,
+    oldest: usize,
+    /// Without buffers and fences the pictures are read to this.
+    memory: Option<Vec<u8>>,
+}
+
+impl Publishing {
+    /// `pictures`: name and place of each in the window; `beside`: name, index in the plan, and size of each that is drawn
+    /// elsewhere. `later`: the context has buffers and fences.
+    pub fn new(
+        gl: &Gl,
+        (session, window): (Option<Arc<Session>>, (u32, u32)),
+        pictures: impl Iterator<Item = (String, LowerLeftRect)>,
+        beside: impl Iterator<Item = (String, usize, (u32, u32))>,
+        later: bool,
+    ) -> Self {
+        let mut new = Self {
+            session,
+            window,
+            shapes: Vec::new(),
+            places: Vec::new(),
+            targets: Vec::new(),
+            canvases: Vec::new(),
+            offsets: Vec::new(),
+            bytes: 0,
+            transfers: [Transfer::default(); FRAMES],
+            next: 0,
+            oldest: 0,
+            memory: None,
+        };
+        for (name, viewport) in pictures {
+            new.add(name, Target { framebuffer: 0, viewport });
+        }
+        for (name, index, size) in beside {
+            let viewport = LowerLeftRect::of_size(size);
+            let canvas = OwnFramebuffer::new(gl, viewport.width, viewport.height);
+            let target = Target { framebuffer: canvas.framebuffer, viewport };
+            let nowhere = Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::default() };
+            new.targets.resize(new.targets.len().max(index + 1), nowhere);
+            new.targets[index] = target;
+            new.canvases.push(canvas);
+            new.add(name, target);
+        }
+        if later {
+            new.make_buffers(gl);
+        } else {
+            new.memory = Some(vec![0; new.bytes]);
+        }
+        new
+    }
+
+    fn add(&mut self, name: String, place: Target) {
+        let LowerLeftRect { width, height, .. } = place.viewport;
+        // Of an output outside of the window there is nothing to read.
+        if let (Ok(width @ 1..), Ok(height @ 1..)) = (u32::try_from(width), u32::try_from(height)) {
+            self.shapes.push(Shape { name, size: (width, height) });
+            self.places.push(place);
+            self.offsets.push(self.bytes);
+            self.bytes += width as usize * height as usize * 4;
+        }
+    }
+
+    fn make_buffers(&mut self, gl: &Gl) {
+        for transfer in &mut self.transfers {
+            transfer.buffer = own_names::buffer(gl);
+            bound(gl, transfer.buffer, || {
+                let size = self.bytes as isize;
+                // SAFETY: room for a buffer of ours, which is bound.
+                unsafe { gl.buffer_data(api::GL_PIXEL_PACK_BUFFER, size, std::ptr::null(), api::GL_STREAM_READ) };
+            });
+        }
+    }
+
+    /// Whether there is anything to publish.
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty()
+    }
+
+    /// Reads the pictures of a frame; they are published when the device has copied them. Pixel storage must be without
+    /// gaps; leaves bindings of pixel buffer and read framebuffer changed.
+    pub fn read(&mut self, gl: &Gl, stamp: Stamp) {
+        if let Some(mut memory) = self.memory.take() {
+            self.read_to(gl, 0, memory.as_mut_ptr().cast());
+            publishing::publish(&self.shapes, stamp, |pictures| self.write(pictures, &memory));
+            self.memory = Some(memory);
+            return;
+        }
+        if self.next - self.oldest == FRAMES {
+            publishing::left_out();
+            return;
+        }
+        let buffer = self.transfers[self.next % FRAMES].buffer;
+        self.read_to(gl, buffer, std::ptr::null_mut());
+        // SAFETY: makes a fence of ours.
+        let fence = unsafe { gl.fence_sync(api::GL_SYNC_GPU_COMMANDS_COMPLETE, 0) };
+        self.transfers[self.next % FRAMES] = Transfer { buffer, fence: fence.addr(), stamp };
+        self.next += 1;
+    }
+
+    /// Reads to a buffer, or to memory from `to` on if that is 0.
+    fn read_to(&self, gl: &Gl, buffer: u32, to: *mut c_void) {
+        // SAFETY: the buffer, or the memory, has room for all pictures.
+        unsafe {
+            gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer);
+            for (place, offset) in self.places.iter().zip(&self.offsets) {
+                gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, place.framebuffer);
+                let LowerLeftRect { x, y, width, height } = place.viewport;
+                let at = to.wrapping_byte_add(*offset);
+                gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, at);
+            }
+        }
+    }
+
+    /// Publishes what the device has copied; `all`: waits for the rest.
+    pub fn publish(&mut self, gl: &Gl, all: bool) {
+        while self.oldest < self.next {
+            let Transfer { buffer, fence, stamp } = self.transfers[self.oldest % FRAMES];
+            let fence: *const c_void = std::ptr::with_exposed_provenance(fence);
+            let (flags, wait) = if all { (api::GL_SYNC_FLUSH_COMMANDS_BIT, WAIT) } else { (0, 0) };
+            // SAFETY: a fence of ours.
+            match unsafe { gl.client_wait_sync(fence, flags, wait) } {
+                api::GL_ALREADY_SIGNALED | api::GL_CONDITION_SATISFIED => self.publish_buffer(gl, buffer, stamp),
+                api::GL_TIMEOUT_EXPIRED if all => continue,
+                api::GL_TIMEOUT_EXPIRED => break,
+                _ => publishing::left_out(),
+            }
+            // SAFETY: as above; it is not used any more.
+            unsafe { gl.delete_sync(fence) };
+            self.oldest += 1;
+        }
+    }
+
+    fn publish_buffer(&self, gl: &Gl, buffer: u32, stamp: Stamp) {
+        bound(gl, buffer, || {
+            let size = self.bytes as isize;
+            // SAFETY: a buffer of ours of that size is bound, and stays mapped while its bytes are borrowed.
+            unsafe {
+                let at = gl.map_buffer_range(api::GL_PIXEL_PACK_BUFFER, 0, size, api::GL_MAP_READ_BIT);
+                if at.is_null() {
+                    publishing::left_out();
+                    return;
+                }
+                let bytes = std::slice::from_raw_parts(at.cast::<u8>(), self.bytes);
+                publishing::publish(&self.shapes, stamp, |pictures| self.write(pictures, bytes));
+                gl.unmap_buffer(api::GL_PIXEL_PACK_BUFFER);
+            }
+        });
+    }
+
+    fn write(&self, pictures: &mut Pictures<'_>, bytes: &[u8]) {
+        for (number, (shape, offset)) in self.shapes.iter().zip(&self.offsets).enumerate() {
+            let row = shape.size.0 as usize * 4;
+            let pixels = &bytes[*offset..offset + row * shape.size.1 as usize];
+            // OpenGL's first row is the lowest.
+            (0..).zip(pixels.chunks_exact(row).rev()).for_each(|(y, row)| pictures.row(number, y, row));
+        }
+    }
+
+    /// Publishes what is on its way, and deletes everything in the context, which must be current.
+    pub fn destroy(mut self, gl: &Gl) {
+        self.publish(gl, true);
+        for transfer in self.transfers.iter().filter(|transfer| transfer.buffer != 0) {
+            // SAFETY: a buffer of ours.
+            unsafe { gl.delete_buffers(1, &transfer.buffer) };
+        }
+        self.canvases.into_iter().for_each(|canvas| canvas.destroy(gl));
+    }
+}
+
+/// Runs `work` with a buffer bound for reads of pixels.
+fn bound(gl: &Gl, buffer: u32, work: impl FnOnce()) {
+    let mut before = 0;
+    // SAFETY: a binding, which is put back.
+    unsafe {
+        gl.get_integerv(api::GL_PIXEL_PACK_BUFFER_BINDING, &mut before);
+        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer);
+        work();
+        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, before as u32);
+    }
+}

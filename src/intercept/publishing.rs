@@ -1,0 +1,138 @@
+//! Finished pictures of this process for others, in a [`ring`](crate::ring). Both APIs bring their frames here.
+//!
+//! One window is published: the first one. Another one takes its place when it alone has been presented for a while.
+
+use super::{log, settings};
+use crate::lock::Lock;
+use crate::ring::{Pictures, Shape, Writer};
+use crate::runtime::report::Published;
+use std::sync::{Mutex, Once};
+
+/// Frames that readers have time for before they lose one.
+const SLOTS: usize = 4;
+
+/// So many frames of other windows without one of the published window mean that it is gone.
+const GONE: u32 = 30;
+
+struct Publishing {
+    writer: Option<Writer>,
+    /// Nothing is published any more.
+    is_over: bool,
+    window: Option<u64>,
+    /// Frames of other windows since the last one of that window.
+    of_others: u32,
+    left_out: u64,
+}
+
+static PUBLISHING: Mutex<Publishing> =
+    Mutex::new(Publishing { writer: None, is_over: false, window: None, of_others: 0, left_out: 0 });
+
+/// A frame's numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stamp {
+    /// The window's number of the frame, from 1.
+    pub index: u64,
+    /// The program's monotonic clock, in nanoseconds.
+    pub time: u64,
+}
+
+impl Stamp {
+    /// For the frame that is presented now.
+    pub fn now(index: u64) -> Self {
+        Self { index, time: crate::system::monotonic() }
+    }
+}
+
+/// Whether frames of this window are published.
+pub fn wants(window: u64) -> bool {
+    if settings::settings().is_none_or(|settings| settings.publish.is_none()) {
+        return false;
+    }
+    let mut publishing = PUBLISHING.locked();
+    if publishing.is_over {
+        return false;
+    }
+    if publishing.window != Some(window) && publishing.window.is_some() && publishing.of_others < GONE {
+        publishing.of_others += 1;
+        if publishing.of_others < GONE {
+            return false;
+        }
+    }
+    (publishing.window, publishing.of_others) = (Some(window), 0);
+    true
+}
+
+/// Whether the program waits for its readers.
+pub fn waits() -> bool {
+    settings::settings().is_some_and(|settings| settings.publish_waits)
+}
+
+/// Publishes a frame with pictures of these names and sizes. `fill` writes them.
+pub fn publish(shapes: &[Shape], stamp: Stamp, fill: impl FnOnce(&mut Pictures<'_>)) {
+    let mut publishing = PUBLISHING.locked();
+    if publishing.is_over {
+        return;
+    }
+    if let Err(error) = publishing.prepare(shapes) {
+        log::once(&format!("frames are not published any more: {error}"));
+        publishing.end();
+    }
+    if let Some(writer) = &mut publishing.writer {
+        writer.publish(stamp.index, stamp.time, fill);
+    }
+}
+
+/// A frame could not be read back in time.
+pub fn left_out() {
+    PUBLISHING.locked().left_out += 1;
+}
+
+/// What was published so far, for the statistics.
+pub fn statistics() -> Option<Published> {
+    let publishing = PUBLISHING.locked();
+    let writer = publishing.writer.as_ref()?;
+    let (readers, lost) = writer.readers();
+    Some(Published { frames: writer.published(), readers, lost, left_out: publishing.left_out })
+}
+
+/// The program ends.
+pub fn end() {
+    PUBLISHING.locked().end();
+}
+
+impl Publishing {
+    /// Makes the file fit the pictures.
+    fn prepare(&mut self, shapes: &[Shape]) -> crate::Result<()> {
+        match &mut self.writer {
+            Some(writer) if writer.shapes() == shapes => Ok(()),
+            Some(writer) => writer.reshape(shapes),
+            None => {
+                let Some(settings) = settings::settings() else { return Ok(()) };
+                let Some(path) = &settings.publish else { return Ok(()) };
+                let writer = Writer::create(path, shapes, SLOTS, settings.publish_waits)?;
+                if settings.publish_waits && !writer.wait_for_a_reader() {
+                    log::once("nobody reads the published frames; the program goes on without waiting for readers");
+                }
+                self.writer = Some(writer);
+                static AT_EXIT: Once = Once::new();
+                AT_EXIT.call_once(|| {
+                    // SAFETY: registers a function of a library that is never unloaded.
+                    unsafe { libc::atexit(at_exit) };
+                });
+                Ok(())
+            }
+        }
+    }
+
+    fn end(&mut self) {
+        self.is_over = true;
+        if let Some(writer) = self.writer.take() {
+            writer.end();
+        }
+    }
+}
+
+extern "C" fn at_exit() {
+    // A panic while the process ends has nobody left to tell.
+    let _ = crate::fence::guard(end);
+}

@@ -1,0 +1,278 @@
+//! Read-back of the pictures of a window that are published.
+
+use crate::intercept::publishing::{self, Stamp};
+use crate::intercept::vk::state::driver::Driver;
+use crate::intercept::vk::state::driver::Queue;
+use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
+use crate::intercept::vk::state::swapchains::formats::TexelFormat;
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::ring::{Pictures, Shape};
+use ash::prelude::VkResult;
+use ash::vk;
+use std::sync::Arc;
+
+/// So many frames may be on their way from the device; more are left out.
+const FRAMES: usize = 3;
+
+/// Nanoseconds that the device may take for a frame that the program waits for.
+const LONGEST_WAIT: u64 = 60_000_000_000;
+
+/// Pictures begin at places that any device can copy to.
+const ALIGNMENT: usize = 64;
+
+/// A picture that is published: where it comes from, and goes to in the buffer.
+#[derive(Clone, Copy)]
+struct Region {
+    /// The image beside the window with this number; `None`: the window.
+    beside: Option<usize>,
+    copy: vk::BufferImageCopy,
+}
+
+/// A frame on its way. Null until it is made.
+#[derive(Default)]
+struct Transfer {
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+    /// Address of its bytes.
+    bytes: usize,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    done: vk::Fence,
+    stamp: Stamp,
+}
+
+/// Where the pictures of a window come from.
+pub(in crate::intercept::vk) struct Publishing {
+    /// The plan that it belongs to; `None`: the window is left alone.
+    pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
+    /// The family of the queue that presents.
+    pub(in crate::intercept::vk) family: u32,
+    format: TexelFormat,
+    shapes: Vec<Shape>,
+    regions: Vec<Region>,
+    bytes: usize,
+    transfers: [Transfer; FRAMES],
+    next: usize,
+    oldest: usize,
+    /// For each image of the swapchain: signalled when it was copied.
+    copied: Vec<vk::Semaphore>,
+    /// A row of a picture in the other order of colours.
+    row: Vec<u8>,
+}
+
+impl Publishing {
+    /// For a window with `images` images. `pictures`: name, number beside the window, place.
+    ///
+    /// # Errors
+    /// The driver's.
+    ///
+    /// # Safety
+    /// The device must be live.
+    pub(in crate::intercept::vk) unsafe fn new(
+        driver: &Driver,
+        (layout, family, format): (Option<Arc<AtlasLayout>>, u32, TexelFormat),
+        images: usize,
+        pictures: impl Iterator<Item = (String, Option<usize>, vk::Rect2D)>,
+    ) -> VkResult<Self> {
+        let (mut shapes, mut regions, mut bytes) = (Vec::new(), Vec::new(), 0_usize);
+        for (name, beside, vk::Rect2D { offset, extent: vk::Extent2D { width, height } }) in pictures {
+            if width == 0 || height == 0 {
+                continue;
+            }
+            let copy = vk::BufferImageCopy::default()
+                .buffer_offset(bytes as u64)
+                .image_subresource(COLOR_LAYER)
+                .image_offset(vk::Offset3D { x: offset.x, y: offset.y, z: 0 })
+                .image_extent(vk::Extent3D { width, height, depth: 1 });
+            bytes += (width as usize * height as usize * format.size()).next_multiple_of(ALIGNMENT);
+            shapes.push(Shape { name, size: (width, height) });
+            regions.push(Region { beside, copy });
+        }
+        let widest = shapes.iter().map(|shape| shape.size.0 as usize * 4).max().unwrap_or(0);
+        let mut new = Self {
+            layout,
+            family,
+            format,
+            shapes,
+            regions,
+            bytes,
+            transfers: Default::default(),
+            next: 0,
+            oldest: 0,
+            copied: Vec::new(),
+            row: Vec::with_capacity(widest),
+        };
+        // SAFETY: as promised; after a failure what was made is destroyed.
+        unsafe { new.make(driver, images).inspect_err(|_| new.destroy(driver))? };
+        Ok(new)
+    }
+
+    /// # Safety
+    /// As for [`Publishing::new`].
+    unsafe fn make(&mut self, driver: &Driver, images: usize) -> VkResult<()> {
+        let functions = &driver.functions;
+        let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        let info =
+            vk::BufferCreateInfo::default().size(self.bytes.max(1) as u64).usage(vk::BufferUsageFlags::TRANSFER_DST);
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: as promised; the buffer stays mapped until its memory is freed.
+        unsafe {
+            for _ in 0..images {
+                self.copied.push(functions.create_semaphore(&vk::SemaphoreCreateInfo::default(), None)?);
+            }
+            for transfer in &mut self.transfers {
+                transfer.buffer = functions.create_buffer(&info, None)?;
+                let needs = functions.get_buffer_memory_requirements(transfer.buffer);
+                let kind = |wanted| driver.memory_type(needs.memory_type_bits, wanted);
+                let kind = kind(visible | vk::MemoryPropertyFlags::HOST_CACHED).or_else(|| kind(visible)).unwrap_or(0);
+                let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
+                transfer.memory = functions.allocate_memory(&allocation, None)?;
+                functions.bind_buffer_memory(transfer.buffer, transfer.memory, 0)?;
+                let bytes = functions.map_memory(transfer.memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())?;
+                transfer.bytes = bytes.expose_provenance();
+                transfer.pool = functions.create_command_pool(&pool, None)?;
+                transfer.commands = driver.command_buffer(transfer.pool)?;
+                transfer.done = functions.create_fence(&vk::FenceCreateInfo::default(), None)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Copies the pictures of a frame, from image `index` of the swapchain and from those `beside` it, after `waits`; they
+    /// are published when the device has done so. Returns what the presentation has to wait for; `None` if the device has
+    /// not done the frames before.
+    ///
+    /// # Errors
+    /// The driver's; nothing was submitted then.
+    ///
+    /// # Safety
+    /// No other thread may use the queue; the image can be copied from, and what was submitted to the queue before leaves
+    /// it ready to be presented, and the others ready to be copied from.
+    pub(in crate::intercept::vk) unsafe fn read(
+        &mut self,
+        driver: &Driver,
+        queue: Queue,
+        (index, image, beside): (usize, vk::Image, &[vk::Image]),
+        waits: &[vk::Semaphore],
+        stamp: Stamp,
+    ) -> VkResult<Option<vk::Semaphore>> {
+        let Some(&copied) = self.copied.get(index) else { return Ok(None) };
+        if self.next - self.oldest == FRAMES {
+            publishing::left_out();
+            return Ok(None);
+        }
+        let functions = &driver.functions;
+        let transfer = &mut self.transfers[self.next % FRAMES];
+        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: as promised; the device has done what this transfer held before.
+        unsafe {
+            functions.begin_command_buffer(transfer.commands, &once)?;
+            barrier(driver, transfer.commands, image, PRESENTED, COPIED_FROM);
+            for region in &self.regions {
+                let from = region.beside.map_or(Some(image), |number| beside.get(number).copied());
+                if let Some(from) = from {
+                    let (layout, copy) = (COPIED_FROM.layout, [region.copy]);
+                    functions.cmd_copy_image_to_buffer(transfer.commands, from, layout, transfer.buffer, &copy);
+                }
+            }
+            barrier(driver, transfer.commands, image, COPIED_FROM, PRESENTED);
+            let seen = vk::MemoryBarrier::default()
+                .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+                .dst_access_mask(vk::AccessFlags::HOST_READ);
+            let (before, after) = (vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::HOST);
+            let flags = vk::DependencyFlags::empty();
+            functions.cmd_pipeline_barrier(transfer.commands, before, after, flags, &[seen], &[], &[]);
+            functions.end_command_buffer(transfer.commands)?;
+            let (buffers, signals) = ([transfer.commands], [copied]);
+            let stages = vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()];
+            let work = vk::SubmitInfo::default()
+                .wait_semaphores(waits)
+                .wait_dst_stage_mask(&stages)
+                .command_buffers(&buffers)
+                .signal_semaphores(&signals);
+            functions.reset_fences(&[transfer.done])?;
+            functions.queue_submit(queue.handle, &[work], transfer.done)?;
+        }
+        transfer.stamp = stamp;
+        self.next += 1;
+        Ok(Some(copied))
+    }
+
+    /// Publishes what the device has copied; `all`: waits for the rest.
+    pub(in crate::intercept::vk) fn publish(&mut self, driver: &Driver, all: bool) {
+        let functions = &driver.functions;
+        while self.oldest < self.next {
+            let transfer = &self.transfers[self.oldest % FRAMES];
+            // SAFETY: a fence of ours that was submitted.
+            let done = unsafe {
+                match all {
+                    true => functions.wait_for_fences(&[transfer.done], true, LONGEST_WAIT).is_ok(),
+                    false => functions.get_fence_status(transfer.done).unwrap_or(false),
+                }
+            };
+            if !done {
+                return;
+            }
+            // SAFETY: memory of that size that stays mapped; the device has written it, and writes no more.
+            let bytes = unsafe {
+                std::slice::from_raw_parts(std::ptr::with_exposed_provenance::<u8>(transfer.bytes), self.bytes)
+            };
+            let (shapes, regions, row, format) = (&self.shapes, &self.regions, &mut self.row, self.format);
+            publishing::publish(shapes, transfer.stamp, |pictures| {
+                write(pictures, shapes, regions, bytes, (format, row))
+            });
+            self.oldest += 1;
+        }
+    }
+
+    /// # Safety
+    /// The device must be live; presentations that wait for its semaphores must be over.
+    pub(in crate::intercept::vk) unsafe fn destroy(&mut self, driver: &Driver) {
+        self.publish(driver, true);
+        let functions = &driver.functions;
+        // SAFETY: as promised; destroying null objects does nothing.
+        unsafe {
+            for transfer in std::mem::take(&mut self.transfers) {
+                functions.destroy_fence(transfer.done, None);
+                functions.destroy_command_pool(transfer.pool, None);
+                functions.destroy_buffer(transfer.buffer, None);
+                functions.free_memory(transfer.memory, None);
+            }
+            self.copied.drain(..).for_each(|semaphore| functions.destroy_semaphore(semaphore, None));
+        }
+    }
+}
+
+fn write(
+    pictures: &mut Pictures<'_>,
+    shapes: &[Shape],
+    regions: &[Region],
+    bytes: &[u8],
+    (format, row): (TexelFormat, &mut Vec<u8>),
+) {
+    for (number, (shape, region)) in shapes.iter().zip(regions).enumerate() {
+        let first = region.copy.buffer_offset as usize;
+        let rows = bytes[first..].chunks_exact(shape.size.0 as usize * format.size());
+        for (y, texels) in (0..shape.size.1).zip(rows) {
+            row.clear();
+            match format {
+                TexelFormat::Rgba8 => {
+                    pictures.row(number, y, texels);
+                    continue;
+                }
+                TexelFormat::Bgra8 => {
+                    row.extend(
+                        texels.as_chunks::<4>().0.iter().flat_map(|[blue, green, red, _]| [*red, *green, *blue, 255]),
+                    );
+                }
+                _ => {
+                    let colors = texels.chunks_exact(format.size()).map(|texel| format.color(texel));
+                    row.extend(colors.flat_map(|[red, green, blue]| [red, green, blue, 255]));
+                }
+            }
+            pictures.row(number, y, row);
+        }
+    }
+}

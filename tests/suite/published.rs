@@ -1,0 +1,134 @@
+//! Published frames: what a reader gets is what the window shows, and nothing is lost that should not be.
+
+use crate::harness::tests;
+use crate::picture::Picture;
+use crate::programs::{Finished, Run, scratch};
+use cupola::ring::{Frame, Next, Reader};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+
+tests! {
+    a_reader_gets_what_the_window_shows,
+    a_domemaster_beside_the_window_is_as_one_in_it,
+    vulkan_publishes_the_same,
+}
+
+const LIMIT: Duration = Duration::from_secs(60);
+
+/// What was read of a program's frames.
+#[derive(Default)]
+struct Seen {
+    indices: Vec<u64>,
+    last: Frame,
+    lost: u64,
+}
+
+/// Reads from the file until the program ends; nothing if it ends before it publishes anything.
+fn read(path: &Path, has_ended: &AtomicBool) -> Seen {
+    let (mut seen, mut frame) = (Seen::default(), Frame::default());
+    let mut reader = loop {
+        match Reader::open(path) {
+            Ok(reader) => break reader,
+            Err(_) if has_ended.load(Relaxed) => return seen,
+            Err(_) => std::thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    while reader.next(LIMIT, &mut frame).expect("frames") == Next::Frame {
+        seen.indices.push(frame.index);
+        std::mem::swap(&mut seen.last, &mut frame);
+    }
+    seen.lost = reader.lost();
+    seen
+}
+
+/// Runs a program that waits for this reader.
+fn recorded(run: &Run<'_>, start: impl Fn(&Run<'_>) -> Option<Finished>, options: &[&str]) -> Option<(Finished, Seen)> {
+    let file: PathBuf = scratch("published").join("ring");
+    let publish = format!("--publish={}", file.display());
+    let options: Vec<&str> = options.iter().copied().chain([publish.as_str()]).collect();
+    let environment = [("CUPOLA_PUBLISH_WAIT", "1")];
+    let run = Run { cupola: &options, environment: &environment, ..run.clone() };
+    let has_ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let reading = scope.spawn(|| read(&file, &has_ended));
+        let finished = start(&run);
+        has_ended.store(true, Relaxed);
+        let finished = finished?.expect_success();
+        let seen = reading.join().expect("a reader");
+        assert!(!file.exists(), "the file is removed");
+        Some((finished, seen))
+    })
+}
+
+fn picture(frame: &Frame, name: &str) -> Picture {
+    let found = frame.pictures.iter().find(|picture| picture.name == name);
+    let found = found.unwrap_or_else(|| panic!("no picture {name} of {:?}", frame.pictures.len()));
+    let (width, height) = (found.size.0 as usize, found.size.1 as usize);
+    assert!(found.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255), "alpha is 255");
+    Picture::from_fn(width, height, |x, y| {
+        let at = (y * width + x) * 4;
+        [found.rgba[at], found.rgba[at + 1], found.rgba[at + 2]]
+    })
+}
+
+fn a_reader_gets_what_the_window_shows() {
+    for program in ["core330_mvp", "immediate", "gles2"] {
+        let run = Run { frames: 8, cupola_frames: 8, ..Run::new(program) };
+        let Some((finished, seen)) = recorded(&run, |run| run.under("fisheye"), &[]) else { return };
+        assert_eq!((&seen.indices, seen.lost), (&(1..=8).collect(), 0), "{program}");
+        let shown = finished.expect_no_gl_errors().picture("capture.png");
+        let name = &seen.last.pictures[0].name;
+        assert!(picture(&seen.last, name) == shown, "{program}");
+        let mut wrong = seen.last.clone();
+        wrong.pictures[0].rgba[4 * (128 * 256 + 128)] ^= 1;
+        assert!(picture(&wrong, name) != shown, "a wrong pixel is seen");
+    }
+}
+
+/// The rig's own outputs are six projectors; the domemaster has another size than anything in the window.
+fn a_domemaster_beside_the_window_is_as_one_in_it() {
+    let run = Run { size: (300, 200), frames: 4, cupola_frames: 4, ..Run::new("core330_mvp") };
+    let options = ["--domemaster", "200"];
+    let Some((finished, seen)) = recorded(&run, |run| run.under("planetarium-6"), &options) else { return };
+    finished.expect_no_gl_errors();
+    assert_eq!((seen.indices, seen.lost, seen.last.pictures.len()), ((1..=4).collect(), 0, 1));
+    let beside = picture(&seen.last, "domemaster");
+    let dome = cupola::rig::load("planetarium-6").expect("a preset").dome;
+    let rig = format!(
+        "[dome]\ntilt = {}\ncoverage = {}\n[[output]]\nkind = \"domemaster\"\n",
+        dome.tilt.to_degrees(),
+        dome.coverage.to_degrees()
+    );
+    let file = scratch("domemaster").join("rig.toml");
+    std::fs::write(&file, rig).expect("a rig");
+    let alone = Run { size: (200, 200), ..run };
+    let Some(alone) = alone.under(file.to_str().expect("UTF-8")) else { return };
+    let alone = alone.expect_success().picture("capture.png");
+    // Views of other sizes are filtered differently.
+    let (_, worst) = beside.difference(&alone);
+    let far = |a: &[u8; 3], b: &[u8; 3]| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 24);
+    let different = beside.pixels.iter().zip(&alone.pixels).filter(|(a, b)| far(a, b)).count();
+    assert!(different < 200 * 200 / 100, "{different} pixels, up to {worst}");
+    let shifted = Picture::from_fn(200, 200, |x, y| alone.at((x + 3).min(199), y));
+    let shifted = beside.pixels.iter().zip(&shifted.pixels).filter(|(a, b)| far(a, b)).count();
+    assert!(shifted > 4 * different.max(10), "a shift by three pixels is seen: {shifted} of {different}");
+}
+
+fn vulkan_publishes_the_same() {
+    let run = Run { size: (240, 200), frames: 5, cupola_frames: 5, ..Run::new("vk_cube") };
+    let under = |run: &Run<'_>| run.vulkan_under("planetarium-6");
+    let Some((finished, seen)) = recorded(&run, under, &["--frames", "5", "--domemaster", "150"]) else { return };
+    assert_eq!((&seen.indices, seen.lost), (&(1..=5).collect(), 0));
+    let beside = picture(&seen.last, "domemaster");
+    assert_eq!((beside.width, beside.height, seen.last.pictures.len()), (150, 150, 1));
+    assert!(beside.pixels.iter().filter(|pixel| **pixel != [0; 3]).count() > 500, "something is seen");
+    assert_eq!(beside.at(0, 0), [0; 3], "outside of the circle");
+    drop(finished);
+    let Some((finished, seen)) = recorded(&run, under, &["--frames", "5"]) else { return };
+    for found in &seen.last.pictures {
+        let captured = finished.picture(&format!("capture-{}.png", found.name));
+        assert!(picture(&seen.last, &found.name) == captured, "{}", found.name);
+    }
+    assert_eq!(seen.last.pictures.len(), 6);
+}
