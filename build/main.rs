@@ -44,8 +44,25 @@ fn main() {
     // of target gets a name of its own after it, and the last one counts. Executables too: libGLX
     // would take one of that name for the vendor.
     println!("cargo::rustc-link-arg=-Wl,-soname,libGLX_cupola.so.0");
-    println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcupola.so");
+    name_library();
     for kind in ["bins", "tests", "benches"] {
         println!("cargo::rustc-link-arg-{kind}=-Wl,-soname,cupola-executable");
+    }
+}
+
+/// SONAME of `libcupola.so`. Packages set `CUPOLA_SONAME` to a name with the version of the
+/// interface, and get exports of that version. Without it the name is the file's own, as cargo
+/// leaves it: programs that are linked with it find it without further links.
+fn name_library() {
+    println!("cargo::rerun-if-env-changed=CUPOLA_SONAME");
+    match std::env::var("CUPOLA_SONAME") {
+        Ok(name) => {
+            println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,{name}");
+            // rustc's own list of exports is a version script without a version, and linkers refuse
+            // a second one. GNU's linker can give all exports the SONAME as their version.
+            println!("cargo::rustc-cdylib-link-arg=-fuse-ld=bfd");
+            println!("cargo::rustc-cdylib-link-arg=-Wl,--default-symver");
+        }
+        Err(_) => println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcupola.so"),
     }
 }

@@ -58,3 +58,4 @@ pub mod views;
 pub mod warp;
 
 pub use error::{Error, ErrorKind, Result};
+pub use ffi::CUPOLA_ABI_VERSION as ABI_VERSION;

@@ -24,6 +24,8 @@ mod ctl;
 mod doctor;
 mod inspect;
 mod launch;
+#[cfg(feature = "manual")]
+mod manual;
 mod map;
 mod pattern;
 mod plan;
@@ -31,6 +33,7 @@ mod play;
 mod player;
 mod run;
 mod serve;
+mod setup;
 mod simulate;
 mod tune;
 
@@ -52,6 +55,7 @@ enum Command {
     Serve(serve::Arguments),
     Ctl(ctl::Arguments),
     Inspect(inspect::Arguments),
+    Setup(setup::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
     Plan(plan::Arguments),
@@ -60,6 +64,9 @@ enum Command {
     Map(map::Arguments),
     Simulate(simulate::Arguments),
     Tune(tune::Arguments),
+    #[cfg(feature = "manual")]
+    #[command(hide = true)]
+    Manual(manual::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
 }
@@ -71,6 +78,7 @@ fn main() -> ExitCode {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Ctl(arguments) => ctl::run(&arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
+        Command::Setup(arguments) => setup::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Pattern(arguments) => pattern::run(&arguments),
@@ -79,6 +87,8 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
+        #[cfg(feature = "manual")]
+        Command::Manual(arguments) => manual::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };
     failure::exit_code("cupola", result)

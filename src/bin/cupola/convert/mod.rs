@@ -10,6 +10,8 @@ mod target;
 mod written;
 
 pub use options::Arguments;
+pub use rig::quoted;
+pub use written::save;
 
 use crate::failure::Failure;
 use options::Format;
@@ -58,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 /// Fails if a file exists that must not be replaced: it may have been changed by hand. Links are
 /// refused when they are written.
-fn refuse_to_replace(file: &Path, force: bool) -> Result<(), Failure> {
+pub fn refuse_to_replace(file: &Path, force: bool) -> Result<(), Failure> {
     match std::fs::symlink_metadata(file).is_ok_and(|data| data.is_file()) && !force {
         true => Err(Failure::usage(format!("{} exists; give another name, or --force to replace it", file.display()))),
         false => Ok(()),

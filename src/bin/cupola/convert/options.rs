@@ -48,6 +48,23 @@ pub struct Arguments {
 }
 
 impl Arguments {
+    /// The conversion of a calibration to a rig, as `cupola setup --from` asks for it.
+    pub fn to_rig(from: &str, to: &Path, force: bool, json: bool) -> Self {
+        Self {
+            from: from.to_owned(),
+            to: to.to_owned(),
+            output: None,
+            size: None,
+            values: Values::Picture,
+            profile: None,
+            archive_version: ArchiveVersion::One,
+            projectors: false,
+            nodes: (129, 129),
+            force,
+            json,
+        }
+    }
+
     /// The meaning of the values of maps. The profile of an archive takes precedence over
     /// `--values`.
     pub fn values(&self) -> Values {

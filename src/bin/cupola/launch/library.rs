@@ -1,13 +1,14 @@
 //! Location of `libcupola.so`, and a test whether it can be loaded.
 
 use crate::failure::Failure;
+use cupola::ABI_VERSION;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Finds `libcupola.so`: the path in `CUPOLA_LIBRARY`, or the folder of this command, or one of
-/// the folders for libraries beside it.
+/// Finds `libcupola.so`, or the name that packages without files for developers have it under: the path in
+/// `CUPOLA_LIBRARY`, or the folder of this command, or one of the folders for libraries beside it.
 pub fn find() -> Result<PathBuf, Failure> {
     if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
         let path = PathBuf::from(path);
@@ -23,7 +24,9 @@ pub fn find() -> Result<PathBuf, Failure> {
     places.iter().find_map(|place| place.canonicalize().ok()).ok_or_else(|| {
         let listed = places.iter().map(|place| format!("  {}", place.display())).collect::<Vec<_>>().join("\n");
         Failure::new(format!(
-            "libcupola.so was not found; set CUPOLA_LIBRARY to its path, or put it in one of\n{listed}"
+            "libcupola.so was not found. It was looked for as\n{listed}\n\
+             `cargo install` brings the command alone: run `make && sudo make install` in the folder with Cupola's \
+             sources, or set CUPOLA_LIBRARY to the path of a libcupola.so that `cargo build --release` has made there"
         ))
     })
 }
@@ -35,7 +38,8 @@ fn places(folder: &Path) -> Vec<PathBuf> {
     let of_prefix = ["lib", &of_debian, "lib64"].map(|lib| folder.join("..").join(lib));
     let folders = std::iter::once(folder.to_owned())
         .chain(of_prefix.iter().flat_map(|folder| [folder.clone(), folder.join("cupola")]));
-    folders.map(|folder| folder.join("libcupola.so")).collect()
+    let names = ["libcupola.so".to_owned(), format!("libcupola.so.{ABI_VERSION}")];
+    folders.flat_map(|folder| names.clone().map(|name| folder.join(name))).collect()
 }
 
 /// Whether a file contains `bytes`. Reads no further than necessary: the string table is near the start of a library, which has
@@ -97,7 +101,7 @@ mod tests {
         let places = places(Path::new("/usr/bin"));
         assert_eq!(places[0], Path::new("/usr/bin/libcupola.so"));
         let debian = format!("/usr/bin/../lib/{}-linux-gnu/libcupola.so", std::env::consts::ARCH);
-        for expected in [debian.as_str(), "/usr/bin/../lib64/libcupola.so", "/usr/bin/../lib/cupola/libcupola.so"] {
+        for expected in [debian.as_str(), "/usr/bin/../lib64/libcupola.so.1", "/usr/bin/../lib/cupola/libcupola.so"] {
             assert!(places.iter().any(|place| place == Path::new(expected)), "{expected} in {places:?}");
         }
     }

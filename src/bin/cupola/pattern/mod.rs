@@ -8,6 +8,7 @@ use crate::player::{self, PLAYER};
 use crate::terminal;
 use cupola::rig::Rig;
 use draw::{Part, Pattern};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -40,9 +41,20 @@ pub struct Arguments {
     /// Folder to write to: NAME.png for each output, and window.png with all of them in their places
     #[arg(short = 'o', long = "out", value_name = "DIR", required_unless_present = "show")]
     folder: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long, conflicts_with = "show")]
+    json: bool,
     /// Show the whole window on the screen, by way of the player mpv, until it is closed (q)
     #[arg(long)]
     show: bool,
+}
+
+impl Arguments {
+    /// Patterns with the number and the name of each output, and its grid.
+    pub fn numbered(rig: String, folder: Option<PathBuf>, show: bool) -> Self {
+        let parts = vec![Part::Horizon, Part::Border];
+        Self { rig, parts, step: 10.0, at: Vec::new(), only: None, size: None, folder, json: false, show }
+    }
 }
 
 /// Reads `AZIMUTH,ELEVATION`.
@@ -81,6 +93,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         write(&folder.join("window.png"), &window)?;
         let (width, height) = (window.width, window.height);
+        if arguments.json {
+            let answer = json!({ "folder": folder.display().to_string(), "outputs": names, "window": [width, height] });
+            println!("{answer:#}");
+            return Ok(ExitCode::SUCCESS);
+        }
         println!("{}: {} outputs, and window.png with {width} × {height} pixels", folder.display(), names.len());
     }
     if arguments.show {
