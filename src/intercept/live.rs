@@ -1,6 +1,7 @@
 //! The rig while the program runs: read again when its file changes.
 //!
-//! The file's time and length are asked twenty times a second, between two frames: other frames read the clock and no more. A file with a mistake changes nothing, and the log says once what is wrong with it.
+//! The file's time and length are asked twenty times a second, between two frames: other frames read the clock and no
+//! more. A file with a mistake changes nothing, and the log says once what is wrong with it.
 
 use super::file_stamp::FileStamp;
 use super::log;

@@ -12,10 +12,11 @@ use crate::runtime::Session;
 /// turn.
 pub fn end_frame(ctx: &mut Context) -> bool {
     let Some(turns) = ctx.session().and_then(Session::turns) else { return true };
-    let (end, frames) = (turns.end_frame(), turns.frames());
-    log::once(&format!(
-        "views are drawn in turn: {frames} frames of the program are one on the dome; what moves by the clock needs --clock"
-    ));
+    let end = turns.end_frame();
+    log::once(
+        "views are drawn in turn: each frame on the dome takes a frame of the program for each view; what moves by the \
+         clock has seams between views",
+    );
     if let Some(view) = end.view {
         collect(&mut OwnCalls::begin(ctx), view, end.is_last);
     }
