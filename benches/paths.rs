@@ -1,4 +1,5 @@
-//! The paths of the processor that run at a start, in each frame, with each draw or with each vertex.
+//! The paths of the processor that run at a start, in each frame, with each draw or with each
+//! vertex.
 //!
 //! `cargo bench --bench paths [FILTER]`.
 
@@ -122,7 +123,8 @@ mod link {
 
     const VERTEX_SHADER: u32 = 0x8B31;
 
-    /// A vertex shader as translators write them: matrices as arrays of vectors, and so many statements.
+    /// A vertex shader as translators write them: matrices as arrays of vectors, and so many
+    /// statements.
     fn translated(statements: usize) -> String {
         let mut text = "#version 330\nuniform vec4 vp[4]; uniform vec4 m[64];\nin vec4 v; out vec4 s;\n".to_owned();
         text.push_str("vec4 t0; vec4 t1;\nvoid main() {\n    t0 = v.yyyy * vp[1];\n    t0 = vp[0] * v.xxxx + t0;\n");

@@ -1,8 +1,9 @@
 //! What the Vulkan layer costs a program of others: `vkcube` without and with it.
 //!
-//! `cargo bench --bench vk_layer [-- SIZE FRAMES ROUNDS]`, with a display and `vkcube` (Debian: vulkan-tools). The programs run in
-//! turn, round by round, each round begins with another one; the medians of the ratios are reported. With `VKBASALT` in
-//! the environment, the file of vkBasalt's library, that layer runs, too, with its sharpening effect.
+//! `cargo bench --bench vk_layer [-- SIZE FRAMES ROUNDS]`, with a display and `vkcube` (Debian:
+//! vulkan-tools). The programs run in turn, round by round, each round begins with another one; the
+//! medians of the ratios are reported. With `VKBASALT` in the environment, the file of vkBasalt's
+//! library, that layer runs, too, with its sharpening effect.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,7 +1,8 @@
 //! What correcting costs on Vulkan, in units of drawing one bilinear full-screen quad.
 //!
-//! `cargo bench --bench vk_warp [-- WIDTH HEIGHT ROUNDS]`. All passes are timed in turn, round by round, so that a busy
-//! machine slows all alike; the medians of the ratios are reported. Needs glslangValidator, for the quad's shader.
+//! `cargo bench --bench vk_warp [-- WIDTH HEIGHT ROUNDS]`. All passes are timed in turn, round by
+//! round, so that a busy machine slows all alike; the medians of the ratios are reported. Needs
+//! glslangValidator, for the quad's shader.
 
 use cupola::backend::vk::ash::vk;
 use cupola::backend::vk::driver::headless::Headless;
@@ -97,7 +98,8 @@ fn main() -> Result<(), Failure> {
         for contestant in &mut contestants {
             let (started, used) = (Instant::now(), processor_seconds());
             device.run(|commands| match &mut contestant.backend {
-                // SAFETY: the command buffer is being recorded, and all images are live and in their layouts.
+                // SAFETY: the command buffer is being recorded, and all images are live and in
+                // their layouts.
                 Some(backend) => unsafe {
                     backend.record(commands, 0, 0, &[UpperLeftRect::new(0, 0, size.0 as i32, size.1 as i32)])
                 },
@@ -355,7 +357,8 @@ unsafe fn pipeline(
         .dynamic_state(&dynamic)
         .layout(layout)
         .render_pass(pass);
-    // SAFETY: as promised; the structures are complete. A pipeline does not need its modules once it is made.
+    // SAFETY: as promised; the structures are complete. A pipeline does not need its modules once
+    // it is made.
     unsafe {
         let made = api.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
         api.destroy_shader_module(vertex, None);

@@ -102,8 +102,8 @@ fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
     wanted
 }
 
-/// The version (10 · major + minor) that brought each command to an API's core profile. Commands that
-/// a later version removed are not among them.
+/// The version (10 · major + minor) that brought each command to an API's core profile. Commands
+/// that a later version removed are not among them.
 fn core_versions<'a>(root: roxmltree::Node<'a, '_>, api: &str) -> BTreeMap<&'a str, u32> {
     let mut versions = BTreeMap::new();
     let mut removed = BTreeSet::new();

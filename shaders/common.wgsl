@@ -1,12 +1,13 @@
-// What every correction pass shares: which view answers for a direction, how its picture is sampled, the flat panel,
-// weights in linear light, black level.
+// What every correction pass shares: which view answers for a direction, how its picture is
+// sampled, the flat panel, weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
 // uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
-// `shared_part: Shared`), `Source`, what it interpolates over the output, and `trace`; a file of an arrangement of the views' pictures gives `atlas`, `texel`
-// and `picture_size`; and either `content.wgsl` or `views.wgsl` gives `locate_content` and `content_texel`. What a shader
-// does not need costs time to compile, even where it is never run.
+// `shared_part: Shared`), `Source`, what it interpolates over the output, and `trace`; a file of an
+// arrangement of the views' pictures gives `atlas`, `texel` and `picture_size`; and either
+// `content.wgsl` or `views.wgsl` gives `locate_content` and `content_texel`. What a shader does not
+// need costs time to compile, even where it is never run.
 
 // A perspective view in the atlas (or the flat panel).
 struct View {
@@ -23,14 +24,16 @@ struct View {
 
 // A picture that the program has projected itself.
 struct Content {
-    // 0: there is none. 1 a fisheye, 2 unrolled with latitude upwards, 3 with heights, 4 the faces of a cube, 5 a plane.
+    // 0: there is none. 1 a fisheye, 2 unrolled with latitude upwards, 3 with heights, 4 the faces
+    // of a cube, 5 a plane.
     kind: u32,
-    // Of a fisheye: the radius over the angle is 0 a polynomial of its square, 1 its part of sin(angle/2), 2 of
-    // tan(angle/2), 3 of sin(angle).
+    // Of a fisheye: the radius over the angle is 0 a polynomial of its square, 1 its part of
+    // sin(angle/2), 2 of tan(angle/2), 3 of sin(angle).
     curve: u32,
     // The polynomial, the constant first, or a factor.
     radius: vec4<f32>,
-    // Place in the picture, −1…1, = (longitude, latitude or height − middle)·scale; of a plane, tangents·scale.
+    // Place in the picture, −1…1, = (longitude, latitude or height − middle)·scale; of a plane,
+    // tangents·scale.
     middle: f32,
     scale: vec2<f32>,
     // Left and right side show the same.
@@ -75,7 +78,8 @@ struct Shared {
     // The display's response: 0 powers, 1 that of sRGB, 2 measured.
     response: u32,
     gamma: vec3<f32>,
-    // Of a measured one: the values at which the fourth root of the light is 1/32, 2/32 … 1, for red, green and blue.
+    // Of a measured one: the values at which the fourth root of the light is 1/32, 2/32 … 1, for
+    // red, green and blue.
     codes: array<vec4<f32>, 32>,
     // The most light of all projectors' blacks at a point; 0: it is not evened out.
     lift: f32,
@@ -131,7 +135,8 @@ fn rectangle_down(@location(0) clip: vec2<f32>, @location(1) source: Source) -> 
     return corner_at(vec2<f32>(clip.x, -clip.y), clip, source);
 }
 
-// Where a view shows a direction. The offset is added after the division: before, it would be rounded several times.
+// Where a view shows a direction. The offset is added after the division: before, it would be
+// rounded several times.
 struct Place {
     // (scale·x, scale·y, z, number of the view or 0)
     scaled: vec4<f32>,
@@ -232,9 +237,10 @@ fn smooth_step(t: f32) -> f32 {
     return (t * t) * (3.0 - 2.0 * t);
 }
 
-// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ − ½·cos πt = sin² ½πt, by a polynomial. Else the power
-// of two halves that are turned about the middle. The first two are right to a part of 4e-7 of themselves, near 0 too: where all claims on
-// a point are small, its shares are quotients of such values.
+// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ − ½·cos πt = sin² ½πt, by a polynomial. Else
+// the power of two halves that are turned about the middle. The first two are right to a part of
+// 4e-7 of themselves, near 0 too: where all claims on a point are small, its shares are quotients
+// of such values.
 fn ramp_at(t: f32, shape: f32) -> f32 {
     if shape == 0.0 {
         return smooth_step(t);
@@ -430,8 +436,8 @@ fn weighted_light(code: vec3<f32>, weight: f32, dark: f32) -> vec3<f32> {
     return to_code(weight * share);
 }
 
-// Between −½ and ½, evenly distributed, different from pixel to pixel and the same in each frame: interleaved gradient
-// noise (Jimenez 2014).
+// Between −½ and ½, evenly distributed, different from pixel to pixel and the same in each frame:
+// interleaved gradient noise (Jimenez 2014).
 fn noise_at(position: vec2<f32>) -> f32 {
     return fract(52.9829189 * fract(dot(position, vec2<f32>(0.06711056, 0.00583715)))) - 0.5;
 }
@@ -446,8 +452,8 @@ fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     return select(scene, flat_part.rgb + (1.0 - flat_part.a) * scene, inside);
 }
 
-// A view's picture by Catmull and Rom's cubic kernel: its 16 texels by nine bilinear fetches, since the two
-// in the middle of each direction have weights of the same sign.
+// A view's picture by Catmull and Rom's cubic kernel: its 16 texels by nine bilinear fetches, since
+// the two in the middle of each direction have weights of the same sign.
 fn cubic(at: vec3<f32>) -> vec3<f32> {
     let size = picture_size(at.z);
     let place = at.xy * size;
@@ -494,8 +500,8 @@ fn sample_beside(source: Source, centre: vec3<f32>) -> vec3<f32> {
     return sample(select(centre, at, at.z > 0.0));
 }
 
-// The mean of four places on a rotated grid. The source's coordinates are linear in the pixel, so that their
-// derivatives are right where those of the atlas' coordinates jump from view to view.
+// The mean of four places on a rotated grid. The source's coordinates are linear in the pixel, so
+// that their derivatives are right where those of the atlas' coordinates jump from view to view.
 fn sample_four(source: Source, centre: vec3<f32>) -> vec3<f32> {
     let across = dpdx(source);
     let up = dpdy(source);
@@ -541,7 +547,8 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
     return vec4<f32>(color, 1.0);
 }
 
-// What `present` computes before it samples: atlas x, atlas y, number of the view (0: none), weight.
+// What `present` computes before it samples: atlas x, atlas y, number of the view (0: none),
+// weight.
 @fragment
 fn map(corner: Corner) -> @location(0) vec4<f32> {
     let ray = trace(corner.source);

@@ -1,7 +1,8 @@
-// Content: the only view is no perspective one but the program's window, in a part of which is a picture of directions.
-// Directions are in the picture's axes: x right, y up, −z its middle.
+// Content: the only view is no perspective one but the program's window, in a part of which is a
+// picture of directions. Directions are in the picture's axes: x right, y up, −z its middle.
 
-// Where the picture shows a direction: its place, and the number of the cube's face plus one, or 1; 0: nowhere.
+// Where the picture shows a direction: its place, and the number of the cube's face plus one, or 1;
+// 0: nowhere.
 fn content_place(d: vec3<f32>) -> vec3<f32> {
     let across = sqrt(d.x * d.x + d.y * d.y);
     if constants.shared_part.content.kind == 1u {
@@ -103,14 +104,15 @@ fn locate_content(ray: Ray) -> vec3<f32> {
     return vec3<f32>(select(constants.shared_part.content.offset, at, shown > 0.0), shown);
 }
 
-// A place that is kept a half texel away from the sides of what has the middle `middle` and half the size `half_size`.
+// A place that is kept a half texel away from the sides of what has the middle `middle` and half
+// the size `half_size`.
 fn kept_inside(at: vec2<f32>, middle: vec2<f32>, half_size: vec2<f32>) -> vec2<f32> {
     let reach = max(abs(half_size) - 0.5 * constants.shared_part.content.step, vec2<f32>(0.0));
     return clamp(at, middle - reach, middle + reach);
 }
 
-// A sample of the picture at atlas coordinates on the face `at.z`; nothing beside the picture is looked at, and where it goes
-// on at another side, that side is.
+// A sample of the picture at atlas coordinates on the face `at.z`; nothing beside the picture is
+// looked at, and where it goes on at another side, that side is.
 fn content_texel(at: vec3<f32>) -> vec4<f32> {
     let content = constants.shared_part.content;
     if content.kind == 4u {
@@ -121,7 +123,8 @@ fn content_texel(at: vec3<f32>) -> vec4<f32> {
     if content.wraps == 0u {
         return here;
     }
-    // How far beyond the middle of the last column, in texels; the other side's last one is the next.
+    // How far beyond the middle of the last column, in texels; the other side's last one is the
+    // next.
     let beyond = (at.x - kept.x) / content.step.x;
     let other = vec2<f32>(content.offset.x - sign(beyond) * (abs(content.half_size.x) - 0.5 * content.step.x), kept.y);
     return mix(here, texel(vec3<f32>(other, 1.0)), clamp(abs(beyond), 0.0, 1.0));

@@ -1,12 +1,13 @@
-// A fisheye picture: pixel → direction by polynomials in the squared distance from the circle's centre, and a root
-// for the lenses that need one. No division, no singular axis.
+// A fisheye picture: pixel → direction by polynomials in the squared distance from the circle's
+// centre, and a root for the lenses that need one. No division, no singular axis.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
 
 struct Constants {
     shared_part: Shared,
-    // The parts across and along the axis as polynomials in r², r = 1 at the rim, lowest power first.
+    // The parts across and along the axis as polynomials in r², r = 1 at the rim, lowest power
+    // first.
     sine: array<vec4<f32>, 2>,
     cosine: array<vec4<f32>, 2>,
     // √(1 − x·r²) times y is added across, times z along the axis.

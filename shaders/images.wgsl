@@ -1,4 +1,5 @@
-// Each view's picture is an image; they are bound in the order of the batch's views, the first as `atlas`.
+// Each view's picture is an image; they are bound in the order of the batch's views, the first as
+// `atlas`.
 
 @group(0) @binding(1) var atlas: texture_2d<f32>;
 @group(0) @binding(6) var image_1: texture_2d<f32>;

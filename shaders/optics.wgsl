@@ -1,5 +1,5 @@
-// A fisheye projector, or a pinhole before a mirror, that lights a quadric from inside: pixel → ray → perhaps the mirror →
-// the screen → what the viewer sees there.
+// A fisheye projector, or a pinhole before a mirror, that lights a quadric from inside: pixel → ray
+// → perhaps the mirror → the screen → what the viewer sees there.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
@@ -23,7 +23,8 @@ struct Constants {
     moment: mat3x3<f32>,
     // The lens, or the mirror's centre.
     origin: vec3<f32>,
-    // Inside the quadric Σ weights·p² is less than its level. Without a mirror: by how much at the lens.
+    // Inside the quadric Σ weights·p² is less than its level. Without a mirror: by how much at the
+    // lens.
     weights: vec3<f32>,
     level: f32,
     // Point of the screen → what the views' transforms take.
@@ -32,8 +33,8 @@ struct Constants {
     // Point of the screen → dome axes, for ramps.
     dome: mat3x3<f32>,
     dome_shift: vec3<f32>,
-    // Half-spaces normal·p + w ≥ 0. 0: all of the surface is screen. Otherwise what is in all of `limits`. 2: and in both
-    // `sides`. 3: or in one of them.
+    // Half-spaces normal·p + w ≥ 0. 0: all of the surface is screen. Otherwise what is in all of
+    // `limits`. 2: and in both `sides`. 3: or in one of them.
     edge_test: u32,
     limits: array<vec4<f32>, 3>,
     sides: array<vec4<f32>, 2>,

@@ -1,4 +1,5 @@
-// Unrolled pictures of all directions: equirectangular, cylindrical, the faces of a cube side by side.
+// Unrolled pictures of all directions: equirectangular, cylindrical, the faces of a cube side by
+// side.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
@@ -13,7 +14,8 @@ struct Constants {
     // The same of the latitude over y, from the middle one.
     up_sine: array<vec4<f32>, 2>,
     up_cosine: array<vec4<f32>, 2>,
-    // Equirectangular: sin and cos of the middle latitude. Cylindrical: height of the middle and half of the height.
+    // Equirectangular: sin and cos of the middle latitude. Cylindrical: height of the middle and
+    // half of the height.
     middle: vec2<f32>,
     // Picture axes → base, and what the viewer's place adds.
     rotation: mat3x3<f32>,

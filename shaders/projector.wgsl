@@ -1,5 +1,6 @@
-// A pinhole projector that lights a sphere, another quadric or a plane: pixel → what the viewer sees there, in closed
-// form: a quadratic form, and a linear one times the root of the discriminant.
+// A pinhole projector that lights a sphere, another quadric or a plane: pixel → what the viewer
+// sees there, in closed form: a quadratic form, and a linear one times the root of the
+// discriminant.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
@@ -30,14 +31,16 @@ struct Constants {
     dome: Form,
     // Discriminant over x², y², xy, x; y, 1.
     discriminant: array<vec4<f32>, 2>,
-    // How forms are computed. 0: as they are. 1: before a plane they are linear. Otherwise the projector stands inside. With a
-    // ray o + t·d, a = d·d and b = o·d, all forms are then offset·reach + linear, times a positive factor. 2: reach is the
-    // root of the discriminant. 3: it stands too near to the surface for that, and reach is 1/t.
+    // How forms are computed. 0: as they are. 1: before a plane they are linear. Otherwise the
+    // projector stands inside. With a ray o + t·d, a = d·d and b = o·d, all forms are then
+    // offset·reach + linear, times a positive factor. 2: reach is the root of the discriminant. 3:
+    // it stands too near to the surface for that, and reach is 1/t.
     evaluation: u32,
     // a over x², y², xy, x; y, 1. b over x, y, 1.
     squared: array<vec4<f32>, 2>,
     along: vec3<f32>,
-    // 0: all of the surface is screen. Otherwise only where all of `limits` is ≥ 0. 2: and `sides`' x and y. 3: or one of them.
+    // 0: all of the surface is screen. Otherwise only where all of `limits` is ≥ 0. 2: and `sides`'
+    // x and y. 3: or one of them.
     edge_test: u32,
     limits: Form,
     sides: Form,
@@ -66,8 +69,8 @@ fn evaluate(form: Form, p: vec2<f32>, reach: f32) -> vec3<f32> {
     return rest + linear * reach;
 }
 
-// A picture's claim on a point, whose ramps are at `steps` (0…1). A border is 1/(2·width of the ramp), its shape, the claim's
-// exponent, the light of black.
+// A picture's claim on a point, whose ramps are at `steps` (0…1). A border is 1/(2·width of the
+// ramp), its shape, the claim's exponent, the light of black.
 fn claim(steps: vec2<f32>, border: vec4<f32>) -> f32 {
     let product = ramp_at(steps.x, border.y) * ramp_at(steps.y, border.y);
     if border.z == 1.0 {
@@ -86,7 +89,8 @@ fn of_neighbour(neighbour: Neighbour, p: vec2<f32>, reach: f32) -> vec2<f32> {
     return select(vec2<f32>(0.0), vec2<f32>(claim(steps, neighbour.border), black), s.z > 0.0);
 }
 
-// This projector's share of the light of a point (all shares of a point add up to 1), and the light of all blacks there.
+// This projector's share of the light of a point (all shares of a point add up to 1), and the light
+// of all blacks there.
 fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
     var others = of_neighbour(constants.neighbours[0], p, reach);
     if constants.neighbour_count > 1u {

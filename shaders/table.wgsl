@@ -1,5 +1,5 @@
-// Directions, weights and the light of black computed beforehand: for each pixel, or (without black) for every so many,
-// and interpolated.
+// Directions, weights and the light of black computed beforehand: for each pixel, or (without
+// black) for every so many, and interpolated.
 
 // Pixels from the output's middle, y up.
 alias Source = vec2<f32>;
@@ -10,15 +10,15 @@ struct Constants {
     rotation: mat3x3<f32>,
     // Half of the output's width and height in pixels.
     half_size: vec2<f32>,
-    // An entry for each pixel's middle: 1. Otherwise the entries are so many pixels apart, the first one at the output's
-    // corner, and what lies between them is interpolated.
+    // An entry for each pixel's middle: 1. Otherwise the entries are so many pixels apart, the
+    // first one at the output's corner, and what lies between them is interpolated.
     step: f32,
 }
 
 @group(0) @binding(5) var table: texture_2d<f32>;
 
-// The table at a place of pixel `own`, interpolated between the centres of the four nearest pixels; one that shows
-// nothing is taken to go on as `own` does.
+// The table at a place of pixel `own`, interpolated between the centres of the four nearest pixels;
+// one that shows nothing is taken to go on as `own` does.
 fn between(place: vec2<f32>, own: vec4<f32>) -> vec4<f32> {
     let first = floor(place - 0.5);
     let part = place - 0.5 - first;

@@ -1,12 +1,14 @@
 //! Locks that stay usable after a panic.
 //!
-//! The standard library marks a lock whose holder panicked. Cupola catches panics before they reach the program and goes
-//! on, so the mark tells nothing that would be acted on: here it is ignored, in one place.
+//! The standard library marks a lock whose holder panicked. Cupola catches panics before they reach
+//! the program and goes on, so the mark tells nothing that would be acted on: here it is ignored,
+//! in one place.
 //!
-//! The locks themselves are the standard library's, a word and a futex. They allocate nothing, and a child process finds
-//! those free that no other thread of its parent held. `parking_lot` has a table of waiting threads for the process: it
-//! allocates when a thread waits, and a child that is forked while another thread changes the table waits for ever.
-//! Programs that Cupola is loaded into do fork. No lock of either kind may be taken in a signal handler.
+//! The locks themselves are the standard library's, a word and a futex. They allocate nothing, and
+//! a child process finds those free that no other thread of its parent held. `parking_lot` has a
+//! table of waiting threads for the process: it allocates when a thread waits, and a child that is
+//! forked while another thread changes the table waits for ever. Programs that Cupola is loaded
+//! into do fork. No lock of either kind may be taken in a signal handler.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 

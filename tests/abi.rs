@@ -1,4 +1,5 @@
-//! The C interface: the committed headers are what the source says, compile as C99 and C++17, and keep what was published.
+//! The C interface: the committed headers are what the source says, compile as C99 and C++17, and
+//! keep what was published.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,7 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// A header, its configuration, and the files from which it is generated; modules in them are followed.
+/// A header, its configuration, and the files from which it is generated; modules in them are
+/// followed.
 const HEADERS: [(&str, &str, &[&str]); 2] = [
     ("cupola.h", "cbindgen.toml", &["version", "status", "rig", "log", "map", "gl/mod"]),
     ("cupola_vk.h", "cbindgen_vk.toml", &["vk/mod"]),

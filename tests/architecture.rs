@@ -1,5 +1,5 @@
-//! The rules of `docs/architecture.md` that a machine can check: who may use what, where `unsafe` and
-//! OpenGL may be, how long a file may be, what the library exports.
+//! The rules of `docs/architecture.md` that a machine can check: who may use what, where `unsafe`
+//! and OpenGL may be, how long a file may be, what the library exports.
 
 #[path = "../src/bin/cupola-lab/structure/circles.rs"]
 mod circles;
@@ -59,8 +59,9 @@ const MAY_BE_UNSAFE: [&str; 8] = [
     "src/bin/cupola-lab/trial/",
 ];
 
-/// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the interception, the C
-/// interface that hands it over, the laboratory's timing and its reader of Khronos' registry.
+/// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the
+/// interception, the C interface that hands it over, the laboratory's timing and its reader of
+/// Khronos' registry.
 const MAY_KNOW_GL: [&str; 7] = [
     "src/backend/gl/",
     "src/backend/null/",
@@ -71,17 +72,20 @@ const MAY_KNOW_GL: [&str; 7] = [
     "src/bin/cupola-lab/calls/registry.rs",
 ];
 
-/// Where the modules `backend::gl` and `intercept::gl` may be named, too: what starts them, and a test that compares.
+/// Where the modules `backend::gl` and `intercept::gl` may be named, too: what starts them, and a
+/// test that compares.
 const MAY_START_GL: [&str; 3] = ["src/bin/", "src/preload/", "src/backend/vk/tests/"];
 
-/// Where Vulkan may be named: the backend, the interception, the C interface, and the laboratory's timing.
+/// Where Vulkan may be named: the backend, the interception, the C interface, and the laboratory's
+/// timing.
 const MAY_KNOW_VULKAN: [&str; 5] =
     ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
 /// Crates for the command alone.
 const COMMAND_ONLY: [&str; 6] = ["clap", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "rosc"];
 
-/// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation writes.
+/// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation
+/// writes.
 const MAY_ROUND: [&str; 2] = ["src/correct/single.rs", "src/blend/simulation.rs"];
 
 const LONGEST_FILE: usize = 600;
@@ -105,7 +109,8 @@ fn has_word(code: &str, word: &str) -> bool {
     })
 }
 
-/// The modules of the library that the code names by `crate::…` or `cupola::…`, lists in braces included.
+/// The modules of the library that the code names by `crate::…` or `cupola::…`, lists in braces
+/// included.
 fn named_modules(code: &str, prefix: &str) -> BTreeSet<String> {
     let mut modules = BTreeSet::new();
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
@@ -146,7 +151,8 @@ fn is_lost_test(code: &str) -> bool {
     code.contains("#[test]") || code.contains("#[ignore")
 }
 
-/// Names of OpenGL in the code: its constants, the table of its functions, and the modules that use it.
+/// Names of OpenGL in the code: its constants, the table of its functions, and the modules that use
+/// it.
 #[derive(Debug, Default, PartialEq)]
 struct OpenGl {
     constant: bool,
@@ -173,7 +179,8 @@ impl OpenGl {
         if within(&MAY_KNOW_GL) {
             return None;
         }
-        // Options of the command have a value `Gl`; its code is safe, so that it cannot call a function of the table.
+        // Options of the command have a value `Gl`; its code is safe, so that it cannot call a
+        // function of the table.
         let table = self.table && !path.starts_with("src/bin/");
         let module = self.module && !within(&MAY_START_GL);
         let names =
@@ -306,7 +313,8 @@ fn rooms_use_only_rooms_below_them() {
 
 #[test]
 fn the_library_exports_its_interface_only() {
-    // Cargo builds the library for its tests there, and puts it beside the command only for `cargo build`.
+    // Cargo builds the library for its tests there, and puts it beside the command only for `cargo
+    // build`.
     let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so");
     let names = exported_names(&library);
     for name in ["__glx_Main", "__egl_Main"] {

@@ -55,11 +55,12 @@ fn stress_finds_nothing_over_its_bounds() {
     }
 }
 
-/// Single views far out in large atlases, whose places were rounded too much before their offset was added last: 1.07 and
-/// 1.52 times the bound. Domemasters of 0.001° and 0.015° for a viewer beside the centre: pixels uncovered, 2.1 times the bound. A
-/// pixel a six thousandth of a pixel of 4096 from a silhouette. A cubemap whose faces meet in the middle of a pixel; what lies beside a
-/// plane's horizon; a half that only the finest samples told to be too wide for a view; a lens of a millionth of a degree.
-/// Cosine ramps where all claims are small: 1.9 times the bound.
+/// Single views far out in large atlases, whose places were rounded too much before their offset
+/// was added last: 1.07 and 1.52 times the bound. Domemasters of 0.001° and 0.015° for a viewer
+/// beside the centre: pixels uncovered, 2.1 times the bound. A pixel a six thousandth of a pixel of
+/// 4096 from a silhouette. A cubemap whose faces meet in the middle of a pixel; what lies beside a
+/// plane's horizon; a half that only the finest samples told to be too wide for a view; a lens of a
+/// millionth of a degree. Cosine ramps where all claims are small: 1.9 times the bound.
 #[test]
 fn what_stress_found_once_stays_within_its_bounds() {
     for (part, seed) in [

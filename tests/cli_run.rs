@@ -190,7 +190,8 @@ fn the_program_gets_the_settings() {
     assert!(words(&output.stdout).contains(&format!("CUPOLA_RIG={here}/my.toml\n")));
 }
 
-/// The player is a script that tells a size when it is asked, and what it is called with when it plays.
+/// The player is a script that tells a size when it is asked, and what it is called with when it
+/// plays.
 fn films_are_played_as_what_they_are() {
     let folder = folder("play");
     let script = "#!/bin/sh\ncase \"$*\" in\n*--vo=null*) echo \"cupola ${SIZE}\" ;;\n\

@@ -77,7 +77,8 @@ fn map_writes_where_pixels_look() {
     let (width, height, pixels) = read_pfm(&out);
     assert_eq!((width, height), (64, 64));
     for (index, pixel) in pixels.iter().enumerate() {
-        // The equidistant fisheye by hand: the angle from straight ahead grows with the distance from the middle.
+        // The equidistant fisheye by hand: the angle from straight ahead grows with the distance
+        // from the middle.
         let (x, y) = ((index % 64) as f64 + 0.5 - 32.0, (index / 64) as f64 + 0.5 - 32.0);
         let radius = x.hypot(y) / 32.0;
         if radius > 1.0 {
@@ -221,7 +222,8 @@ fn plan_says_what_views_cost_and_draws_them() {
     }
     let drawn = image::open(&picture).unwrap().to_rgb8();
     let sphere = |x: u32| (200..880).filter(|&y| drawn.get_pixel(x, y).0[2] > 100).count();
-    // The dome fills the front half (a column beside the border of views); nothing of the back half is sampled.
+    // The dome fills the front half (a column beside the border of views); nothing of the back half
+    // is sampled.
     assert!(sphere(330) > 600 && sphere(1260) < 100, "{} and {}", sphere(330), sphere(1260));
 
     let plan = CUPOLA.json(&["plan", "planetarium-6", "--json"]);

@@ -9,7 +9,8 @@ use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pictures
 use random::Random;
 use std::path::Path;
 
-/// One to four changes: a byte, a bit, a large number, a piece cut out, doubled or replaced, the end cut off.
+/// One to four changes: a byte, a bit, a large number, a piece cut out, doubled or replaced, the
+/// end cut off.
 fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = good.to_vec();
     for _ in 0..=random.below(4) {
@@ -320,7 +321,8 @@ fn a_finer_warp_mesh_is_nearer_to_the_exact_map() {
         convert("planetarium-6", &file("mesh.data"), &more)["files"][0]["error_pixels"]["max"].as_f64().unwrap()
     };
     let (coarse, fine) = (error("17x17"), error("65x65"));
-    // The error of linear interpolation falls with the square of the distance of the nodes: sixteenfold.
+    // The error of linear interpolation falls with the square of the distance of the nodes:
+    // sixteenfold.
     assert!(fine > 0.0 && (10.0..24.0).contains(&(coarse / fine)), "{coarse} {fine}");
 }
 

@@ -82,7 +82,8 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
         ("\"mirrorx\": true, \"mirrory\": true,", true, true),
     ];
     for (number, (flags, across, up)) in flags.into_iter().enumerate() {
-        // Without a mesh the output is mirrored, and with it its mask, which stays as it is: factors on displayed values as light.
+        // Without a mesh the output is mirrored, and with it its mask, which stays as it is:
+        // factors on displayed values as light.
         let turned = rig(&format!("sgct-flat-{number}"), flags, &viewport(r#""blendmask": "lopsided.png","#));
         assert_eq!(turned.outputs[0].flip, cupola::rig::Flip { horizontal: across, vertical: up });
         expect_light(&turned, &mask, [false; 2]);
@@ -119,7 +120,8 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
     }
 }
 
-/// Panics unless a rig's mask has the light that factors on displayed values leave with the rig's gamma, mirrored.
+/// Panics unless a rig's mask has the light that factors on displayed values leave with the rig's
+/// gamma, mirrored.
 fn expect_light(rig: &cupola::rig::Rig, factors: &image::GrayImage, [across, up]: [bool; 2]) {
     let output = &rig.outputs[0];
     let found = image::open(output.mask.as_ref().unwrap()).unwrap().into_luma16();

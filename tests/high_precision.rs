@@ -1,5 +1,6 @@
-//! The exact map against directions that were computed with 60 decimal digits, apart from this project: rays and
-//! intersections written out in Python with mpmath, from the same numbers as in the rigs here.
+//! The exact map against directions that were computed with 60 decimal digits, apart from this
+//! project: rays and intersections written out in Python with mpmath, from the same numbers as in
+//! the rigs here.
 
 use cupola::rig::parse;
 use cupola::warp::exact_direction;

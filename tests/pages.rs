@@ -1,4 +1,5 @@
-//! The pages of documentation: links lead somewhere, lines and pages are short, goals and crates are described.
+//! The pages of documentation: links lead somewhere, lines and pages are short, goals and crates
+//! are described.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
-//! The parts of `docs/` that are generated from the code: help texts of the commands and key tables of the rig file.
+//! The parts of `docs/` that are generated from the code: help texts of the commands and key tables
+//! of the rig file.
 //!
 //! `CUPOLA_BLESS=1 cargo test --test reference_pages` writes them anew.
 
@@ -44,7 +45,8 @@ fn help(command: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Writes a line of a help text in at most 118 columns, the rest of a description below its beginning.
+/// Writes a line of a help text in at most 118 columns, the rest of a description below its
+/// beginning.
 fn write_wrapped(written: &mut String, line: &str) {
     let start = line.len() - line.trim_start().len();
     let gap = line[start..].find("  ").map_or(start, |gap| start + gap);
@@ -115,7 +117,8 @@ fn the_map_for_contributors_names_files_that_there_are() {
         for cell in line.split('|') {
             for path in cell.split('`').skip(1).step_by(2).filter(|word| word.chars().all(is_of_a_path)) {
                 let there = root.join("src").join(path).exists() || root.join(path).exists();
-                // Words of the first column that are no paths (`glClear`) have no slash and no place in `src`.
+                // Words of the first column that are no paths (`glClear`) have no slash and no
+                // place in `src`.
                 assert!(there || !path.contains('/'), "CONTRIBUTING.md: {path} is not there");
                 paths += usize::from(there);
             }
@@ -128,7 +131,8 @@ fn is_of_a_path(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || "/_-.".contains(letter)
 }
 
-/// Tables of `docs/rig-file.md` by their mark, and rigs with the place of a key, `@`. A table has the keys of all its rigs.
+/// Tables of `docs/rig-file.md` by their mark, and rigs with the place of a key, `@`. A table has
+/// the keys of all its rigs.
 const SECTIONS: [(&str, &[&str]); 27] = [
     ("file", &["@\n[[output]]\nkind = \"domemaster\""]),
     ("dome", &["[dome]\n@"]),
@@ -318,7 +322,8 @@ fn accepted(rig: &str, key: &str) -> String {
     "text".to_owned()
 }
 
-/// The page with the column "accepts" of each table after `<!-- keys: SECTION -->` filled, and the keys of each table.
+/// The page with the column "accepts" of each table after `<!-- keys: SECTION -->` filled, and the
+/// keys of each table.
 fn with_ranges(page: &str) -> (String, Vec<(&'static str, Vec<String>)>) {
     let mut written = String::new();
     let mut section = None;

@@ -1,4 +1,5 @@
-//! Rigs that people start from: presets and examples load, mean what they say, and light all of their screens.
+//! Rigs that people start from: presets and examples load, mean what they say, and light all of
+//! their screens.
 
 #[path = "../src/testing/random.rs"]
 mod random;
@@ -18,8 +19,8 @@ fn examples() -> Vec<Rig> {
     files.iter().map(|file| load(file.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"))).collect()
 }
 
-/// For points all over the screen, how many of `outputs` light each. Written out in sines and cosines and
-/// with the projectors' axes by hand, so as not to share a mistake with the library.
+/// For points all over the screen, how many of `outputs` light each. Written out in sines and
+/// cosines and with the projectors' axes by hand, so as not to share a mistake with the library.
 fn covers(rig: &Rig, outputs: &[Output]) -> Vec<usize> {
     const POINTS: usize = 20_000;
     let cap = (rig.dome.coverage / 2.0).cos();

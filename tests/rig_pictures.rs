@@ -1,4 +1,5 @@
-//! What a rig file says of an output's finished picture: its mask, its black and how it is mirrored.
+//! What a rig file says of an output's finished picture: its mask, its black and how it is
+//! mirrored.
 
 use cupola::rig::parse;
 use std::path::Path;

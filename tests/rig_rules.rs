@@ -87,7 +87,8 @@ fn read(text: &str) -> Result<Rig, String> {
     parse(text, "some/dome.toml", Path::new("")).map_err(|error| error.message)
 }
 
-/// `COMPLETE` with the one occurrence of `line` replaced by `by`, and the number of the line on which that stands.
+/// `COMPLETE` with the one occurrence of `line` replaced by `by`, and the number of the line on
+/// which that stands.
 fn with(line: &str, by: &str) -> (String, usize) {
     let marked = format!("\n{line}\n");
     assert_eq!(COMPLETE.matches(&marked).count(), 1, "{line:?} does not stand alone in the text");
@@ -95,7 +96,8 @@ fn with(line: &str, by: &str) -> (String, usize) {
     (COMPLETE.replace(&marked, &format!("\n{by}\n")), COMPLETE[..=at].matches('\n').count() + 1)
 }
 
-/// Expects that `by` in place of `line` is refused with one problem that says the last line of `by`, `key` and `words`.
+/// Expects that `by` in place of `line` is refused with one problem that says the last line of
+/// `by`, `key` and `words`.
 #[track_caller]
 fn refused(line: &str, by: &str, key: &str, words: &[&str]) {
     let (text, number) = with(line, by);

@@ -18,9 +18,11 @@ use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Greatest numbers of computers, of a computer's windows, and of a computer's viewports, as rigs have outputs.
+/// Greatest numbers of computers, of a computer's windows, and of a computer's viewports, as rigs
+/// have outputs.
 const MOST: usize = 64;
-/// Greatest width and height of a viewport, pixels: the greatest texture of today's graphics hardware.
+/// Greatest width and height of a viewport, pixels: the greatest texture of today's graphics
+/// hardware.
 const LARGEST: f64 = 16384.0;
 /// Greatest angle of a side of a viewport's opening, degrees.
 const WIDEST: f64 = 89.5;

@@ -84,8 +84,8 @@ impl Division {
         }
     }
 
-    /// Whether an edge with these ends and middle is so far outside the picture that its curve cannot
-    /// be seen: beyond the circle of a fisheye, or beyond one side.
+    /// Whether an edge with these ends and middle is so far outside the picture that its curve
+    /// cannot be seen: beyond the circle of a fisheye, or beyond one side.
     fn is_outside(&self, places: [DVec2; 3]) -> bool {
         match self.map.lens {
             PictureLens::Fisheye { circle, .. } => places.iter().all(|at| (*at / circle).length() > OUTSIDE),

@@ -48,8 +48,8 @@ pub enum MatrixClass {
     Perspective(Intrinsics),
     /// Keeps w constant: a model, view or orthographic matrix.
     Affine,
-    /// A perspective projection times an affine matrix that is no similarity: of the lens only E and F are told, as in
-    /// [`Intrinsics`].
+    /// A perspective projection times an affine matrix that is no similarity: of the lens only E
+    /// and F are told, as in [`Intrinsics`].
     Stretched {
         /// E, with the same error as that of a perspective.
         e: f64,
@@ -111,8 +111,8 @@ impl Default for CameraAdjustment {
 
 /// The rows for a view with axes `rotation` (viewer → view) and opening `frustum`.
 ///
-/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y = (cy +
-/// D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w =
+/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y =
+/// (cy + D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w =
 /// q/F`), the tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation` are
 /// applied, and the view's own lens with the program's E and F gives `c'`. Depth needs neither F
 /// nor a division: `E·z' + F·w = cz + E·(z' − z)`.

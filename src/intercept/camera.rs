@@ -21,10 +21,11 @@ pub struct Camera {
 #[derive(Default)]
 pub struct Cameras {
     list: Vec<Camera>,
-    /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame allocates nothing.
+    /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame
+    /// allocates nothing.
     spare: Vec<Vec<ReprojectionMatrix>>,
-    /// The lens of the fixed-function pipeline, with which the views are drawn, and for how many frames that is known. It is none
-    /// of the list, whose first lenses others take over.
+    /// The lens of the fixed-function pipeline, with which the views are drawn, and for how many
+    /// frames that is known. It is none of the list, whose first lenses others take over.
     fixed: Option<(Intrinsics, u8)>,
     /// Number of times that the lenses of [`Cameras::shown`] changed.
     changes: u64,
@@ -57,7 +58,8 @@ impl Cameras {
         self.list.get(index)
     }
 
-    /// The views are drawn with the camera at `index`. A lamp's lens, with which a shadow map is drawn, is none of these.
+    /// The views are drawn with the camera at `index`. A lamp's lens, with which a shadow map is
+    /// drawn, is none of these.
     pub fn show(&mut self, index: usize) {
         if let Some(camera) = self.list.get_mut(index) {
             self.changes += u64::from(camera.shown == 0);

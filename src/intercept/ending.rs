@@ -1,12 +1,15 @@
-//! The end of the process, from which on nothing is corrected: parts of the driver may be gone already.
+//! The end of the process, from which on nothing is corrected: parts of the driver may be gone
+//! already.
 //!
-//! Handlers of `atexit` and destructors of libraries run in the reverse order of their registration. Drivers register some
-//! when they are loaded and others when they first compile a shader, so that a handler of the program may run while the
-//! driver can no longer compile: what the program does there (making no context current, for example) works without
-//! Cupola and has to work with it.
+//! Handlers of `atexit` and destructors of libraries run in the reverse order of their
+//! registration. Drivers register some when they are loaded and others when they first compile a
+//! shader, so that a handler of the program may run while the driver can no longer compile: what
+//! the program does there (making no context current, for example) works without Cupola and has to
+//! work with it.
 //!
-//! Two signs show that the process ends. Destructors of thread-local values run before all handlers, on the thread that
-//! calls `exit`; those of the first thread run only then. Our `atexit` handler runs later; it is for the other threads.
+//! Two signs show that the process ends. Destructors of thread-local values run before all
+//! handlers, on the thread that calls `exit`; those of the first thread run only then. Our `atexit`
+//! handler runs later; it is for the other threads.
 
 use std::cell::Cell;
 use std::sync::Once;
@@ -42,8 +45,8 @@ extern "C" fn at_exit() {
     PROCESS.store(true, Ordering::Release);
 }
 
-/// Watches for the end of the process and of this thread, on which `act` is done then. To be called once the driver is
-/// loaded.
+/// Watches for the end of the process and of this thread, on which `act` is done then. To be called
+/// once the driver is loaded.
 pub fn watch(act: Option<fn()>) {
     static AT_EXIT: Once = Once::new();
     AT_EXIT.call_once(|| {
@@ -73,7 +76,8 @@ mod tests {
 
     static SEEN: AtomicU32 = AtomicU32::new(0);
 
-    /// Stands for what a program does at the end of a thread, after thread-local values are destroyed.
+    /// Stands for what a program does at the end of a thread, after thread-local values are
+    /// destroyed.
     struct Late;
 
     thread_local! {
@@ -86,7 +90,8 @@ mod tests {
         }
     }
 
-    /// Values are destroyed in the reverse order of their first use, and a thread that ends is no process that does.
+    /// Values are destroyed in the reverse order of their first use, and a thread that ends is no
+    /// process that does.
     #[test]
     fn the_end_of_a_thread_is_seen_on_it_alone() {
         let thread = std::thread::spawn(|| {

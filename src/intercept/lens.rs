@@ -66,9 +66,10 @@ impl Told {
         }
     }
 
-    /// The lens, with the help of those that are `known` where the matrix does not tell it for sure: a product of a known lens
-    /// has its E and F, whatever the model is. `aspect`: width by height of the viewport. A lens whose pixels are not square, or
-    /// that looks aside, gives way to a known one without these marks of a stretched model. `None`: it is not known.
+    /// The lens, with the help of those that are `known` where the matrix does not tell it for
+    /// sure: a product of a known lens has its E and F, whatever the model is. `aspect`: width by
+    /// height of the viewport. A lens whose pixels are not square, or that looks aside, gives way
+    /// to a known one without these marks of a stretched model. `None`: it is not known.
     pub fn settled<'a>(&self, known: impl Iterator<Item = &'a Intrinsics>, aspect: f64) -> Option<Intrinsics> {
         let lens = self.intrinsics;
         let regular = |lens: &Intrinsics| {
@@ -96,7 +97,8 @@ impl Told {
 /// Greatest deviation of a lens that is like those of most programs.
 const IRREGULAR: f64 = 0.02;
 
-/// Greatest deviation of E that rounding of a product in f32 explains; of lenses with E beyond ±1 relative.
+/// Greatest deviation of E that rounding of a product in f32 explains; of lenses with E beyond ±1
+/// relative.
 const DEPTH_TOLERANCE: f64 = 2e-6;
 
 /// Greatest relative deviation of F, as the classification gives it.
@@ -163,8 +165,9 @@ impl Candidate<'_> {
     }
 }
 
-/// The lens that the matrices hold, and the number of the matrix that holds it; `None`: what they draw is flat. A product
-/// that only reads as a perspective by its rows counts if no other matrix does.
+/// The lens that the matrices hold, and the number of the matrix that holds it; `None`: what they
+/// draw is flat. A product that only reads as a perspective by its rows counts if no other matrix
+/// does.
 pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Told, usize)> {
     let mut best: Option<(Found, usize)> = None;
     for (number, candidate) in candidates.enumerate() {
@@ -196,8 +199,9 @@ pub fn same(a: &Intrinsics, b: &Intrinsics) -> bool {
     near(a.a, b.a) && near(a.b, b.b) && near(a.c, b.c) && near(a.d, b.d) && near(a.e, b.e)
 }
 
-/// The first numbers of groups of four that follow each other: where elements of an array of vectors may be a matrix.
-/// The groups begin with the first of a row of such numbers, or end with its last.
+/// The first numbers of groups of four that follow each other: where elements of an array of
+/// vectors may be a matrix. The groups begin with the first of a row of such numbers, or end with
+/// its last.
 pub fn fours(numbers: &[u32]) -> BTreeSet<u32> {
     let mut firsts = BTreeSet::new();
     for row in numbers.chunk_by(|before, after| before.checked_add(1) == Some(*after)) {

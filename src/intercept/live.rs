@@ -1,7 +1,8 @@
 //! The rig while the program runs: read again when its file changes.
 //!
-//! The file's time and length are asked twenty times a second, between two frames: other frames read the clock and no
-//! more. A file with a mistake changes nothing, and the log says once what is wrong with it.
+//! The file's time and length are asked twenty times a second, between two frames: other frames
+//! read the clock and no more. A file with a mistake changes nothing, and the log says once what is
+//! wrong with it.
 
 use super::file_stamp::FileStamp;
 use super::log;
@@ -48,7 +49,8 @@ pub fn rig() -> Option<Live> {
     Some(watch(settings).locked().live.clone())
 }
 
-/// The rig's version, after a look at its file if the last one was a while ago. For the end of a frame.
+/// The rig's version, after a look at its file if the last one was a while ago. For the end of a
+/// frame.
 pub fn version() -> u64 {
     if let Some((settings, path)) = settings::settings().and_then(|s| Some((s, s.rig_file.as_deref()?))) {
         // A frame does not wait for another window's look.

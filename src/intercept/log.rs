@@ -1,5 +1,5 @@
-//! Warnings of the interception, each once. They go to the program's callback for messages, else to standard error and to
-//! the file that `CUPOLA_LOG` names.
+//! Warnings of the interception, each once. They go to the program's callback for messages, else to
+//! standard error and to the file that `CUPOLA_LOG` names.
 
 use crate::message;
 use crate::system::variable;

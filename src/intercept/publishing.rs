@@ -1,6 +1,8 @@
-//! Finished pictures of this process for others, in a [`ring`](crate::ring). Both APIs bring their frames here.
+//! Finished pictures of this process for others, in a [`ring`](crate::ring). Both APIs bring their
+//! frames here.
 //!
-//! One window is published: the first one. Another one takes its place when it alone has been presented for a while.
+//! One window is published: the first one. Another one takes its place when it alone has been
+//! presented for a while.
 
 use super::{log, settings};
 use crate::lock::Lock;

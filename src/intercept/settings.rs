@@ -13,8 +13,9 @@ use std::time::{Duration, Instant};
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`,
-    /// `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied, as it was at the start; [`crate::intercept::live::rig`] is that of the moment.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`,
+    /// `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied, as it was
+    /// at the start; [`crate::intercept::live::rig`] is that of the moment.
     pub rig: Rig,
     /// The rig's file, absolute, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,
@@ -43,8 +44,8 @@ pub struct Settings {
     pub stats_every: Option<Duration>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
-    /// `CUPOLA_PUBLISH=FILE` (`1`: the file that is used where none is named; `0`: none): finished pictures for other
-    /// processes. Without it they are published if the rig says so.
+    /// `CUPOLA_PUBLISH=FILE` (`1`: the file that is used where none is named; `0`: none): finished
+    /// pictures for other processes. Without it they are published if the rig says so.
     pub publish: Option<PathBuf>,
     /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for those who read them, and loses no picture.
     pub publish_waits: bool,
@@ -54,7 +55,8 @@ pub struct Settings {
     pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
     pub cull: bool,
-    /// Draws of few vertices are left out, too, though that saves little (Vulkan): `CUPOLA_CULL=all`.
+    /// Draws of few vertices are left out, too, though that saves little (Vulkan):
+    /// `CUPOLA_CULL=all`.
     pub cull_all: bool,
 }
 
@@ -69,7 +71,8 @@ pub enum Mask {
     Never,
 }
 
-/// The kill switch: `CUPOLA=0` leaves every call alone. A program with more rights than its user is left alone always.
+/// The kill switch: `CUPOLA=0` leaves every call alone. A program with more rights than its user is
+/// left alone always.
 pub fn switched_off() -> bool {
     is_privileged() || variable("CUPOLA").is_some_and(|v| v == "0")
 }

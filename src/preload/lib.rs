@@ -39,8 +39,8 @@ fn name_vendors() {
         std::env::set_var("__GLX_VENDOR_LIBRARY_NAME", "cupola");
     }
     let Some(vendor_file) = egl_vendor_file() else { return };
-    // A child that does not inherit LD_PRELOAD finds nothing behind the first name; the system's own
-    // file keeps its EGL working.
+    // A child that does not inherit LD_PRELOAD finds nothing behind the first name; the system's
+    // own file keeps its EGL working.
     let system = std::env::var("__EGL_VENDOR_LIBRARY_FILENAMES")
         .unwrap_or_else(|_| "/usr/share/glvnd/egl_vendor.d/50_mesa.json".to_owned());
     // A process that was itself started by us already names such a file first.
@@ -52,7 +52,8 @@ fn name_vendors() {
 /// A vendor file for libEGL that names this library, in memory; its path.
 fn egl_vendor_file() -> Option<String> {
     let library = own_path()?;
-    // SAFETY: a fresh descriptor, owned by the File until it is leaked on purpose: libEGL opens it by name.
+    // SAFETY: a fresh descriptor, owned by the File until it is leaked on purpose: libEGL opens it
+    // by name.
     let mut file = unsafe {
         let descriptor = libc::memfd_create(c"cupola-egl-vendor".as_ptr(), libc::MFD_CLOEXEC);
         if descriptor < 0 {
@@ -68,7 +69,8 @@ fn egl_vendor_file() -> Option<String> {
 
 /// The path from which the dynamic linker loaded this library.
 fn own_path() -> Option<String> {
-    // SAFETY: asks the dynamic linker about an address in this library; the answer's strings are its own.
+    // SAFETY: asks the dynamic linker about an address in this library; the answer's strings are
+    // its own.
     unsafe {
         let mut info: libc::Dl_info = std::mem::zeroed();
         if libc::dladdr(before_main as *const c_void, &mut info) == 0 || info.dli_fname.is_null() {

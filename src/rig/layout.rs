@@ -4,10 +4,10 @@ use super::Rig;
 use crate::geom::PixelRect;
 
 impl Rig {
-    /// The rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with a `window` of their own have that,
-    /// cropped to the window; otherwise a single output has the whole window, and several share it
-    /// in a near-square grid, row by row from the top left. A rectangle without pixels has width or
-    /// height 0.
+    /// The rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with
+    /// a `window` of their own have that, cropped to the window; otherwise a single output has the
+    /// whole window, and several share it in a near-square grid, row by row from the top left. A
+    /// rectangle without pixels has width or height 0.
     pub fn layout(&self, window: (u32, u32)) -> Vec<PixelRect> {
         let columns = self.columns();
         let rows = (self.outputs.len() as u32).div_ceil(columns);

@@ -3,9 +3,10 @@
 //! Types here are validated and in radians where they are angles. [`load`] and [`parse`] read
 //! them from TOML in metres and degrees; `docs/rig-file.md` describes the file key by key.
 //!
-//! The way of a rig: `reading` takes typed values out of the parsed TOML and remembers their lines, `schema` knows the keys and single values' ranges, `validate` knows what
-//! values must satisfy together. All of them add to one list of problems, so that one look at
-//! the message mends the whole file.
+//! The way of a rig: `reading` takes typed values out of the parsed TOML and remembers their lines,
+//! `schema` knows the keys and single values' ranges, `validate` knows what values must satisfy
+//! together. All of them add to one list of problems, so that one look at the message mends the
+//! whole file.
 
 mod layout;
 mod mask;
@@ -94,7 +95,8 @@ pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
     }
 }
 
-/// The keys that the rig in `text` has or may have, with what each accepts. Tables that the text lacks are left out.
+/// The keys that the rig in `text` has or may have, with what each accepts. Tables that the text
+/// lacks are left out.
 pub fn keys(text: &str, file_name: &str, directory: &Path) -> Vec<Key> {
     let mut problems = reading::problems::Problems::noting_keys(text);
     // Whether it is valid is another question.

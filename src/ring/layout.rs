@@ -1,4 +1,5 @@
-//! Where everything lies in the file. Numbers are words of 64 bits in the machine's order, places count words.
+//! Where everything lies in the file. Numbers are words of 64 bits in the machine's order, places
+//! count words.
 
 use crate::system::SharedMemory;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,7 +23,8 @@ pub mod header {
     pub const FIRST_SLOT: usize = 4;
     /// Number of frames that were published. Its low half is a futex.
     pub const PUBLISHED: usize = 5;
-    /// What becomes of the file: [`OPEN`](super::OPEN), [`REPLACED`](super::REPLACED), [`ENDED`](super::ENDED).
+    /// What becomes of the file: [`OPEN`](super::OPEN), [`REPLACED`](super::REPLACED),
+    /// [`ENDED`](super::ENDED).
     pub const STATE: usize = 6;
     /// 1: the writer waits for its readers.
     pub const WAITS: usize = 7;
@@ -96,7 +98,8 @@ pub mod picture {
 pub const NAME_BYTES: usize = 64;
 /// Pictures that a frame can have.
 pub const PICTURES: usize = 64;
-/// Four bytes for each pixel, red first, as they are displayed; rows from the top without gaps, alpha is 255.
+/// Four bytes for each pixel, red first, as they are displayed; rows from the top without gaps,
+/// alpha is 255.
 pub const RGBA8: u64 = 1;
 
 /// Pixels begin at whole pages.

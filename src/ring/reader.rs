@@ -67,7 +67,8 @@ pub enum Next {
 }
 
 impl Reader {
-    /// Opens the file of a program that publishes its frames; the first frame is the oldest one that comes from now on.
+    /// Opens the file of a program that publishes its frames; the first frame is the oldest one
+    /// that comes from now on.
     ///
     /// # Errors
     /// There is no such file, it is none of published frames, or it has 16 readers already.
@@ -98,8 +99,8 @@ impl Reader {
         }
         words.is_active().store(ACTIVE, Ordering::Release);
         if own.is_none() {
-            // Frames that came meanwhile did not count for this reader. The writer has the same fence: either it sees
-            // that the place is used, or its frame is seen here.
+            // Frames that came meanwhile did not count for this reader. The writer has the same
+            // fence: either it sees that the place is used, or its frame is seen here.
             fence(Ordering::SeqCst);
             words.cursor().fetch_max(value(&memory, header::PUBLISHED), Ordering::AcqRel);
         }

@@ -176,7 +176,8 @@ fn whoever_ends_without_a_word_blocks_nobody() {
     let mut writer = Writer::create(&path, &shapes(&[(2, 2)]), 3, true).expect("a ring");
     let memory = SharedMemory::open(&path).expect("the file");
     let words = ReaderWords::new(&memory, 0);
-    // A reader that took its place, and then lost its life: its lock is gone, its words are still there.
+    // A reader that took its place, and then lost its life: its lock is gone, its words are still
+    // there.
     words.is_active().store(ACTIVE, std::sync::atomic::Ordering::Release);
     let started = Instant::now();
     (1..=9).for_each(|index| publish(&mut writer, index));

@@ -44,11 +44,13 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Makes a file for frames of these pictures in `slots` slots (at least 3). An older file of a program that has
-    /// ended is replaced. `waits`: [`Writer::publish`] waits until the readers have copied what it overwrites.
+    /// Makes a file for frames of these pictures in `slots` slots (at least 3). An older file of a
+    /// program that has ended is replaced. `waits`: [`Writer::publish`] waits until the readers
+    /// have copied what it overwrites.
     ///
     /// # Errors
-    /// A file of this name exists that is not Cupola's, or whose writer lives; too many pictures; what the system says.
+    /// A file of this name exists that is not Cupola's, or whose writer lives; too many pictures;
+    /// what the system says.
     pub fn create(path: &Path, shapes: &[Shape], slots: usize, waits: bool) -> Result<Self> {
         let failed = |error: io::Error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display()));
         match SharedMemory::open(path) {
@@ -65,8 +67,8 @@ impl Writer {
         Self::make(path, shapes, slots.max(LEAST_SLOTS), waits, None).map_err(failed)
     }
 
-    /// Makes the file under another name, and then gives it its name: readers never see half of it. Those of `old` have a
-    /// place in it.
+    /// Makes the file under another name, and then gives it its name: readers never see half of it.
+    /// Those of `old` have a place in it.
     fn make(path: &Path, shapes: &[Shape], slots: usize, waits: bool, old: Option<&Self>) -> io::Result<Self> {
         let number = old.map_or(0, |old| old.number);
         if shapes.len() > layout::PICTURES {
@@ -162,13 +164,15 @@ impl Writer {
         self.number
     }
 
-    /// Goes on with pictures of other names and sizes, in a new file of the same name. Readers of the old one find it.
+    /// Goes on with pictures of other names and sizes, in a new file of the same name. Readers of
+    /// the old one find it.
     ///
     /// # Errors
     /// What the system says; the old file stays then.
     pub fn reshape(&mut self, shapes: &[Shape]) -> Result<()> {
         if self.waits {
-            // A reader opens the newest file: those of the file before have to come to this one first.
+            // A reader opens the newest file: those of the file before have to come to this one
+            // first.
             self.wait_for_readers(None, |reader| reader.is_active().load(Ordering::Acquire) != EXPECTED);
         }
         let new = Self::make(&self.path, shapes, self.slots, self.waits, Some(self));
@@ -179,8 +183,8 @@ impl Writer {
         Ok(())
     }
 
-    /// Publishes a frame with the program's number `index`, of this time on the monotonic clock in nanoseconds; `fill`
-    /// writes its pictures. Allocates nothing.
+    /// Publishes a frame with the program's number `index`, of this time on the monotonic clock in
+    /// nanoseconds; `fill` writes its pictures. Allocates nothing.
     pub fn publish(&mut self, index: u64, time: u64, fill: impl FnOnce(&mut Pictures<'_>)) {
         let (number, slot) = (self.number, self.slot(self.number));
         fence(Ordering::SeqCst);
@@ -200,7 +204,8 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// Lets no cursor of a reader point to a frame before `oldest`: waits for the reader, or counts what it loses.
+    /// Lets no cursor of a reader point to a frame before `oldest`: waits for the reader, or counts
+    /// what it loses.
     fn move_on(&self, number: usize, oldest: u64) {
         let reader = ReaderWords::new(&self.memory, number);
         loop {
@@ -230,8 +235,8 @@ impl Writer {
         is_locked(&self.memory) || (is_expected() && self.before.as_ref().is_some_and(is_locked))
     }
 
-    /// Waits for the first reader, for about a minute; whether it came. The time is counted in waits of the system, for the
-    /// program's clock may stand still.
+    /// Waits for the first reader, for about a minute; whether it came. The time is counted in
+    /// waits of the system, for the program's clock may stand still.
     pub fn wait_for_a_reader(&self) -> bool {
         for _ in 0..600 {
             let taken = value(&self.memory, header::TAKEN);
@@ -278,8 +283,8 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// The program ends: readers are told, and the file is removed. In a copy of the process that `fork` made nothing is
-    /// done: the file is not its own.
+    /// The program ends: readers are told, and the file is removed. In a copy of the process that
+    /// `fork` made nothing is done: the file is not its own.
     pub fn end(self) {
         if value(&self.memory, header::PROCESS) != u64::from(std::process::id()) {
             return;
@@ -304,8 +309,10 @@ pub struct Pictures<'a> {
 }
 
 impl Pictures<'_> {
-    /// Writes row `y`, counted from the top, of picture `number`: 4 bytes for each pixel, of which the last is written as
-    /// 255. Rows that are not written stay as they were in an earlier frame. What lies outside of the picture is left out.
+    /// Writes row `y`, counted from the top, of picture `number`: 4 bytes for each pixel, of which
+    /// the last is written as
+    /// 255. Rows that are not written stay as they were in an earlier frame. What lies outside of
+    ///      the picture is left out.
     pub fn row(&mut self, number: usize, y: u32, row: &[u8]) {
         let (Some(shape), Some(pixels)) = (self.shapes.get(number), self.pixels.get(number)) else { return };
         let (width, height) = (shape.size.0 as usize, shape.size.1);

@@ -7,8 +7,9 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// The cache of this process: in the folder that `CUPOLA_CACHE` names, else in the user's cache folder; only in memory where that is `0`,
-/// where there is no such folder, or where nothing tells this build of Cupola from others.
+/// The cache of this process: in the folder that `CUPOLA_CACHE` names, else in the user's cache
+/// folder; only in memory where that is `0`, where there is no such folder, or where nothing tells
+/// this build of Cupola from others.
 pub fn of_process() -> &'static Cache {
     static CACHE: OnceLock<Cache> = OnceLock::new();
     CACHE.get_or_init(|| {
@@ -27,7 +28,8 @@ pub fn of_process() -> &'static Cache {
     })
 }
 
-/// Whether a folder, or the one in which it would be made, is this user's. With `sudo` the home of another may be named.
+/// Whether a folder, or the one in which it would be made, is this user's. With `sudo` the home of
+/// another may be named.
 fn is_own(folder: &Path) -> bool {
     let there = folder.ancestors().find_map(|folder| folder.metadata().ok());
     there.is_some_and(|folder| Some(folder.uid()) == this_user())

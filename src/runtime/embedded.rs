@@ -1,4 +1,5 @@
-//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame. Here on OpenGL.
+//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame. Here
+//! on OpenGL.
 
 pub mod vulkan;
 
@@ -74,14 +75,15 @@ impl Embedded {
     /// needs on the current context, which must be OpenGL 3.3 or OpenGL ES 3.0 at least.
     ///
     /// # Errors
-    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size out of range or a
-    /// rig that corrects nothing.
+    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size out of range
+    /// or a rig that corrects nothing.
     pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
         Self::planned(gl, rig, size, Session::new)
     }
 
-    /// The same for a program whose shaders project vertices by [`Embedded::projection`]: outputs with the methods `vertex`
-    /// and `primitive` have a view that is their own picture. Primitives are not divided.
+    /// The same for a program whose shaders project vertices by [`Embedded::projection`]: outputs
+    /// with the methods `vertex` and `primitive` have a view that is their own picture. Primitives
+    /// are not divided.
     ///
     /// # Errors
     /// As for [`Embedded::new`].
@@ -143,10 +145,12 @@ impl Embedded {
         self.replan(self.rig.clone(), size)
     }
 
-    /// Plans anew for a viewer elsewhere; between frames. Views and tiles may change. On an error everything stays.
+    /// Plans anew for a viewer elsewhere; between frames. Views and tiles may change. On an error
+    /// everything stays.
     ///
     /// # Errors
-    /// As for [`Embedded::new`] and [`Rig::with_viewer`]; [`ErrorKind::InvalidState`] inside a frame.
+    /// As for [`Embedded::new`] and [`Rig::with_viewer`]; [`ErrorKind::InvalidState`] inside a
+    /// frame.
     pub fn set_viewer(&mut self, viewer: Viewer) -> Result<()> {
         self.expect_idle()?;
         if viewer == self.rig.viewer {
@@ -172,12 +176,13 @@ impl Embedded {
         self.rig.outputs.get(output).map(|output| &output.blend).ok_or_else(|| self.no_output(output))
     }
 
-    /// Blends an output otherwise from the next frame on; between frames. Views stay; shaders that change are
-    /// made anew, which takes milliseconds for each batch. On an error everything stays.
+    /// Blends an output otherwise from the next frame on; between frames. Views stay; shaders that
+    /// change are made anew, which takes milliseconds for each batch. On an error everything stays.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidState`] inside a frame; [`ErrorKind::InvalidArgument`] for an output that does not exist, a
-    /// value out of its range, or overlap of an output that is no projector; what the driver says.
+    /// [`ErrorKind::InvalidState`] inside a frame; [`ErrorKind::InvalidArgument`] for an output
+    /// that does not exist, a value out of its range, or overlap of an output that is no projector;
+    /// what the driver says.
     pub fn set_blend(&mut self, output: usize, blend: Blend) -> Result<()> {
         self.expect_idle()?;
         blend.check()?;
@@ -200,15 +205,18 @@ impl Embedded {
         Error::new(ErrorKind::InvalidArgument, format!("there is no output {index}; there are {count}, from 0"))
     }
 
-    /// How many views there are; changes only with [`Embedded::resize`] and [`Embedded::set_viewer`].
+    /// How many views there are; changes only with [`Embedded::resize`] and
+    /// [`Embedded::set_viewer`].
     pub fn view_count(&self) -> usize {
         self.session.views().len()
     }
 
-    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be infinite).
+    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be
+    /// infinite).
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no planes.
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no
+    /// planes.
     pub fn view(&self, index: usize, near: f64, far: f64) -> Result<EmbeddedView<'_>> {
         let view = self.session.views().get(index).ok_or_else(|| no_view(index, self.view_count()))?;
         check_planes(near, far)?;
@@ -220,11 +228,13 @@ impl Embedded {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of [`correct::projected::projection`](crate::correct::projected::projection), if the
-    /// program draws with the perspective `matrix` (column by column, as OpenGL has it).
+    /// What `cupola_view` holds for a view in the functions of
+    /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
+    /// draws with the perspective `matrix` (column by column, as OpenGL has it).
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no perspective.
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no
+    /// perspective.
     pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
         let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
         Ok(joined(&rows, &lens))
@@ -255,8 +265,8 @@ impl Embedded {
     /// Begins a view: its tile is bound for drawing, with viewport and scissor on it.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidState`] outside a frame or inside another view; [`ErrorKind::InvalidArgument`] for an
-    /// index that does not exist.
+    /// [`ErrorKind::InvalidState`] outside a frame or inside another view;
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist.
     pub fn begin_view(&mut self, index: usize) -> Result<()> {
         if !matches!(self.state, State::Frame) {
             return Err(Error::new(
@@ -290,10 +300,11 @@ impl Embedded {
         }
     }
 
-    /// Ends a frame: the views are corrected into `framebuffer` (0 = the window), each output at its
-    /// place in the rectangle (x, y from the bottom left; as large as the pictures are).
+    /// Ends a frame: the views are corrected into `framebuffer` (0 = the window), each output at
+    /// its place in the rectangle (x, y from the bottom left; as large as the pictures are).
     ///
-    /// Gives the OpenGL error that the program itself had pending, which this takes out of the driver.
+    /// Gives the OpenGL error that the program itself had pending, which this takes out of the
+    /// driver.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidState`] outside a frame or inside a view, and as
@@ -334,8 +345,8 @@ impl Embedded {
     /// Fails unless pictures can be presented into `framebuffer` (0 = the window) of the context.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidState`] if the context is not current; [`ErrorKind::InvalidArgument`] if there is no
-    /// such framebuffer, or it is incomplete.
+    /// [`ErrorKind::InvalidState`] if the context is not current; [`ErrorKind::InvalidArgument`] if
+    /// there is no such framebuffer, or it is incomplete.
     pub fn check_framebuffer(&self, framebuffer: u32) -> Result<()> {
         self.expect_context()?;
         let invalid = |message: String| Err(Error::new(ErrorKind::InvalidArgument, message));

@@ -44,8 +44,8 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
-    /// How often a draw that was recorded for each view and the panel was left out of one of them, because it turned out to be out of sight
-    /// there (Vulkan).
+    /// How often a draw that was recorded for each view and the panel was left out of one of them,
+    /// because it turned out to be out of sight there (Vulkan).
     pub draws_out_of_sight: u64,
     /// Draws of the scene of which it was known where their vertices are.
     pub bounded_draws: u64,
@@ -66,18 +66,21 @@ pub struct Statistics {
     pub projection_found: BTreeMap<String, u64>,
     /// Pixels of all outputs.
     pub output_pixels: u64,
-    /// Those that the correction computes in a frame, batches that are left out included; the others are known to be black:
-    /// outside of a circle or of the dome, masked, not lit.
+    /// Those that the correction computes in a frame, batches that are left out included; the
+    /// others are known to be black: outside of a circle or of the dome, masked, not lit.
     pub corrected_pixels: u64,
-    /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
+    /// Batches of the correction that were not drawn, because their views held nothing but the
+    /// clear colour.
     pub batches_left_out: u64,
-    /// Lines and triangles, or parts of them, that the method `primitive` did not divide far enough, in all frames and outputs; left out
-    /// where the driver cannot count them.
+    /// Lines and triangles, or parts of them, that the method `primitive` did not divide far
+    /// enough, in all frames and outputs; left out where the driver cannot count them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coarse_primitives: Option<u64>,
-    /// Pipelines that the method `primitive` does not divide, by reason: what they draw is drawn as with `vertex` (Vulkan).
+    /// Pipelines that the method `primitive` does not divide, by reason: what they draw is drawn as
+    /// with `vertex` (Vulkan).
     pub undivided_pipelines: BTreeMap<String, u64>,
-    /// Pictures of outputs of which only the part that something was drawn to was corrected, the rest cleared.
+    /// Pictures of outputs of which only the part that something was drawn to was corrected, the
+    /// rest cleared.
     pub outputs_narrowed: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
     pub shaders_linked: u64,
@@ -103,7 +106,8 @@ pub struct Published {
     pub readers: usize,
     /// Frames that readers lost, all added up.
     pub lost: u64,
-    /// Frames that were not published because the graphics driver had not yet finished those before them.
+    /// Frames that were not published because the graphics driver had not yet finished those before
+    /// them.
     pub left_out: u64,
 }
 
@@ -179,7 +183,8 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
     write(path, (text + "\n").as_bytes())
 }
 
-/// Writes `statistics` as JSON in place of what the file had: readers see the old or the new content.
+/// Writes `statistics` as JSON in place of what the file had: readers see the old or the new
+/// content.
 ///
 /// # Errors
 /// When the file cannot be written.

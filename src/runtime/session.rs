@@ -18,7 +18,8 @@ use crate::rig::{Camera, Favour, Method, Rig};
 use crate::views::{Request, Tile, View};
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a program has been seen to need: tiles beside the views, and how many views are worth their while.
+/// What a program has been seen to need: tiles beside the views, and how many views are worth their
+/// while.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extras {
     /// The flat panel.
@@ -46,8 +47,8 @@ pub struct Session {
 /// Free rows between a view and the panel, where views are drawn in turn.
 const TURN_GUTTER: u32 = 1;
 
-/// A primitive becomes at most so many on the processor: enough for a triangle around half of the sphere in a picture of
-/// 4096² pixels at a twentieth of a pixel, and a tenth of a second of work.
+/// A primitive becomes at most so many on the processor: enough for a triangle around half of the
+/// sphere in a picture of 4096² pixels at a twentieth of a pixel, and a tenth of a second of work.
 const MOST_PARTS: usize = 1 << 14;
 
 /// Width and height of a view in pixels.
@@ -61,8 +62,8 @@ impl Session {
     /// `off_screen`: outputs have their own resolution (`size`), not that of their place in the
     /// window. `max_atlas`: greatest width and height of a texture.
     ///
-    /// All views are perspective ones; outputs to which vertices should be projected have the method `fragment`, and the
-    /// plan's notes say so.
+    /// All views are perspective ones; outputs to which vertices should be projected have the
+    /// method `fragment`, and the plan's notes say so.
     ///
     /// # Errors
     /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
@@ -70,8 +71,8 @@ impl Session {
         Self::refusing(Method::projects_vertices, rig, window, off_screen, max_atlas, extras)
     }
 
-    /// As [`Session::projecting`] for a caller that does not divide primitives; the plan's notes say which outputs have the
-    /// method `fragment` for that.
+    /// As [`Session::projecting`] for a caller that does not divide primitives; the plan's notes
+    /// say which outputs have the method `fragment` for that.
     ///
     /// # Errors
     /// As for [`Session::new`].
@@ -95,7 +96,8 @@ impl Session {
         Ok(session)
     }
 
-    /// As [`Session::new`] for a caller that projects vertices by [`View::curved`](crate::views::View::curved).
+    /// As [`Session::new`] for a caller that projects vertices by
+    /// [`View::curved`](crate::views::View::curved).
     ///
     /// # Errors
     /// As for [`Session::new`].
@@ -129,8 +131,8 @@ impl Session {
         Ok(if self.turns.is_some() { session.in_turn() } else { session })
     }
 
-    /// The program draws one view in each of its frames, with the size of its window, instead of all views in each. The
-    /// atlas is then only what the views are collected in.
+    /// The program draws one view in each of its frames, with the size of its window, instead of
+    /// all views in each. The atlas is then only what the views are collected in.
     pub fn in_turn(mut self) -> Self {
         self.turns = Some(Turns::new(self.views().len(), self.rig.views.warm_up));
         self
@@ -190,14 +192,15 @@ impl Session {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
     }
 
-    /// Size in texels of what the program draws to: the atlas, or, in turn, a view and the panel above it.
+    /// Size in texels of what the program draws to: the atlas, or, in turn, a view and the panel
+    /// above it.
     pub fn surface_size(&self) -> (u32, u32) {
         let (width, height) = self.request.window;
         if self.turns.is_some() { (width, 2 * height + TURN_GUTTER) } else { self.plan.views.atlas }
     }
 
-    /// For each view the lens of its picture, as patched shaders take it; zeros for perspective ones. Empty where all views
-    /// are.
+    /// For each view the lens of its picture, as patched shaders take it; zeros for perspective
+    /// ones. Empty where all views are.
     pub fn lenses(&self) -> Vec<LensConstants> {
         if self.views().iter().all(|view| view.curved.is_none()) {
             return Vec::new();
@@ -272,12 +275,13 @@ impl Session {
         })
     }
 
-    /// How many samples of all views show what the program sees through `lens`, to a few per cent. `own`: how many the
-    /// program's own picture has, which are those of a view with its lens, and, `off_screen`, of every view.
+    /// How many samples of all views show what the program sees through `lens`, to a few per cent.
+    /// `own`: how many the program's own picture has, which are those of a view with its lens, and,
+    /// `off_screen`, of every view.
     ///
-    /// Added up over a grid on the program's picture: a view has `D / cos³ θ` samples per steradian at θ off its
-    /// axis, where D is how many it has per unit of tangents squared. A picture to which vertices are projected has the area
-    /// that the grid's cells take there.
+    /// Added up over a grid on the program's picture: a view has `D / cos³ θ` samples per steradian
+    /// at θ off its axis, where D is how many it has per unit of tangents squared. A picture to
+    /// which vertices are projected has the area that the grid's cells take there.
     pub fn samples(&self, lens: &Intrinsics, own: f64, off_screen: bool) -> f64 {
         const GRID: u32 = 16;
         let camera = &self.rig.camera;
@@ -325,8 +329,8 @@ impl Session {
         sum
     }
 
-    /// The lens that the rig gives the program, for draws that tell none. Its depth is that of a far plane at infinity,
-    /// which keeps what lies behind what for any other, too.
+    /// The lens that the rig gives the program, for draws that tell none. Its depth is that of a
+    /// far plane at infinity, which keeps what lies behind what for any other, too.
     pub fn given_lens(&self) -> Option<Intrinsics> {
         let [a, c] = self.rig.camera.lens?.map(|opening| 1.0 / (opening / 2.0).tan());
         Some(Intrinsics { a, b: 0.0, c, d: 0.0, e: -1.0, f: None })
@@ -340,10 +344,12 @@ impl Session {
         CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
 
-    /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.
+    /// The rows that take flat clip coordinates to each view, as points of the panel; empty without
+    /// one.
     ///
-    /// Their depth is half the program's: on the panel it stays between the planes of every view that
-    /// shows a part of it (the distance along a view's axis is half the panel's at least up to 60° off it).
+    /// Their depth is half the program's: on the panel it stays between the planes of every view
+    /// that shows a part of it (the distance along a view's axis is half the panel's at least up to
+    /// 60° off it).
     pub fn panel_rows(&self) -> Vec<ClipRows> {
         let Some(panel) = &self.plan.views.panel else { return Vec::new() };
         let frustum = &panel.frustum;
@@ -365,7 +371,8 @@ impl Session {
     }
 }
 
-/// Plans `rig` for a program of so many `draws` in a frame, unless the rig itself says what it favours.
+/// Plans `rig` for a program of so many `draws` in a frame, unless the rig itself says what it
+/// favours.
 fn plan(rig: &Rig, draws: Option<u32>, request: &Request) -> Result<Plan> {
     let (cache, rig) = (cache::of_process(), &*rig.with_all_outputs());
     match draws.filter(|_| rig.views.favour == Favour::Balanced) {
@@ -410,7 +417,8 @@ mod tests {
         let point = DVec3::new(3.0, 2.0, -20.0);
         let clip = program * point.extend(1.0);
         for (view, rows) in session.views().iter().zip(session.rows(&lens)) {
-            // 3 cm are 3 units of the program's, along the viewer's axes, which its camera is turned against.
+            // 3 cm are 3 units of the program's, along the viewer's axes, which its camera is
+            // turned against.
             let seen = view.rotation * (camera_rotation(&rig.camera) * point - DVec3::X * (view.eye * 100.0));
             let q = clip.z + rows.e * clip.w;
             let row = |r: [f64; 4]| r[0] * clip.x + r[1] * clip.y + r[2] * clip.w + r[3] * q;
@@ -433,8 +441,8 @@ mod tests {
         }
     }
 
-    /// A domemaster to which vertices are projected, the program's axis on the fisheye's: an equidistant picture of side N has
-    /// (N/π)² θ/sin θ pixels per steradian.
+    /// A domemaster to which vertices are projected, the program's axis on the fisheye's: an
+    /// equidistant picture of side N has (N/π)² θ/sin θ pixels per steradian.
     #[test]
     fn samples_of_a_projected_picture_are_its_pixels() {
         let text = "[dome]\ntilt = 0\ncoverage = 180\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\nmethod = \"vertex\"\n";

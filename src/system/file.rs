@@ -5,8 +5,8 @@ use std::io;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 
-/// Opens a file for writing and empties it, or makes it. A link is not followed: whoever may write to its folder would
-/// choose which file is overwritten.
+/// Opens a file for writing and empties it, or makes it. A link is not followed: whoever may write
+/// to its folder would choose which file is overwritten.
 ///
 /// # Errors
 /// Those of the system, and for a link; but `/dev/stdout` and its like are followed.

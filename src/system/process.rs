@@ -15,8 +15,8 @@ pub fn user() -> u32 {
     unsafe { libc::getuid() }
 }
 
-/// Whether this program has more rights than the user who started it, as set-user-ID programs have: what the user's
-/// environment asks for does not count then.
+/// Whether this program has more rights than the user who started it, as set-user-ID programs have:
+/// what the user's environment asks for does not count then.
 pub fn is_privileged() -> bool {
     // SAFETY: reads a number that the kernel gave to this process.
     unsafe { libc::getauxval(libc::AT_SECURE) != 0 }
@@ -82,7 +82,8 @@ pub fn kill_group(child: &Child) -> io::Result<()> {
 /// A signal that would end this process has come, since [`note_end_signals`].
 static END_ASKED_FOR: AtomicBool = AtomicBool::new(false);
 
-/// SIGINT, SIGTERM and SIGHUP no longer end this process: [`end_was_asked_for`] says that one has come.
+/// SIGINT, SIGTERM and SIGHUP no longer end this process: [`end_was_asked_for`] says that one has
+/// come.
 pub fn note_end_signals() {
     extern "C" fn note(_signal: libc::c_int) {
         END_ASKED_FOR.store(true, Ordering::SeqCst);

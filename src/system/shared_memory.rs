@@ -22,8 +22,8 @@ unsafe impl Send for SharedMemory {}
 unsafe impl Sync for SharedMemory {}
 
 impl SharedMemory {
-    /// Makes a file of `bytes` zeroes (rounded up to whole words) that its user alone can open. The room is reserved: later
-    /// writes cannot fail for want of it.
+    /// Makes a file of `bytes` zeroes (rounded up to whole words) that its user alone can open. The
+    /// room is reserved: later writes cannot fail for want of it.
     ///
     /// # Errors
     /// Those of the system: a file of this name exists, its folder does not exist or is full.
@@ -70,7 +70,8 @@ impl SharedMemory {
         unsafe { std::slice::from_raw_parts(self.words.as_ptr(), self.count) }
     }
 
-    /// Copies `bytes` to the word with this index and those behind it. A last word that is not whole is filled with zeroes.
+    /// Copies `bytes` to the word with this index and those behind it. A last word that is not
+    /// whole is filled with zeroes.
     ///
     /// # Panics
     /// If they reach beyond the memory.
@@ -110,8 +111,8 @@ impl SharedMemory {
         }
     }
 
-    /// Takes a lock on the byte at this place of the file, unless another opener has it. The lock ends with this value, or
-    /// with the process.
+    /// Takes a lock on the byte at this place of the file, unless another opener has it. The lock
+    /// ends with this value, or with the process.
     pub fn lock(&self, byte: usize) -> bool {
         self.ask(libc::F_OFD_SETLK, libc::F_WRLCK, byte).is_some()
     }
@@ -138,7 +139,8 @@ impl SharedMemory {
         (unsafe { libc::fcntl(self.file.as_raw_fd(), command, &raw mut range) } != -1).then_some(range)
     }
 
-    /// Waits while the low half of the word with this index is `value`, for no longer than `limit`. May also return early.
+    /// Waits while the low half of the word with this index is `value`, for no longer than `limit`.
+    /// May also return early.
     pub fn wait(&self, word: usize, value: u32, limit: Duration) {
         let time = libc::timespec {
             tv_sec: libc::time_t::try_from(limit.as_secs()).unwrap_or(libc::time_t::MAX),

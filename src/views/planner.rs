@@ -14,16 +14,18 @@ use std::borrow::Cow;
 
 /// Plans the views of `rig`: deterministic, and without a graphics API.
 ///
-/// A rig with `passthrough` has no views; one with `content` has one, the program's window. Of all others: Every direction that an output shows at a pixel's
-/// centre lies in `owned` of at least one view of `output_views[output]`, by a quarter of a texel
-/// where views meet or end, and the bilinear footprint of every sample stays inside the tile.
+/// A rig with `passthrough` has no views; one with `content` has one, the program's window. Of all
+/// others: Every direction that an output shows at a pixel's centre lies in `owned` of at least one
+/// view of `output_views[output]`, by a quarter of a texel where views meet or end, and the
+/// bilinear footprint of every sample stays inside the tile.
 ///
 /// # Errors
 ///
-/// [`InvalidArgument`](crate::ErrorKind::InvalidArgument) if one side of a size is 0 or the list of sizes has the wrong
-/// length; [`InvalidRig`](crate::ErrorKind::InvalidRig) if `method` is [`Single`](crate::rig::ViewMethod::Single) and
-/// an output sees too much for one perspective view; [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into
-/// the atlas. Where only the resolution must be reduced to fit, the plan says so in `notes`.
+/// [`InvalidArgument`](crate::ErrorKind::InvalidArgument) if one side of a size is 0 or the list of
+/// sizes has the wrong length; [`InvalidRig`](crate::ErrorKind::InvalidRig) if `method` is
+/// [`Single`](crate::rig::ViewMethod::Single) and an output sees too much for one perspective view;
+/// [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into the atlas. Where only the
+/// resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     Planning::new(rig, request, 0, &Cache::none())?.place()
 }
@@ -39,8 +41,8 @@ pub(crate) struct Planning<'a> {
 }
 
 impl<'a> Planning<'a> {
-    /// Chooses the views of a rig whose outputs sample up to `sampling_margin` texels beside the exact
-    /// place; `cache` may know what is chosen, or keeps it.
+    /// Chooses the views of a rig whose outputs sample up to `sampling_margin` texels beside the
+    /// exact place; `cache` may know what is chosen, or keeps it.
     ///
     /// # Errors
     /// As [`plan`].

@@ -208,8 +208,8 @@ fn the_check_of_plans_notices_what_is_wrong() {
 
 #[test]
 fn the_dome_needs_little_more_than_its_disc() {
-    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and widened parts are 2
-    // texels of each side.
+    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and widened parts are
+    // 2 texels of each side.
     use Favour::{Balanced, Processor};
     let bars = [
         (512, Balanced, 4, 1.91),

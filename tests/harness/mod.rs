@@ -1,7 +1,9 @@
-//! Runs tests as `cargo test` does, but a test that finds that something is not installed counts as ignored.
+//! Runs tests as `cargo test` does, but a test that finds that something is not installed counts as
+//! ignored.
 //!
-//! A file lists its functions in [`tests!`]; one that is in no list is dead code, which does not compile. `CUPOLA_TEST_TIMES` names
-//! a file to which each test adds a line: its seconds and its name.
+//! A file lists its functions in [`tests!`]; one that is in no list is dead code, which does not
+//! compile. `CUPOLA_TEST_TIMES` names a file to which each test adds a line: its seconds and its
+//! name.
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use std::cell::RefCell;
@@ -40,7 +42,8 @@ macro_rules! tests {
 }
 pub(crate) use tests;
 
-/// Counts this thread's test as ignored, unless it fails. With `CUPOLA_REQUIRE_GL` in the environment it fails here.
+/// Counts this thread's test as ignored, unless it fails. With `CUPOLA_REQUIRE_GL` in the
+/// environment it fails here.
 pub fn missing(what: impl Display) {
     assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "{what}");
     MISSING.with_borrow_mut(|missing| {
@@ -48,7 +51,8 @@ pub fn missing(what: impl Display) {
     });
 }
 
-/// Adds a line to what is printed if this thread's test fails, or prints it with the option `--nocapture`.
+/// Adds a line to what is printed if this thread's test fails, or prints it with the option
+/// `--nocapture`.
 #[allow(dead_code, reason = "not every user of this file has something to say")]
 pub fn note(line: impl Display) {
     print(&line);
@@ -103,7 +107,8 @@ pub fn run(tests: Vec<Test>) -> ExitCode {
             outcome
         })
     };
-    // The usual harness takes this option, which `cargo test` gives to all; the times are in the file.
+    // The usual harness takes this option, which `cargo test` gives to all; the times are in the
+    // file.
     let mut arguments = Arguments::from_iter(std::env::args().filter(|argument| argument != "--report-time"));
     let threads = std::env::var("RUST_TEST_THREADS").ok().and_then(|number| number.parse().ok());
     arguments.test_threads = arguments.test_threads.or(threads);

@@ -12,7 +12,8 @@ fn judges_itself_under(program: &str, frames: usize, rigs: &[&str]) {
     let Some(plain) = run.plain() else { return };
     plain.expect_success();
     for rig in rigs {
-        // Cupola ends a program with status 0; here the program must come to its own end and verdict.
+        // Cupola ends a program with status 0; here the program must come to its own end and
+        // verdict.
         let run = Run { cupola_frames: frames + 1, ..run.clone() };
         if let Some(finished) = run.under(rig) {
             finished.expect_success();
@@ -52,8 +53,8 @@ behaviour! {
     viewports: 3,
 }
 
-/// Under a rig of projectors, which show less than the program sees, the depth of what no view shows is that of an empty
-/// window; all other depths are right there, too.
+/// Under a rig of projectors, which show less than the program sees, the depth of what no view
+/// shows is that of an empty window; all other depths are right there, too.
 fn a_first_read_of_depth() {
     judges_itself_under("first_depth", 4, &["identity", "identity-captured", "fisheye"]);
     let run = Run { frames: 4, extra: &["--mode", "partial"], ..Run::new("first_depth") };

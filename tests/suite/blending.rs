@@ -27,7 +27,8 @@ fn light(picture: &Picture, [x, y]: [f64; 2], gamma: f64) -> f64 {
     (1.0 - v) * upper + v * lower
 }
 
-/// Least and greatest sum of light over every `step`-th pixel of all projectors that shines on the screen.
+/// Least and greatest sum of light over every `step`-th pixel of all projectors that shines on the
+/// screen.
 fn extremes(projectors: &[Projector], dome: &Dome, pictures: &[Picture], gamma: f64, step: usize) -> (f64, f64) {
     let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
     for projector in projectors {
@@ -52,7 +53,8 @@ fn extremes(projectors: &[Projector], dome: &Dome, pictures: &[Picture], gamma: 
 /// The bar: how far the light may be from even, in 8 bits, wherever at least one projector shines.
 const BAR: f64 = 0.006;
 
-/// The projectors' own resolution, as an audience sees it: by `cupola simulate`, which follows the viewer's rays.
+/// The projectors' own resolution, as an audience sees it: by `cupola simulate`, which follows the
+/// viewer's rays.
 fn the_light_of_planetarium_6_keeps_the_bar() {
     let run = Run { cupola: &["--offscreen"], frames: 2, cupola_frames: 2, ..Run::new("white") };
     let Some(finished) = run.under("planetarium-6") else { return };
@@ -65,8 +67,8 @@ fn the_light_of_planetarium_6_keeps_the_bar() {
     let circle = std::f64::consts::FRAC_PI_4 * 512.0 * 512.0;
     assert!(number("pixels") > 0.99 * circle, "{answer:#}");
 
-    // The same pictures judged without Cupola's geometry, from the projectors' pixels: every seventeenth is
-    // coprime to the pictures' rows, so that all columns have their turn.
+    // The same pictures judged without Cupola's geometry, from the projectors' pixels: every
+    // seventeenth is coprime to the pictures' rows, so that all columns have their turn.
     let rig = rigs::projectors("planetarium-6", (1920, 1080), 1);
     let pictures: Vec<Picture> =
         rig.projectors.iter().map(|projector| finished.picture(&format!("capture-{}.png", projector.name))).collect();

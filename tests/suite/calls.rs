@@ -1,4 +1,5 @@
-//! Random OpenGL calls of all entry points: OpenGL answers as without Cupola. `cupola-lab calls` plays and compares them.
+//! Random OpenGL calls of all entry points: OpenGL answers as without Cupola. `cupola-lab calls`
+//! plays and compares them.
 
 use crate::display;
 use crate::harness::{note, tests};
@@ -55,8 +56,9 @@ fn what_was_found_before_has_the_same_answers() {
     expect_same(&arguments);
 }
 
-/// The control: calls between Cupola and the driver are lost, one in each run. More of them are found than the list makes
-/// itself, so that some are Cupola's own, which put state back after a swap.
+/// The control: calls between Cupola and the driver are lost, one in each run. More of them are
+/// found than the list makes itself, so that some are Cupola's own, which put state back after a
+/// swap.
 fn a_call_that_is_lost_is_found() {
     let Some(folder) = vendor() else { return };
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/calls/control/swap.calls");

@@ -1,4 +1,5 @@
-//! Shaders that compute places of the scene from pixels, or pixels from places: each view has its own matrices.
+//! Shaders that compute places of the scene from pixels, or pixels from places: each view has its
+//! own matrices.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};

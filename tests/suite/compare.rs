@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// Greatest difference of a channel, in 255ths.
 pub const TOLERANCE: f64 = 2.0;
-/// Pixels this near to an edge of the cube, and black ones this near to what is shown, are not compared.
+/// Pixels this near to an edge of the cube, and black ones this near to what is shown, are not
+/// compared.
 pub const EDGE: f64 = 1.5;
 
 /// What a comparison allows.
@@ -18,7 +19,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// Pixels this near to another cell are not compared.
     pub edge: f64,
-    /// Nor those as near to black: a filter may read from cells that begin where nothing is shown any more.
+    /// Nor those as near to black: a filter may read from cells that begin where nothing is shown
+    /// any more.
     pub rim: bool,
 }
 
@@ -70,8 +72,9 @@ impl Report {
     }
 }
 
-/// Compares every pixel with the colour that `colour` gives to the direction that `shown` gives to the
-/// pixel's centre (in pixels from the top left), unless there is another `cell` within the `limits`.
+/// Compares every pixel with the colour that `colour` gives to the direction that `shown` gives to
+/// the pixel's centre (in pixels from the top left), unless there is another `cell` within the
+/// `limits`.
 pub fn compare_with(
     picture: &Picture,
     limits: impl Into<Limits>,
@@ -136,8 +139,8 @@ pub enum Kind {
     Unknown,
 }
 
-/// What is shown around each pixel's centre. Where all the centres that a circle encloses show one thing, so does the circle;
-/// only elsewhere the circle's own places are looked up.
+/// What is shown around each pixel's centre. Where all the centres that a circle encloses show one
+/// thing, so does the circle; only elsewhere the circle's own places are looked up.
 pub struct Surroundings<F, C> {
     shown: F,
     cell: C,
@@ -200,7 +203,8 @@ pub fn compare(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
     compare_with(picture, EDGE, shown, cube_colour, cube_face)
 }
 
-/// Panics where the report is not good, and leaves the wrong picture and the differences under target/.
+/// Panics where the report is not good, and leaves the wrong picture and the differences under
+/// target/.
 pub fn expect_good(report: &Report, picture: &Picture, what: &str) {
     if report.good() {
         return;
@@ -238,7 +242,8 @@ pub fn expect_identical_captures(found: &Finished, expected: &Finished, what: &s
     }
 }
 
-/// Panics where more than `part` of the pixels differ or one of them by more than `step`, and leaves both under target/.
+/// Panics where more than `part` of the pixels differ or one of them by more than `step`, and
+/// leaves both under target/.
 pub fn expect_similar(found: &Picture, expected: &Picture, step: u8, part: f64, what: &str) {
     let (count, worst) = found.difference(expected);
     note(format_args!("{what}: {count} pixels differ, the worst by {worst}/255"));
@@ -270,8 +275,8 @@ pub fn far(found: &Picture, expected: &Picture) -> f64 {
     (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
 }
 
-/// By how much a channel of `found` is beyond the channel's values in `expected` within `radius` pixels around: the most, in 255ths,
-/// and the column and row of the pixel.
+/// By how much a channel of `found` is beyond the channel's values in `expected` within `radius`
+/// pixels around: the most, in 255ths, and the column and row of the pixel.
 pub fn beyond_neighbours(found: &Picture, expected: &Picture, radius: usize) -> (u8, (usize, usize)) {
     assert_eq!((found.width, found.height), (expected.width, expected.height), "the pictures' sizes differ");
     let around = |at: usize, length: usize| at.saturating_sub(radius)..(at + radius + 1).min(length);
@@ -299,8 +304,9 @@ pub fn beyond_neighbours(found: &Picture, expected: &Picture, radius: usize) -> 
     most
 }
 
-/// Panics where a pixel of either picture is more than `step` beyond what the other shows within a pixel around, and leaves both
-/// under target/: outlines may be a pixel apart, and not one pixel may show something else.
+/// Panics where a pixel of either picture is more than `step` beyond what the other shows within a
+/// pixel around, and leaves both under target/: outlines may be a pixel apart, and not one pixel
+/// may show something else.
 pub fn expect_alike(found: &Picture, expected: &Picture, step: u8, what: &str) {
     let [(there, at), (back, _)] = [beyond_neighbours(found, expected, 1), beyond_neighbours(expected, found, 1)];
     note(format_args!("{what}: beyond what is around by {there}/255 at {at:?}, and by {back}/255"));
@@ -313,7 +319,8 @@ pub fn expect_alike(found: &Picture, expected: &Picture, step: u8, what: &str) {
     }
 }
 
-/// Panics unless the points of the direction test's cube that are drawn on `background` have the colours of their places.
+/// Panics unless the points of the direction test's cube that are drawn on `background` have the
+/// colours of their places.
 pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64, f64) -> Shown) {
     let (mut lit, mut worst) = (0, 0.0f64);
     for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
@@ -327,7 +334,8 @@ pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64,
         let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
         worst = worst.max(off.into_iter().fold(0.0, f64::max));
     }
-    // A point is drawn at the pixel that its place is in: at most 0.7 pixels, each 1.6/255 at most, off its centre.
+    // A point is drawn at the pixel that its place is in: at most 0.7 pixels, each 1.6/255 at most,
+    // off its centre.
     assert!(lit > 8_000, "{lit} points are seen of about 12000");
     assert!(worst < 2.5, "a point is off by {worst:.2}/255");
 }

@@ -21,8 +21,8 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { fov, yaw, pitch, extra, frames: 6, cupola_frames: 6, ..Run::new("computed") }
 }
 
-/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the program's own lens the same
-/// as without Cupola, to the byte.
+/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the
+/// program's own lens the same as without Cupola, to the byte.
 fn right(modes: &[&str], limits: Limits) {
     for mode in modes {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
@@ -45,8 +45,8 @@ fn right(modes: &[&str], limits: Limits) {
 /// One more image is rounded to bytes.
 const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
 
-/// One dispatch that samples the scene, loads from it or changes it, or reads its depth; what it makes is drawn or blitted to
-/// the window.
+/// One dispatch that samples the scene, loads from it or changes it, or reads its depth; what it
+/// makes is drawn or blitted to the window.
 fn pictures_that_compute_shaders_make() {
     right(&["sampled", "stored", "same", "indirect", "depths", "pipeline", "blit"], ROUNDED);
     planetarium_of("computed", &["--mode", "sampled"], |run, rig| {
@@ -72,9 +72,9 @@ fn matrices_of_compute_shaders_are_those_of_the_view() {
     });
 }
 
-/// What cannot be had for each view is flat, and the statistics say why: values of each place in a buffer, also with atomic
-/// functions on other variables; images of three dimensions; pictures that are changed together with a buffer; sums in an
-/// image together with a picture.
+/// What cannot be had for each view is flat, and the statistics say why: values of each place in a
+/// buffer, also with atomic functions on other variables; images of three dimensions; pictures that
+/// are changed together with a buffer; sums in an image together with a picture.
 fn values_of_each_place_are_not_followed() {
     for mode in ["places", "tiles", "volume", "dots", "gathered"] {
         let extra = ["--mode", mode];

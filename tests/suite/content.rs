@@ -69,7 +69,8 @@ impl Content {
     }
 }
 
-/// The picture at a place, in pixels from the top left: the mean of the four nearest pixels of the part, weighted by nearness.
+/// The picture at a place, in pixels from the top left: the mean of the four nearest pixels of the
+/// part, weighted by nearness.
 fn bilinear(picture: &Picture, [x, y]: [f64; 2], Part([left, top, width, height]): Part, wraps: bool) -> Vector {
     let pixel = |column: f64, row: f64| {
         let within = column - left;
@@ -256,8 +257,8 @@ fn outputs_in_a_window_share_the_content() {
     }
 }
 
-/// A domemaster on a domemaster is what the program drew; places are right to a few thousandths of a pixel, so that codes may
-/// round the other way.
+/// A domemaster on a domemaster is what the program drew; places are right to a few thousandths of
+/// a pixel, so that codes may round the other way.
 fn a_whole_circle_is_the_programs_own_picture() {
     let run = Run::new("hud");
     let Some(plain) = run.under("identity") else { return };

@@ -129,7 +129,8 @@ fn the_reference_is_consistent() {
     );
     assert!(close(Turn { yaw: 0.0, pitch: 90.0, roll: 0.0 }.outward(forward), up), "pitch is up-positive");
     assert!(close(Turn { yaw: 0.0, pitch: 0.0, roll: 90.0 }.outward(up), [1.0, 0.0, 0.0]), "roll is clockwise");
-    // The fulldome convention: the zenith in the centre, the front at the bottom edge, right at the right.
+    // The fulldome convention: the zenith in the centre, the front at the bottom edge, right at the
+    // right.
     let master = Fisheye { width: 100.0, height: 100.0, aperture: 180.0, tilt: 0.0 };
     assert!(close(master.direction(50.0, 50.0), up));
     assert!(close(master.direction(50.0, 100.0), forward));
@@ -150,7 +151,8 @@ fn the_picture_comparers_fail_wrong_pictures() {
     wrong.pixels[17][1] += 2;
     assert!(catch_unwind(|| expect_similar(&wrong, &right, 1, 1e-3, "control")).is_err(), "2/255 are too many");
 
-    // An outline may be a pixel apart, not two; and no single pixel may be of another colour, in either picture.
+    // An outline may be a pixel apart, not two; and no single pixel may be of another colour, in
+    // either picture.
     let half = |at: usize| Picture::from_fn(40, 30, |x, _| if x < at { [200, 30, 30] } else { [0; 3] });
     expect_alike(&half(20), &half(21), 0, "control");
     assert!(catch_unwind(|| expect_alike(&half(20), &half(22), 100, "control")).is_err(), "two pixels are too many");

@@ -93,7 +93,8 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
     }
 }
 
-/// Once it is known that a frame has few draws, another view costs less than what straddles two: five upright ones.
+/// Once it is known that a frame has few draws, another view costs less than what straddles two:
+/// five upright ones.
 fn a_program_of_few_draws_gets_the_views_that_suit_it() {
     let run = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("ahead") };
     let names = |counts: &serde_json::Value| -> Vec<String> {
@@ -168,8 +169,8 @@ fn positions_of_every_form_are_where_they_are_drawn() {
     for rig in ["fisheye", "planetarium-6"] {
         let Some(counts) = same(Run { frames: 4, cupola_frames: 4, ..Run::new("positions") }, rig) else { return };
         let number = |key: &str| counts[key].as_u64().expect("a number");
-        // Not followed are the ring with a fourth coordinate, the one that restarts its strip, and the four whose shader
-        // moves them; in the first of four frames none is.
+        // Not followed are the ring with a fourth coordinate, the one that restarts its strip, and
+        // the four whose shader moves them; in the first of four frames none is.
         assert_eq!(number("bounded_draws"), number("draws_seen") / 4 * 3 * 11 / 17, "{counts:#}");
         let views = counts["views"].as_array().expect("views").iter();
         let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();

@@ -55,7 +55,8 @@ pub fn camera_of(run: &Run) -> ProgramCamera {
     ProgramCamera { yaw: run.yaw, pitch: run.pitch }
 }
 
-/// The programs of this suite draw a cube whose colour is that of the point; `rectangles` tiles two faces.
+/// The programs of this suite draw a cube whose colour is that of the point; `rectangles` tiles two
+/// faces.
 fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
     if program != "rectangles" {
         return compare(picture, shown);
@@ -76,7 +77,8 @@ fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) ->
         let [x, y, _] = cube_point(direction);
         100 * cube_face(direction) + 10 * tile(x) as usize + tile(y) as usize
     };
-    // Tiles differ where they meet, and a view's texels there may be wider than the picture's pixels.
+    // Tiles differ where they meet, and a view's texels there may be wider than the picture's
+    // pixels.
     compare_with(picture, Limits { edge: 2.5, tolerance: TOLERANCE, rim: true }, shown, colour, cell)
 }
 
@@ -104,7 +106,8 @@ pub fn fisheye(program: &str, extra: &[&str]) {
     }
 }
 
-/// A program whose shader has no matrix, under a rig that says what its lens is, and under one that does not.
+/// A program whose shader has no matrix, under a rig that says what its lens is, and under one that
+/// does not.
 pub fn given_lens<'a>(name: &str, run: &Run<'a>, under: impl Fn(&Run<'a>, &str) -> Option<Finished>) {
     let fov = run.fov;
     let dome = "[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n";
@@ -166,7 +169,8 @@ pub fn planetarium_of<'a>(
     }
 }
 
-/// Rig `identity`: what is presented and what is read are byte for byte what they are without Cupola.
+/// Rig `identity`: what is presented and what is read are byte for byte what they are without
+/// Cupola.
 pub fn identity(program: &str) {
     let extra: &[&str] = &["--shot", "shot.ppm", "--dump", "dump.ppm"];
     let run = Run { extra, frames: 4, ..Run::new(program) };
@@ -177,7 +181,8 @@ pub fn identity(program: &str) {
     }
 }
 
-/// Rig `identity-captured`: as the window but for the rounding of a turned raster; as an FBO to the byte.
+/// Rig `identity-captured`: as the window but for the rounding of a turned raster; as an FBO to the
+/// byte.
 pub fn identity_captured(program: &str) {
     let run = Run { extra: &["--shot", "shot.ppm"], frames: 4, ..Run::new(program) };
     let into_fbo = Run { extra: &["--shot", "shot.ppm", "--fbo"], ..run.clone() };
@@ -253,8 +258,9 @@ fn a_multisampled_window() {
     fisheye("display_list", &["--samples", "4"]);
 }
 
-/// The program's planes just hold the cube. Turned views see its corners, which are farther than the far plane
-/// is along their axes, and its faces at a slant, nearer than the near plane: nothing may be cut.
+/// The program's planes just hold the cube. Turned views see its corners, which are farther than
+/// the far plane is along their axes, and its faces at a slant, nearer than the near plane: nothing
+/// may be cut.
 fn tight_planes() {
     for program in ["immediate", "core330_mvp"] {
         for yaw in [0.0, 45.0] {

@@ -18,10 +18,12 @@ pub struct Display {
 
 /// Width and height of a place: no window on the screen that all share is larger.
 pub const PLACE: (usize, usize) = (600, 400);
-/// Columns and rows of places on the screen; more than tests run at the same time on a usual machine.
+/// Columns and rows of places on the screen; more than tests run at the same time on a usual
+/// machine.
 const PLACES: (usize, usize) = (4, 4);
 
-/// A part of the screen for one program alone: the X server hands out the picture of what lies on top.
+/// A part of the screen for one program alone: the X server hands out the picture of what lies on
+/// top.
 pub struct Place {
     index: usize,
     /// Its left upper corner.
@@ -58,7 +60,8 @@ pub fn get() -> Option<&'static Display> {
     started(&DISPLAY)
 }
 
-/// The server for programs that choose the places of their windows, as vkcube does: they would cover others' pictures.
+/// The server for programs that choose the places of their windows, as vkcube does: they would
+/// cover others' pictures.
 pub fn for_installed_programs() -> Option<&'static Display> {
     static DISPLAY: OnceLock<Result<Display, String>> = OnceLock::new();
     started(&DISPLAY)
@@ -69,14 +72,15 @@ fn started(display: &'static OnceLock<Result<Display, String>>) -> Option<&'stat
     display.get_or_init(|| start(24)).as_ref().inspect_err(refused).ok()
 }
 
-/// A server of its own, for programs that choose where their windows are, whose screen has `depth` bits for a pixel (30: ten
-/// for each colour). `None` where there is none.
+/// A server of its own, for programs that choose where their windows are, whose screen has `depth`
+/// bits for a pixel (30: ten for each colour). `None` where there is none.
 pub fn own(depth: u32) -> Option<Display> {
     let refused = |reason: &String| missing(format_args!("no X server of {depth} bits: {reason}"));
     start(depth).inspect_err(refused).ok()
 }
 
-/// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this process.
+/// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this
+/// process.
 fn start(depth: u32) -> Result<Display, String> {
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate", "-screen", "0"])
@@ -96,7 +100,8 @@ fn start(depth: u32) -> Result<Display, String> {
     Ok(Display { name: format!(":{number}"), _connection: connection })
 }
 
-/// Opens a client connection (X11 protocol, "Connection Setup"): little-endian, version 11.0, no authorisation.
+/// Opens a client connection (X11 protocol, "Connection Setup"): little-endian, version 11.0, no
+/// authorisation.
 fn connect(number: &str) -> std::io::Result<UnixStream> {
     let mut stream = UnixStream::connect(format!("/tmp/.X11-unix/X{number}"))?;
     stream.write_all(&[b'l', 0, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0])?;

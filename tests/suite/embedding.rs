@@ -22,14 +22,15 @@ tests! {
     the_validation_layer_is_heard,
 }
 
-/// `embed` judges status codes, error texts, kept state and exact directions itself; its pictures are judged here.
+/// `embed` judges status codes, error texts, kept state and exact directions itself; its pictures
+/// are judged here.
 fn the_c_interface_without_a_window() {
     let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
     expect_pictures_of_embed(&finished.expect_success());
 }
 
-/// The same program, compiled with the headers of 0.1 as they were first published: all of it has to work and to look as
-/// it did.
+/// The same program, compiled with the headers of 0.1 as they were first published: all of it has
+/// to work and to look as it did.
 fn a_program_of_the_first_version() {
     let Some(finished) = embedding_of_first_version("embed", &["256", "33", "-17"]) else { return };
     let first = finished.expect_success();
@@ -61,7 +62,8 @@ fn expect_pictures_of_embed(finished: &Finished) {
         let circle = Fisheye { width: size as f64, height: size as f64, aperture: 180.0, tilt: 90.0 };
         expect_good(&compare(&picture, shown_by_fisheye(circle, camera)), &picture, &format!("embed {file}"));
     }
-    // The viewer has moved in the preset's dome of 5 m: each pixel is the same point of the dome, seen from there.
+    // The viewer has moved in the preset's dome of 5 m: each pixel is the same point of the dome,
+    // seen from there.
     let picture = finished.picture("moved.ppm");
     let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
     let moved = |[right, up, backward]: [f64; 3]| {
@@ -122,7 +124,8 @@ fn the_vulkan_example_of_the_first_version() {
     }
 }
 
-/// However the views lie in memory, and whoever made the images: what f64 predicts, and what OpenGL shows.
+/// However the views lie in memory, and whoever made the images: what f64 predicts, and what OpenGL
+/// shows.
 fn the_vulkan_example_in_every_arrangement() {
     let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
     let forms: [&[&str]; 6] = [
@@ -137,14 +140,16 @@ fn the_vulkan_example_in_every_arrangement() {
     for form in forms {
         let Some(picture) = vulkan(form) else { return };
         expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, &format!("vk_dome {form:?}"));
-        // Layers are drawn at more than the planned resolution, so that their texels are other ones.
+        // Layers are drawn at more than the planned resolution, so that their texels are other
+        // ones.
         if let Some(opengl) = opengl.as_ref().filter(|_| form[1] != "layers") {
             expect_similar(&picture, opengl, 1, 1.0, &format!("vk_dome {form:?} against OpenGL"));
         }
     }
 }
 
-/// Drawn all at once. Mesa's lavapipe draws triangles that it has to clip into a wrong view, as without Cupola.
+/// Drawn all at once. Mesa's lavapipe draws triangles that it has to clip into a wrong view, as
+/// without Cupola.
 fn the_vulkan_example_with_multiview() {
     let Some(at_once) = vulkan(&["--views", "layers"]) else { return };
     let Some(one_by_one) = vulkan(&["--views", "layers", "--one-by-one"]) else { return };
@@ -167,7 +172,8 @@ fn the_vulkan_example_with_other_rigs() {
         let Some(images) = vulkan(&options("images")) else { return };
         let Some(layers) = vulkan(&options("layers")) else { return };
         expect_similar(&images, &atlas, 1, 1e-3, &format!("{rig}, images against an atlas"));
-        // Layers have texels of their own: a third of the pixels are off by 1/255, a few of them by 2/255.
+        // Layers have texels of their own: a third of the pixels are off by 1/255, a few of them by
+        // 2/255.
         expect_similar(&layers, &atlas, 2, 0.5, &format!("{rig}, layers against an atlas"));
         let lit = atlas.pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
         assert!(lit * 10 > atlas.pixels.len(), "{rig}: {lit} pixels are lit");

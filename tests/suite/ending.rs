@@ -1,4 +1,5 @@
-//! Programs end as they would without Cupola, in whatever order the parts of the process are destroyed.
+//! Programs end as they would without Cupola, in whatever order the parts of the process are
+//! destroyed.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{camera_of, shown_by_fisheye};

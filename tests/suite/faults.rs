@@ -1,8 +1,10 @@
-//! Faults of the driver: whatever it refuses or lacks, the program goes on and shows its own picture.
+//! Faults of the driver: whatever it refuses or lacks, the program goes on and shows its own
+//! picture.
 //!
-//! `tests/apps/preload/calls.c` stands between Cupola and the driver and has one fault in each run. The rig does not change
-//! the picture, so the window has to show the same as without Cupola, whether the fault makes Cupola give up or not.
-//! `CUPOLA_ALL_FAULTS=1` tries each fault instead of a sample.
+//! `tests/apps/preload/calls.c` stands between Cupola and the driver and has one fault in each run.
+//! The rig does not change the picture, so the window has to show the same as without Cupola,
+//! whether the fault makes Cupola give up or not. `CUPOLA_ALL_FAULTS=1` tries each fault instead of
+//! a sample.
 
 use crate::harness::{note, tests};
 use crate::picture::Picture;
@@ -28,7 +30,8 @@ struct Outcome {
     words: String,
 }
 
-/// Whether a window shows the program's own picture. Colours between vertices are rounded in another order by Cupola.
+/// Whether a window shows the program's own picture. Colours between vertices are rounded in
+/// another order by Cupola.
 fn is_own(window: &Picture, right: &Picture) -> bool {
     let (_, worst) = window.difference(right);
     worst <= 1
@@ -59,7 +62,8 @@ fn run(rig: &str, fault: &str) -> Option<Outcome> {
     })
 }
 
-/// The functions that Cupola calls and the program does not, each with the number of its calls; and the right picture.
+/// The functions that Cupola calls and the program does not, each with the number of its calls; and
+/// the right picture.
 fn calls_of_cupola() -> Option<(BTreeMap<String, u64>, Picture)> {
     let (plain, ours) = (run("identity", "")?, run(RIG, "")?);
     assert!(plain.succeeded && ours.succeeded, "{}", ours.words);
@@ -121,7 +125,8 @@ fn calls_that_are_refused() {
 
 fn functions_that_are_missing() {
     let Some((own, right)) = calls_of_cupola() else { return };
-    // The program's vertices, which Cupola repeats by other functions of OpenGL 1.0 than the program itself.
+    // The program's vertices, which Cupola repeats by other functions of OpenGL 1.0 than the
+    // program itself.
     let repeats =
         |name: &str| name.starts_with("glColor") || name.starts_with("glVertex3") || name.starts_with("glVertex4");
     let faults: Vec<_> = own.keys().filter(|name| !repeats(name)).map(|name| format!("missing {name}")).collect();
@@ -131,8 +136,9 @@ fn functions_that_are_missing() {
 fn answers_that_are_absurd() {
     let Some((_, right)) = calls_of_cupola() else { return };
     let mut faults = Vec::new();
-    // GL_MAX_TEXTURE_SIZE, _RENDERBUFFER_SIZE, _VIEWPORT_DIMS, _SAMPLES, _TEXTURE_IMAGE_UNITS, _COMBINED_TEXTURE_IMAGE_UNITS,
-    // _COLOR_ATTACHMENTS, _DRAW_BUFFERS, _VERTEX_ATTRIBS; GL_NUM_EXTENSIONS, _MAJOR_VERSION, _MINOR_VERSION.
+    // GL_MAX_TEXTURE_SIZE, _RENDERBUFFER_SIZE, _VIEWPORT_DIMS, _SAMPLES, _TEXTURE_IMAGE_UNITS,
+    // _COMBINED_TEXTURE_IMAGE_UNITS, _COLOR_ATTACHMENTS, _DRAW_BUFFERS, _VERTEX_ATTRIBS;
+    // GL_NUM_EXTENSIONS, _MAJOR_VERSION, _MINOR_VERSION.
     for number in [0x0D33, 0x84E8, 0x0D3A, 0x8D57, 0x8872, 0x8B4D, 0x8CDF, 0x8824, 0x8869, 0x821D, 0x821B, 0x821C] {
         faults.extend([0, 1, 64, -1, i32::MAX].map(|value| format!("number {number:#x} {value}")));
     }

@@ -1,4 +1,5 @@
-//! Fragment shaders that ask where in the window they are: in a view, as in a window that shows the view.
+//! Fragment shaders that ask where in the window they are: in a view, as in a window that shows the
+//! view.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};
@@ -40,7 +41,8 @@ fn what_is_cut_at_the_window_fills_the_dome() {
     }
 }
 
-/// Greatest difference of a view from the places of its pixels, which go from `low` to 1; of 255. What is black is not drawn to.
+/// Greatest difference of a view from the places of its pixels, which go from `low` to 1; of 255.
+/// What is black is not drawn to.
 fn worst(view: &Picture, low: f64) -> f64 {
     let place = |at: usize, length: usize| low + (1.0 - low) * (at as f64 + 0.5) / length as f64;
     let mut worst: f64 = 0.0;

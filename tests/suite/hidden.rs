@@ -1,5 +1,5 @@
-//! What cannot be seen is not done, and no pixel of an output changes by that: what no output samples is closed for
-//! drawing, and windows that are not on the screen are not corrected.
+//! What cannot be seen is not done, and no pixel of an output changes by that: what no output
+//! samples is closed for drawing, and windows that are not on the screen are not corrected.
 
 use crate::compare::{expect_identical, expect_identical_captures};
 use crate::harness::tests;

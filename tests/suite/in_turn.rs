@@ -41,7 +41,8 @@ fn right(program: &str, mode: &str, limits: impl Into<Limits>) {
 /// One more image is rounded to bytes.
 const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
 
-/// Pictures that compute shaders make beside images of three dimensions, and beside sums: with copies per view they are flat.
+/// Pictures that compute shaders make beside images of three dimensions, and beside sums: with
+/// copies per view they are flat.
 fn what_cannot_be_followed_is_right() {
     right("computed", "volume", ROUNDED);
     right("computed", "gathered", ROUNDED);
@@ -53,7 +54,8 @@ fn what_cannot_be_followed_is_right() {
     assert!(!report.good(), "the comparison finds nothing wrong with a flat picture");
 }
 
-/// Blits, copies from the window, depth, samples, several passes; skies and lights from depth, also in compute shaders.
+/// Blits, copies from the window, depth, samples, several passes; skies and lights from depth, also
+/// in compute shaders.
 fn passes_and_matrices_are_those_of_the_view() {
     for mode in ["light", "samples", "copied_window", "blit", "depth"] {
         right("passes", mode, EDGE);
@@ -79,7 +81,8 @@ fn flat_drawing_is_shown_once() {
     expect_alike(&turns.picture("capture.png"), &all.picture("capture.png"), 3, "flat drawing in turn");
 }
 
-/// A frame on the dome is as many frames of the program as there are views, and with a warm-up more.
+/// A frame on the dome is as many frames of the program as there are views, and with a warm-up
+/// more.
 fn a_round_is_one_frame() {
     let extra = ["--mode", "light"];
     let counts = |cupola: &[&str]| -> Option<(u64, u64, u64)> {

@@ -82,8 +82,8 @@ impl<'a> Case<'a> {
         if self.vulkan { run.vulkan_under(&rig) } else { run.under(&rig) }
     }
 
-    /// Changes the rig when the program has drawn some frames. Some frames after its log says `message` the program ends. `None` where
-    /// there is no display.
+    /// Changes the rig when the program has drawn some frames. Some frames after its log says
+    /// `message` the program ends. `None` where there is no display.
     fn changed_meanwhile(&self, change: fn(&Path), message: &'static str) -> Option<Finished> {
         let (file, directory) = (self.rig(), scratch(self.name));
         let (changing, watched) = (file.clone(), directory.clone());
@@ -105,7 +105,8 @@ impl<'a> Case<'a> {
         Some(finished)
     }
 
-    /// What a run shows from the start whose rig has these changes, once its views are planned for its number of draws.
+    /// What a run shows from the start whose rig has these changes, once its views are planned for
+    /// its number of draws.
     fn started_with(&self, change: fn(&Path)) -> Option<Finished> {
         let file = self.rig();
         change(&file);
@@ -196,7 +197,8 @@ fn ramps_follow_the_file_on_vulkan() {
     Case::vulkan(Run::new("vk_cube"), "vulkan").follows(ramps);
 }
 
-/// Other views: the program makes a new swapchain, and keeps the pictures that it draws its scene to.
+/// Other views: the program makes a new swapchain, and keeps the pictures that it draws its scene
+/// to.
 fn scenes_off_screen_follow_the_file_on_vulkan() {
     for way in ["post", "chain", "blit"] {
         let extra = ["--way", way];
@@ -249,7 +251,8 @@ fn methods_that_project_vertices_need_a_new_start() {
     }
 }
 
-/// Where vertices are projected from the start, what lies between them may be divided later, with shaders and without.
+/// Where vertices are projected from the start, what lies between them may be divided later, with
+/// shaders and without.
 fn methods_follow_the_file() {
     for program in ["core330_mvp", "immediate"] {
         let case = Case { start: vertex, ..Case::opengl(Run::new(program), "divided") };
@@ -284,7 +287,8 @@ fn there_and_back(case: &Case) -> Option<()> {
     Some(())
 }
 
-/// Lists that the driver compiled before primitives were to be divided cannot be divided: the window gets views.
+/// Lists that the driver compiled before primitives were to be divided cannot be divided: the
+/// window gets views.
 fn lists_get_views_where_primitives_are_divided_later() {
     let case = Case { start: vertex, ..Case::opengl(Run::new("display_list"), "lists") };
     let Some(found) = case.changed_meanwhile(primitive, FOLLOWED) else { return };
@@ -300,8 +304,8 @@ fn expect_rounded(found: &Picture, expected: &Picture, what: &str) {
     expect_similar(found, expected, 1, 0.001, what);
 }
 
-/// A device that was made for division goes to views and back with a new swapchain each time; one that was made for vertices gets
-/// views where primitives are to be divided.
+/// A device that was made for division goes to views and back with a new swapchain each time; one
+/// that was made for vertices gets views where primitives are to be divided.
 fn methods_follow_the_file_on_vulkan() {
     let case = |extra, start, name| {
         let run = Run { extra, ..Run::new("vk_scenes") };

@@ -1,5 +1,5 @@
-//! Loads: much of something, and windows of odd shapes, work as little of it does; or Cupola says what does not fit and what to
-//! change. `CUPOLA_ALL_LOADS=1` tries the largest loads.
+//! Loads: much of something, and windows of odd shapes, work as little of it does; or Cupola says
+//! what does not fit and what to change. `CUPOLA_ALL_LOADS=1` tries the largest loads.
 
 use crate::compare::{compare, expect_good, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -29,8 +29,8 @@ fn load(all: usize, usual: usize) -> String {
     if tries_all() { all } else { usual }.to_string()
 }
 
-/// A run of the Vulkan cube that is not watched over by the validation layer, which takes most of the time. `None` where that
-/// cannot be done.
+/// A run of the Vulkan cube that is not watched over by the validation layer, which takes most of
+/// the time. `None` where that cannot be done.
 fn vulkan(rig: &str, size: &str, cupola: &[&str], extra: &[&str]) -> Option<Finished> {
     let program = vulkan_apps()?.join("vk_cube");
     let cupola = [cupola, &["--capture", "capture.png", "--stats", "stats.json"]].concat();
@@ -73,7 +73,8 @@ fn windows_of_any_shape() {
     }
 }
 
-/// Six outputs have no room in a window of a pixel: the program goes on, and the log says what to change.
+/// Six outputs have no room in a window of a pixel: the program goes on, and the log says what to
+/// change.
 fn windows_that_are_too_small_for_a_rig() {
     let says = |finished: &Finished| {
         let words = finished.words();
@@ -160,7 +161,8 @@ fn rig_file(text: &str) -> String {
     path.display().to_string()
 }
 
-/// As many outputs as a rig may have, each with a view of its own: they show what views that they share show.
+/// As many outputs as a rig may have, each with a view of its own: they show what views that they
+/// share show.
 fn sixty_four_outputs() {
     let dedicated = rig_of(8, 8, (40, 30));
     let (own, shared) =
@@ -193,7 +195,8 @@ fn twelve_outputs_of_4k() {
     expect_corrected(&vulkan, "twelve outputs, Vulkan");
 }
 
-/// Views that are finer than an atlas of the greatest size has room for are drawn as fine as it has, and the statistics say so.
+/// Views that are finer than an atlas of the greatest size has room for are drawn as fine as it
+/// has, and the statistics say so.
 fn views_that_do_not_fit_an_image() {
     let text = "name = \"fine\"\n[views]\nquality = 8.0\n[[output]]\nkind = \"domemaster\"\n";
     let rig = rig_file(text);

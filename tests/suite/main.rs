@@ -1,4 +1,5 @@
-//! End to end: little C programs, unmodified, under `cupola run`, against pictures predicted in f64.
+//! End to end: little C programs, unmodified, under `cupola run`, against pictures predicted in
+//! f64.
 //!
 //! Nothing here uses Cupola's own geometry: [`reference`] computes from a rig's numbers which
 //! direction a pixel shows, on its own. See `docs/testing.md`.
@@ -21,6 +22,7 @@ mod display;
 mod embedding;
 mod ending;
 mod faults;
+mod finished;
 mod frag_coord;
 #[path = "../harness/mod.rs"]
 mod harness;

@@ -1,4 +1,5 @@
-//! Cameras in the forms in which programs have them: arrays of vectors, row vectors, elements of arrays.
+//! Cameras in the forms in which programs have them: arrays of vectors, row vectors, elements of
+//! arrays.
 
 use crate::compare::{Report, compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};
@@ -69,7 +70,8 @@ fn an_element_of_an_array() {
     right("matrix_arrays", &["block_constant", "block_uniform", "block_same", "block_index"]);
 }
 
-/// A form whose lens cannot be known is flat, which is said, and right with a rig that gives the lens.
+/// A form whose lens cannot be known is flat, which is said, and right with a rig that gives the
+/// lens.
 fn flat_but_for_a_given_lens(program: &str, form: &str) {
     let Some((finished, _, report)) = on_dome(program, form, "fisheye") else { return };
     assert!(report.wrong > 1000, "control: without a lens it is flat");
@@ -103,8 +105,8 @@ fn a_storage_block() {
     flat_but_for_a_given_lens("storage_camera", "instance");
 }
 
-/// Matrices of stretched models do not tell the lens; that of the other models is used. Where the camera looks along the axes
-/// of a stretched model, its matrix looks like that of another lens.
+/// Matrices of stretched models do not tell the lens; that of the other models is used. Where the
+/// camera looks along the axes of a stretched model, its matrix looks like that of another lens.
 fn a_model_that_is_stretched() {
     for (yaw, pitch) in [(0.0, 0.0), (CAMERAS[1].1, CAMERAS[1].2)] {
         for form in ["axes", "skew"] {

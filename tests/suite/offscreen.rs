@@ -32,8 +32,9 @@ const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, 
 /// Passes that blur mix the colours of both sides of the cube's edges.
 const BLURRED_EDGE: f64 = 6.0;
 
-/// Where a pixel of the window is the mean of four texels: that and the two filters after it reach so far, and it rounds to
-/// codes twice, so that without Cupola, too, it is off by 0.97 of a code, other programs by 0.50.
+/// Where a pixel of the window is the mean of four texels: that and the two filters after it reach
+/// so far, and it rounds to codes twice, so that without Cupola, too, it is off by 0.97 of a code,
+/// other programs by 0.50.
 const SUPERSAMPLED: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: 3.0, rim: false };
 
 /// A mode of `passes` under the default rig; how right it is, and how far from the cube's edges.
@@ -51,8 +52,8 @@ fn sharp(mode: &str) {
     passes(mode, EDGE, &[]);
 }
 
-/// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is a scene for
-/// every view. GLES 2 shows it by a quad without filtering.
+/// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is
+/// a scene for every view. GLES 2 shows it by a quad without filtering.
 fn a_program_with_its_own_fbo() {
     for program in ["immediate", "client_arrays", "glsl120", "core330_mvp", "core330_block", "gles2", "gles3"] {
         fisheye(program, &["--fbo"]);
@@ -87,7 +88,8 @@ fn an_own_fbo_that_is_read_back() {
     sharp("read");
 }
 
-/// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides stays single.
+/// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides
+/// stays single.
 fn a_program_with_post_processing() {
     plain("post_process");
     fisheye("post_process", &[]);
@@ -95,7 +97,8 @@ fn a_program_with_post_processing() {
     identity("post_process");
     let Some(finished) = Run::new("post_process").under("fisheye") else { return };
     let statistics = finished.expect_success().statistics();
-    // Of three frames the first is seen only; the scene and the first pass are duplicated, the shadow map is not.
+    // Of three frames the first is seen only; the scene and the first pass are duplicated, the
+    // shadow map is not.
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(4), "{statistics:#}");
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(2), "{statistics:#}");
     let single = statistics["single_framebuffers"].as_object().map_or(0, serde_json::Map::len);
@@ -190,7 +193,8 @@ fn copies_into_textures() {
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(0), "{statistics:#}");
 }
 
-/// A texture that is specified anew is learnt anew, which takes a frame; the last of six is beyond it.
+/// A texture that is specified anew is learnt anew, which takes a frame; the last of six is beyond
+/// it.
 fn attachments_and_textures_that_change() {
     sharp("attached_again");
     sharp("respecified");
@@ -213,14 +217,16 @@ fn a_flat_scene_is_found_wrong() {
     }
 }
 
-/// A head-up display that is drawn into the scene's image lies where one in the window lies: once, on the panel's place.
+/// A head-up display that is drawn into the scene's image lies where one in the window lies: once,
+/// on the panel's place.
 fn flat_drawing_into_a_scene() {
     let run = Run { frames: 6, cupola_frames: 6, ..Run::new("hud") };
     let off_screen = Run { extra: &["--fbo"], ..run.clone() };
     let (Some(expected), Some(found)) = (run.under("fisheye"), off_screen.under("fisheye")) else { return };
     let [expected, found] =
         [expected, found].map(|run| run.expect_success().expect_no_gl_errors().picture("capture.png"));
-    // Only borders of the squares differ: they are blended once in the views, and once with the panel.
+    // Only borders of the squares differ: they are blended once in the views, and once with the
+    // panel.
     let far = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).any(|(a, b)| a.abs_diff(b) > 12);
     let pixels = || (0..256).flat_map(|y| (0..256).map(move |x| (x, y)));
     let wrong = pixels().filter(|(x, y)| far(found.at(*x, *y), expected.at(*x, *y))).count();

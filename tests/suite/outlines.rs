@@ -20,7 +20,8 @@ fn marks() -> Vec<(Vector, [f64; 3])> {
         .collect()
 }
 
-/// Pixels of marks, and those of them that lie more than `apart` degrees from every mark of their colour.
+/// Pixels of marks, and those of them that lie more than `apart` degrees from every mark of their
+/// colour.
 fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
     let (width, height) = (picture.width as f64, picture.height as f64);
     let fisheye = Fisheye { width, height, aperture: 180.0, tilt: 90.0 };
@@ -32,7 +33,8 @@ fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
             let direction = fisheye.direction(x as f64 + 0.5, y as f64 + 0.5);
             let same = |colour: &[f64; 3]| colour.iter().zip(found).all(|(a, b)| (a - b).abs() < 3.0);
             let mut alike = marks.iter().filter(|(_, colour)| same(colour)).peekable();
-            // Where marks meet, the filter mixes their colours; only pixels of one mark tell which it is.
+            // Where marks meet, the filter mixes their colours; only pixels of one mark tell which
+            // it is.
             if alike.peek().is_some() {
                 lit += 1;
                 strays += usize::from(!alike.any(|(at, _)| dot(*at, direction) > apart.to_radians().cos()));
@@ -42,7 +44,8 @@ fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
     (lit, strays)
 }
 
-/// Half a mark's diagonal: 43 texels of a view, of which 100 are a radian at 256 × 256, and some for its distance.
+/// Half a mark's diagonal: 43 texels of a view, of which 100 are a radian at 256 × 256, and some
+/// for its distance.
 const APART: f64 = 30.0;
 
 fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
@@ -51,7 +54,8 @@ fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
     let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
     let (lit, strays) = stray(&picture, APART);
     assert!(lit > 10_000, "only {lit} pixels are lit");
-    // Where two marks meet a mixture may be a third one's colour: 6 pixels. Without the cut there are 1700.
+    // Where two marks meet a mixture may be a third one's colour: 6 pixels. Without the cut there
+    // are 1700.
     assert!(strays * 1000 <= lit, "of {lit} pixels {strays} lie where nothing of their colour was drawn");
     // The judge judged: turned around, the same picture has its marks in wrong places.
     let turned = Picture::from_fn(256, 256, |x, y| picture.at(255 - x, y));

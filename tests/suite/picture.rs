@@ -51,7 +51,8 @@ impl Picture {
             .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     }
 
-    /// How many pixels differ, and the greatest difference of a channel. Panics where the sizes differ.
+    /// How many pixels differ, and the greatest difference of a channel. Panics where the sizes
+    /// differ.
     pub fn difference(&self, other: &Self) -> (usize, u8) {
         assert_eq!((self.width, self.height), (other.width, other.height), "the pictures' sizes differ");
         let differences = self

@@ -1,18 +1,12 @@
 //! Builds the C programs and runs them, plainly and under `cupola run`.
 
 use crate::display::{self, Compositor, Display, Place};
-use crate::harness::{missing, note};
-use crate::picture::Picture;
-use std::collections::{BTreeMap, BTreeSet};
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+pub use crate::finished::Finished;
+use crate::harness::missing;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// No program of the suite needs a tenth of this.
-const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// The folder of the built programs; builds them at the first call.
 fn built() -> &'static Path {
@@ -35,8 +29,9 @@ pub fn preload(name: &str) -> String {
     built().join(format!("{name}.so")).to_str().expect("a UTF-8 path").to_owned()
 }
 
-/// The folder of the vendor library "calls" for GLX (`tests/apps/preload/calls.c`), as `LD_LIBRARY_PATH` takes it; Cupola looks
-/// for it where the dynamic linker does. `None` where it is not made for the processor.
+/// The folder of the vendor library "calls" for GLX (`tests/apps/preload/calls.c`), as
+/// `LD_LIBRARY_PATH` takes it; Cupola looks for it where the dynamic linker does. `None` where it
+/// is not made for the processor.
 pub fn vendor() -> Option<&'static str> {
     static FOLDER: OnceLock<String> = OnceLock::new();
     if !cfg!(target_arch = "x86_64") {
@@ -56,7 +51,8 @@ pub fn player() -> Command {
     command
 }
 
-/// The library as it was built for these tests: cargo puts it beside the command only for `cargo build`.
+/// The library as it was built for these tests: cargo puts it beside the command only for `cargo
+/// build`.
 pub fn library() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")
 }
@@ -138,8 +134,8 @@ impl<'a> Run<'a> {
         self.in_a_window(command, "without Cupola")
     }
 
-    /// Runs a command on the screen that all share; a window that is larger than a place there would hide others', and gets a
-    /// screen of its own.
+    /// Runs a command on the screen that all share; a window that is larger than a place there
+    /// would hide others', and gets a screen of its own.
     fn in_a_window(&self, command: Command, rig: &str) -> Option<Finished> {
         if self.size.0 <= display::PLACE.0 && self.size.1 <= display::PLACE.1 {
             return Finished::of(command, self.program, rig);
@@ -161,8 +157,8 @@ impl<'a> Run<'a> {
         Finished::of(command, self.program, &format!("{rig}, preloaded"))
     }
 
-    /// Runs the program under `cupola run`, which captures and counts. Panics where Cupola says that it could
-    /// not get between the program and its driver. `None` where there is no display.
+    /// Runs the program under `cupola run`, which captures and counts. Panics where Cupola says
+    /// that it could not get between the program and its driver. `None` where there is no display.
     pub fn under(&self, rig: &str) -> Option<Finished> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.env("CUPOLA_LIBRARY", library());
@@ -178,14 +174,15 @@ impl<'a> Run<'a> {
         command.envs(self.environment.iter().copied());
         self.directory.map(|directory| command.current_dir(directory));
         let finished = self.in_a_window(command, rig)?;
-        let words = String::from_utf8_lossy(&finished.output.stderr);
-        assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
+        let corrected = !finished.words().contains("will not be corrected");
+        assert!(corrected, "{} ({rig}): {}", self.program, finished.words());
         Some(finished)
     }
 }
 
 impl Run<'_> {
-    /// Runs a Vulkan test program without Cupola. `None` where it cannot be built or there is no display.
+    /// Runs a Vulkan test program without Cupola. `None` where it cannot be built or there is no
+    /// display.
     pub fn vulkan_plain(&self) -> Option<Finished> {
         let mut command = Command::new(vulkan_apps()?.join(self.program));
         let place = display::place();
@@ -193,8 +190,8 @@ impl Run<'_> {
         Finished::of(command, self.program, "without Cupola")
     }
 
-    /// Runs a Vulkan test program that uses the C interface, under the validation layer, which has to say nothing. `None` as
-    /// above.
+    /// Runs a Vulkan test program that uses the C interface, under the validation layer, which has
+    /// to say nothing. `None` as above.
     pub fn vulkan_embedding(&self) -> Option<Finished> {
         let mut command = Command::new(vulkan_apps()?.join(self.program));
         let place = display::place();
@@ -203,8 +200,9 @@ impl Run<'_> {
         Some(Finished::of(command, self.program, "embedding")?.expect_success().expect_no_validation_messages())
     }
 
-    /// Runs a Vulkan test program under `cupola run`, with the validation layer between Cupola and the driver: it has
-    /// to end well, and what Cupola makes of the program's calls without a message.
+    /// Runs a Vulkan test program under `cupola run`, with the validation layer between Cupola and
+    /// the driver: it has to end well, and what Cupola makes of the program's calls without a
+    /// message.
     pub fn vulkan_under(&self, rig: &str) -> Option<Finished> {
         let program = vulkan_apps()?.join(self.program);
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
@@ -261,9 +259,10 @@ fn command_of_installed(program: &str, arguments: &[&str], rig: &str, cupola: &[
     Some(command)
 }
 
-/// Runs a program of the system, whose window is 321 × 243 pixels, while that gets `sizes` other sizes, under the validation
-/// layer, alone or with Cupola before it; its file `memory.txt` has the resident memory in each size. `None` where something is
-/// not installed, and where there is no display.
+/// Runs a program of the system, whose window is 321 × 243 pixels, while that gets `sizes` other
+/// sizes, under the validation layer, alone or with Cupola before it; its file `memory.txt` has the
+/// resident memory in each size. `None` where something is not installed, and where there is no
+/// display.
 pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finished> {
     let name = program.first()?;
     if !is_installed(name) {
@@ -307,7 +306,8 @@ pub fn embedding(program: &str, arguments: &[&str], environment: &[(&str, &str)]
 /// For make: the folder of the headers of the first published version.
 const FIRST_HEADERS: &str = concat!("INCLUDE=", env!("CARGO_MANIFEST_DIR"), "/tests/abi/0.1");
 
-/// As [`embedding`], for a program that was compiled with the headers of the first published version.
+/// As [`embedding`], for a program that was compiled with the headers of the first published
+/// version.
 pub fn embedding_of_first_version(program: &str, arguments: &[&str]) -> Option<Finished> {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     let folder = BUILT.get_or_init(|| {
@@ -326,7 +326,8 @@ pub fn embedding_of_first_version(program: &str, arguments: &[&str]) -> Option<F
     Finished::of(command, program, "embedding, 0.1")
 }
 
-/// Builds the Vulkan programs of `sources` into `folder`; fails with what is missing to build or to watch over them.
+/// Builds the Vulkan programs of `sources` into `folder`; fails with what is missing to build or to
+/// watch over them.
 fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Result<PathBuf, &'static str> {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
@@ -380,8 +381,8 @@ fn validating(command: &mut Command) {
     command.env(SYNCHRONISATION.0, SYNCHRONISATION.1);
 }
 
-/// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None` where that cannot be
-/// done.
+/// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None`
+/// where that cannot be done.
 pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
     watched_in(vulkan_examples()?, program, arguments)
 }
@@ -400,201 +401,10 @@ pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
     Some(watched(program, arguments)?.expect_success().expect_no_validation_messages())
 }
 
-/// As [`validated`], for an example that was compiled with the headers of the first published version.
+/// As [`validated`], for an example that was compiled with the headers of the first published
+/// version.
 pub fn validated_of_first_version(program: &str, arguments: &[&str]) -> Option<Finished> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
     let folder = available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples-0.1", &[FIRST_HEADERS])))?;
     Some(watched_in(folder, program, arguments)?.expect_success().expect_no_validation_messages())
-}
-
-/// What a run left behind.
-pub struct Finished {
-    /// The folder it ran in; relative file names of its options are there.
-    pub directory: PathBuf,
-    what: String,
-    output: Output,
-}
-
-impl Finished {
-    pub fn of(command: Command, program: &str, rig: &str) -> Option<Self> {
-        Some(Self::on(display::get()?, command, program, rig))
-    }
-
-    fn on(display: &Display, mut command: Command, program: &str, rig: &str) -> Self {
-        command.env("DISPLAY", &display.name);
-        Self::run(command, program, rig)
-    }
-
-    fn run(mut command: Command, program: &str, rig: &str) -> Self {
-        let what = format!("{program} ({rig})");
-        let directory = command.get_current_dir().map_or_else(|| scratch(program), Path::to_owned);
-        let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
-        // Not the user's own; that runs share it is a test of its own.
-        if !command.get_envs().any(|(name, _)| name == "CUPOLA_CACHE") {
-            command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
-        }
-        let mut child = command
-            .current_dir(&directory)
-            .env("LIBGL_ALWAYS_SOFTWARE", "1")
-            .process_group(0)
-            .stdin(Stdio::null())
-            .stdout(log("stdout.log"))
-            .stderr(log("stderr.log"))
-            .spawn()
-            .unwrap_or_else(|error| panic!("{what} does not start: {error}"));
-        let started = Instant::now();
-        let status = loop {
-            if let Some(status) = child.try_wait().expect("a child can be waited for") {
-                break status;
-            }
-            if started.elapsed() > TIME_LIMIT {
-                // The whole group: the program is a child of `cupola run`.
-                // The shell's own: a bare Debian has no such program.
-                let _ = Command::new("sh").args(["-c", &format!("kill -s KILL -- -{}", child.id())]).status();
-                let _ = child.wait();
-                panic!("{what} hangs; its files are in {}", directory.display());
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        };
-        let read = |name: &str| std::fs::read(directory.join(name)).unwrap_or_default();
-        let output = Output { status, stdout: read("stdout.log"), stderr: read("stderr.log") };
-        Self { directory, what, output }
-    }
-
-    /// Panics, with what the program printed, unless it ended with exit status 0.
-    pub fn expect_success(self) -> Self {
-        assert!(
-            self.output.status.success(),
-            "{}: {}\n{}{}\nfiles in {}",
-            self.what,
-            self.output.status,
-            String::from_utf8_lossy(&self.output.stdout),
-            String::from_utf8_lossy(&self.output.stderr),
-            self.directory.display()
-        );
-        self
-    }
-
-    /// Whether it ended with exit status 0.
-    pub fn succeeded(&self) -> bool {
-        self.output.status.success()
-    }
-
-    /// The exit status as shells say it: 128 and the number of the signal that ended the program.
-    pub fn status(&self) -> i32 {
-        let status = self.output.status;
-        status.code().or(status.signal().map(|signal| 128 + signal)).unwrap_or(-1)
-    }
-
-    /// The kinds of messages of the validation layer.
-    pub fn kinds_of_messages(&self) -> BTreeSet<String> {
-        let kind = |line: &str| line.split(['(', ' ']).next().unwrap_or_default().to_owned();
-        let is_message = |line: &&str| ["VUID", "UNASSIGNED", "SYNC"].iter().any(|kind| line.starts_with(kind));
-        self.messages().lines().filter(is_message).map(kind).collect()
-    }
-
-    /// Panics unless a file has `count` numbers of pages that were resident, and those of the last quarter exceed those of
-    /// the second by no more than a set of atlases.
-    pub fn expect_flat_memory(&self, file: &str, count: usize) {
-        let pages: Vec<u64> = self.text(file).lines().map(|line| line.parse().expect("a number of pages")).collect();
-        note(format_args!("{}: resident pages: {pages:?}", self.what));
-        assert_eq!(pages.len(), count, "{}", self.what);
-        let quarter = count / 4;
-        let (early, late) = (pages[quarter..2 * quarter].iter().max(), pages[count - quarter..].iter().max());
-        let (Some(early), Some(late)) = (early, late) else { panic!("too few numbers") };
-        assert!(*late < early + 4096, "{}: resident pages grow from {early} to {late}: {pages:?}", self.what);
-    }
-
-    /// Panics unless the validation layer was there and said nothing.
-    pub fn expect_no_validation_messages(self) -> Self {
-        let words = self.words();
-        assert!(words.contains("VK_LAYER_KHRONOS_validation"), "{}: the layer is not loaded:\n{words}", self.what);
-        let messages = String::from_utf8_lossy(&self.output.stdout);
-        assert!(messages.is_empty(), "{}: the validation layer says:\n{messages}", self.what);
-        self
-    }
-
-    /// Whether the run wrote this file.
-    pub fn wrote(&self, name: &str) -> bool {
-        self.directory.join(name).exists()
-    }
-
-    /// What it printed on stderr.
-    pub fn words(&self) -> std::borrow::Cow<'_, str> {
-        String::from_utf8_lossy(&self.output.stderr)
-    }
-
-    /// A text that the run wrote.
-    pub fn text(&self, name: &str) -> String {
-        let path = self.directory.join(name);
-        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
-    }
-
-    /// What it printed on stdout, as the validation layer does.
-    pub fn messages(&self) -> std::borrow::Cow<'_, str> {
-        String::from_utf8_lossy(&self.output.stdout)
-    }
-
-    /// A picture that the run wrote.
-    pub fn picture(&self, name: &str) -> Picture {
-        let path = self.directory.join(name);
-        assert!(
-            path.exists(),
-            "{}: there is no {}\n{}",
-            self.what,
-            path.display(),
-            String::from_utf8_lossy(&self.output.stderr)
-        );
-        Picture::load(&path)
-    }
-
-    /// The pictures of all outputs that the run captured, by the names of their files; there is one at least.
-    pub fn captures(&self) -> BTreeMap<String, Picture> {
-        let files = std::fs::read_dir(&self.directory).expect("the folder of a run").flatten();
-        let names = files.filter_map(|file| file.file_name().into_string().ok());
-        let captures = names.filter(|name| name.starts_with("capture") && name.ends_with(".png"));
-        let pictures: BTreeMap<String, Picture> = captures.map(|name| (name.clone(), self.picture(&name))).collect();
-        assert!(!pictures.is_empty(), "{}: nothing is captured\n{}", self.what, self.words());
-        pictures
-    }
-
-    /// What `cupola simulate` says of the captured pictures, on a dome of `size` × `size` pixels.
-    pub fn simulate(&self, rig: &str, size: u32) -> serde_json::Value {
-        let output = Command::new(env!("CARGO_BIN_EXE_cupola"))
-            .current_dir(&self.directory)
-            .args(["simulate", rig, "--captures", ".", "-o", "dome.png", "--json", "--size", &size.to_string()])
-            .output()
-            .unwrap_or_else(|error| panic!("{}: {error}", self.what));
-        assert!(output.status.success(), "{}: {}", self.what, String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{}: {error}", self.what))
-    }
-
-    /// The statistics that `cupola run` wrote.
-    pub fn statistics(&self) -> serde_json::Value {
-        let path = self.directory.join("stats.json");
-        let text =
-            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()));
-        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
-    }
-
-    /// Panics unless Cupola says that it made no GL error of its own.
-    pub fn expect_no_gl_errors(self) -> Self {
-        let statistics = self.statistics();
-        assert_eq!(
-            statistics["own_errors"].as_u64(),
-            Some(0),
-            "{}: GL errors of Cupola's own: {statistics:#}",
-            self.what
-        );
-        self
-    }
-}
-
-impl Drop for Finished {
-    /// Keeps the files of a failing test only.
-    fn drop(&mut self) {
-        if !std::thread::panicking() {
-            let _ = std::fs::remove_dir_all(&self.directory);
-        }
-    }
 }

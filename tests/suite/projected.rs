@@ -1,5 +1,5 @@
-//! What the tests of the methods share that project vertices straight to an output: a camera, a domemaster, the projectors of a
-//! planetarium.
+//! What the tests of the methods share that project vertices straight to an output: a camera, a
+//! domemaster, the projectors of a planetarium.
 
 use crate::compare::{Report, compare, expect_alike, expect_good, far};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
@@ -12,7 +12,8 @@ use std::path::PathBuf;
 /// The preset `fisheye` in these tests' windows.
 pub const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
-/// Of two methods' pictures that are weighed: what edges of the cube may be beyond what is around, in 255ths. Both are rounded.
+/// Of two methods' pictures that are weighed: what edges of the cube may be beyond what is around,
+/// in 255ths. Both are rounded.
 const WEIGHED: u8 = 2;
 
 /// What the Vulkan programs clear their window to.
@@ -106,8 +107,9 @@ impl Projectors {
         }
     }
 
-    /// The weights are those of the default method, whose pictures are `expected`; a picture is off where the cube's edges are
-    /// resampled, and shows there what the other has beside. And a fifth of the pixels, at least, is darker by 40/255 in a channel.
+    /// The weights are those of the default method, whose pictures are `expected`; a picture is off
+    /// where the cube's edges are resampled, and shows there what the other has beside. And a fifth
+    /// of the pixels, at least, is darker by 40/255 in a channel.
     pub fn expect_blended(&self, plain: &Finished, blended: &Finished, expected: &Finished) {
         for name in self.pictures() {
             let [plain, found, expected] = [plain, blended, expected].map(|finished| finished.picture(&name));

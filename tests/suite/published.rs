@@ -1,4 +1,5 @@
-//! Published frames: what a reader gets is what the window shows, and nothing is lost that should not be.
+//! Published frames: what a reader gets is what the window shows, and nothing is lost that should
+//! not be.
 
 use crate::harness::tests;
 use crate::picture::Picture;
@@ -86,7 +87,8 @@ fn a_reader_gets_what_the_window_shows() {
     }
 }
 
-/// The rig's own outputs are six projectors; the domemaster has another size than anything in the window.
+/// The rig's own outputs are six projectors; the domemaster has another size than anything in the
+/// window.
 fn a_domemaster_beside_the_window_is_as_one_in_it() {
     let run = Run { size: (300, 200), frames: 4, cupola_frames: 4, ..Run::new("core330_mvp") };
     let options = ["--domemaster", "200"];

@@ -32,23 +32,25 @@ fn expect_same(seed: u32, rig: &str) {
 }
 
 fn the_program_s_own_picture_and_state() {
-    // 13 copies pixels while it blends, in a window that can do sRGB; in 20 and 36 a raster position in light takes a colour
-    // that the material follows, in 25 the range of depths changes after it, and lists set state after what they draw at it; in 261 the projection changes.
+    // 13 copies pixels while it blends, in a window that can do sRGB; in 20 and 36 a raster
+    // position in light takes a colour that the material follows, in 25 the range of depths changes
+    // after it, and lists set state after what they draw at it; in 261 the projection changes.
     for seed in (1..=8).chain([13, 20, 25, 36, 261]) {
         expect_same(seed, "identity-captured");
     }
 }
 
 fn with_views_besides() {
-    // 25 and 31 as above; in 56 two errors come before the program asks for one; in 99 a list's colours change the material.
+    // 25 and 31 as above; in 56 two errors come before the program asks for one; in 99 a list's
+    // colours change the material.
     for seed in (21..=23).chain([25, 31, 56, 99]) {
         expect_same(seed, "fisheye");
     }
     expect_same(24, "planetarium-6");
 }
 
-/// Vertex arrays are changed by calls of every kind between draws. Who takes a draw for one from what was set before leaves it
-/// out of views that show it.
+/// Vertex arrays are changed by calls of every kind between draws. Who takes a draw for one from
+/// what was set before leaves it out of views that show it.
 fn arrays_that_change_between_draws() {
     for seed in [1, 2, 3, 4, 5, 6, 7, 9, 10, 17] {
         let seed = seed.to_string();

@@ -121,7 +121,8 @@ impl Opening {
         Self { left: -top * aspect, right: top * aspect, bottom: -top, top }
     }
 
-    /// The direction, not normalised, at a part (0…1 from the left, 0…1 from the top) of the picture.
+    /// The direction, not normalised, at a part (0…1 from the left, 0…1 from the top) of the
+    /// picture.
     pub fn direction(&self, x: f64, y: f64) -> Vector {
         [self.left + x * (self.right - self.left), self.top + y * (self.bottom - self.top), -1.0]
     }
@@ -150,7 +151,8 @@ pub struct Dome {
 }
 
 impl Dome {
-    /// How far within the screen's rim a point of the sphere is, degrees; negative where there is no screen.
+    /// How far within the screen's rim a point of the sphere is, degrees; negative where there is
+    /// no screen.
     pub fn within_screen(&self, point: Vector) -> f64 {
         let pole = Turn { yaw: 0.0, pitch: 90.0 - self.tilt, roll: 0.0 }.outward([0.0, 0.0, -1.0]);
         let cosine = dot(pole, normalised(point)).clamp(-1.0, 1.0);
@@ -165,7 +167,8 @@ impl Dome {
 }
 
 impl Projector {
-    /// The direction in the dome of the ray through a place in the picture, in pixels from the top left.
+    /// The direction in the dome of the ray through a place in the picture, in pixels from the top
+    /// left.
     pub fn ray(&self, x: f64, y: f64) -> Vector {
         normalised(self.turn.outward(self.opening.direction(x / self.width, y / self.height)))
     }
@@ -179,7 +182,8 @@ impl Projector {
         (discriminant >= 0.0 && distance > 0.0).then(|| add_scaled(self.position, ray, distance))
     }
 
-    /// The place in the picture, in pixels from the top left, that lights a point; `None` where none does.
+    /// The place in the picture, in pixels from the top left, that lights a point; `None` where
+    /// none does.
     pub fn place(&self, point: Vector) -> Option<[f64; 2]> {
         let [x, y, z] = self.turn.inward(add_scaled(point, self.position, -1.0));
         let Opening { left, right, bottom, top } = self.opening;

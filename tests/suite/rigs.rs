@@ -48,7 +48,8 @@ fn opening(output: &Table) -> Opening {
     }
 }
 
-/// Reads the rig of a preset's file and gives every output `size` and a place in a grid of `columns`.
+/// Reads the rig of a preset's file and gives every output `size` and a place in a grid of
+/// `columns`.
 pub fn projectors(preset: &str, size: (usize, usize), columns: usize) -> ProjectorRig {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("src/rig/presets/{preset}.toml"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

@@ -1,4 +1,5 @@
-//! What OpenGL promises a program beyond pictures with a swap, where drawing each view might break it.
+//! What OpenGL promises a program beyond pictures with a swap, where drawing each view might break
+//! it.
 
 use crate::harness::tests;
 use crate::programs::{Finished, Run};
@@ -113,8 +114,8 @@ fn requests(words: &str) -> Option<u32> {
     words.lines().filter_map(|line| line.strip_prefix("requests ")?.parse().ok()).max()
 }
 
-/// One question, for size and visibility: Xlib sends its two requests together and waits once. None about a window that
-/// keeps its own picture.
+/// One question, for size and visibility: Xlib sends its two requests together and waits once. None
+/// about a window that keeps its own picture.
 fn a_frame_asks_the_x_server_once() {
     const QUESTION: u32 = 2;
     let run = Run { frames: 5, cupola_frames: 6, ..Run::new("requests") };

@@ -1,7 +1,8 @@
 //! A steady frame allocates nothing, links no shader, makes no object, and makes few calls.
 //!
-//! `tests/apps/preload/allocations.c` counts the calls of malloc and its kin that come from Cupola's library, in
-//! frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between Cupola and the driver.
+//! `tests/apps/preload/allocations.c` counts the calls of malloc and its kin that come from
+//! Cupola's library, in frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between
+//! Cupola and the driver.
 
 use crate::harness::{note, tests};
 use crate::programs::{Finished, Run, embedding, preload, vendor};
@@ -102,8 +103,8 @@ fn a_frame_that_is_not_steady_is_seen() {
     assert!(number > 100, "{text}");
 }
 
-/// Calls of OpenGL in a steady frame, the program's own and Cupola's, by function; `None` where there is no display, or
-/// where addresses cannot be counted.
+/// Calls of OpenGL in a steady frame, the program's own and Cupola's, by function; `None` where
+/// there is no display, or where addresses cannot be counted.
 fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
     let folder = vendor()?;
     let total = |frames: usize| -> Option<BTreeMap<String, u64>> {
@@ -128,8 +129,8 @@ fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
     Some(many.iter().map(steady).filter(|(_, number)| *number > 0).collect())
 }
 
-/// Calls by the names of functions without the kind of their arguments, for Cupola calls `glVertex3dv` where the program calls
-/// `glVertex3d`; without questions.
+/// Calls by the names of functions without the kind of their arguments, for Cupola calls
+/// `glVertex3dv` where the program calls `glVertex3d`; without questions.
 fn by_family(calls: &BTreeMap<String, u64>) -> BTreeMap<String, u64> {
     let mut families = BTreeMap::new();
     for (name, number) in calls.iter().filter(|(name, _)| !name.starts_with("glGet") && !name.starts_with("glIs")) {
@@ -142,9 +143,11 @@ fn by_family(calls: &BTreeMap<String, u64>) -> BTreeMap<String, u64> {
     families
 }
 
-/// Vertex arrays are asked about once, not in each draw; so are switches, masks and the like, not in each frame.
+/// Vertex arrays are asked about once, not in each draw; so are switches, masks and the like, not
+/// in each frame.
 fn draws_ask_for_nothing() {
-    // The first has 136 draws in a frame, the second eight, with five changes of the matrices; the last sets its arrays for each draw.
+    // The first has 136 draws in a frame, the second eight, with five changes of the matrices; the
+    // last sets its arrays for each draw.
     for (program, most) in [("positions", 16), ("fixed_buffers", 24), ("hud", 26), ("client_arrays", 23)] {
         let Some(plain) = calls_per_frame(program, "identity") else { return };
         let Some(calls) = calls_per_frame(program, "fisheye") else { return };
@@ -157,14 +160,16 @@ fn draws_ask_for_nothing() {
     }
 }
 
-/// Calls of a correction with one output, besides those for each view: what is saved, set and put back.
+/// Calls of a correction with one output, besides those for each view: what is saved, set and put
+/// back.
 const CALLS_OF_A_CORRECTION: u64 = 25;
 
-/// A frame has the program's calls once for each view, calls that choose the view, and those of the correction. Questions are
-/// counted by [`draws_ask_for_nothing`].
+/// A frame has the program's calls once for each view, calls that choose the view, and those of the
+/// correction. Questions are counted by [`draws_ask_for_nothing`].
 fn no_call_is_made_for_nothing() {
-    // For each view a viewport, its matrix, and a program and a draw of the correction; without shaders, a matrix and its mode
-    // for each of three groups of primitives, and each time the program's own again.
+    // For each view a viewport, its matrix, and a program and a draw of the correction; without
+    // shaders, a matrix and its mode for each of three groups of primitives, and each time the
+    // program's own again.
     for (program, of_a_view) in [("core330_mvp", 4), ("immediate", 13)] {
         let Some(plain) = calls_per_frame(program, "identity") else { return };
         let Some(calls) = calls_per_frame(program, "fisheye") else { return };
@@ -179,7 +184,8 @@ fn no_call_is_made_for_nothing() {
         assert!(views > 1 && ours <= most, "{program}: {ours} calls of {most}: {calls:?}, the program's {plain:?}");
         // Negative control: one more call for each view is seen.
         assert!(ours + views > most, "{program}: {ours} calls of {most}");
-        // One atlas is one binding, and one framebuffer for the program's draws, one for the window.
+        // One atlas is one binding, and one framebuffer for the program's draws, one for the
+        // window.
         assert!(calls["glBindTexture"] <= 2 && calls["glBindFramebuffer"] <= 2, "{program}: {calls:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the exact map.
+//! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the
+//! exact map.
 
 use crate::compare::{
     Shown, beyond_neighbours, compare, expect_alike, expect_good, expect_identical, expect_points, far,
@@ -86,7 +87,8 @@ fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
     }
 }
 
-/// Lights, materials, fog, generated texture coordinates, clip planes: as the pipeline itself has them.
+/// Lights, materials, fog, generated texture coordinates, clip planes: as the pipeline itself has
+/// them.
 fn what_stands_in_for_the_pipeline_lights_as_it_does() {
     let start = |mode: &str, method: &str| {
         let (extra, cupola) = (["--mode", mode], ["--method", method]);
@@ -118,8 +120,8 @@ fn other_programs_get_views() {
     }
 }
 
-/// A program whose primitives are divided by `method`, with half a pixel allowed: all are fine enough and where the exact map has
-/// them.
+/// A program whose primitives are divided by `method`, with half a pixel allowed: all are fine
+/// enough and where the exact map has them.
 fn divided(program: &str, extra: &[&str], method: &str) -> Option<Finished> {
     let (method, name) = (format!("{method},max_error=0.5"), format!("{program}, {method}"));
     let options = ["--method", &method];
@@ -142,7 +144,8 @@ fn divided_triangles_are_where_the_exact_map_has_them() {
     }
 }
 
-/// By tessellation shaders, where the primitives' vertices are their own; quadrilaterals of compatibility contexts, too.
+/// By tessellation shaders, where the primitives' vertices are their own; quadrilaterals of
+/// compatibility contexts, too.
 fn tessellated_primitives_are_where_the_exact_map_has_them() {
     let cases: [(&str, &[&str]); 4] =
         [("core330_mvp", &[]), ("glsl120", &[]), ("core330_block", &[]), ("fixed_fine", &["--mode", "buffers"])];
@@ -152,8 +155,8 @@ fn tessellated_primitives_are_where_the_exact_map_has_them() {
     }
 }
 
-/// Triangles, quadrilaterals and strips of the fixed-function pipeline: by Begin/End, in lists, from arrays. No geometry
-/// stage takes all of them, the processor does.
+/// Triangles, quadrilaterals and strips of the fixed-function pipeline: by Begin/End, in lists,
+/// from arrays. No geometry stage takes all of them, the processor does.
 fn the_processor_divides_what_goes_through_the_fixed_function_pipeline() {
     for program in ["immediate", "display_list", "client_arrays"] {
         if divided(program, &[], "primitive").is_none() {
@@ -162,7 +165,8 @@ fn the_processor_divides_what_goes_through_the_fixed_function_pipeline() {
     }
 }
 
-/// A lens that shows what is behind: triangles around the antipode of its axis are not smeared over the picture.
+/// A lens that shows what is behind: triangles around the antipode of its axis are not smeared over
+/// the picture.
 fn triangles_around_the_antipode_are_not_smeared() {
     let aperture = 240.0;
     let file = scratch("rig").join("wide.toml");
@@ -176,7 +180,8 @@ fn triangles_around_the_antipode_are_not_smeared() {
     expect_good(&report, &picture, "core330_mvp, primitive, 240°");
 }
 
-/// Of the sphere around the antipode no stage can make enough parts: that is counted. The processor can.
+/// Of the sphere around the antipode no stage can make enough parts: that is counted. The processor
+/// can.
 fn what_is_not_divided_far_enough_is_counted() {
     let file = scratch("rig").join("whole.toml");
     std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
@@ -216,7 +221,8 @@ fn divided_triangles_are_right_for_every_projector() {
     projectors.expect_good(&plain, &run, "core330_mvp, primitive");
 }
 
-/// What a program reads before anything was drawn for it comes from the outputs' pictures: colours, depths, stencils.
+/// What a program reads before anything was drawn for it comes from the outputs' pictures: colours,
+/// depths, stencils.
 fn the_first_read_is_the_program_s_own_picture() {
     let judged = Run { frames: 4, cupola_frames: 4, cupola: &["--method", "primitive"], ..Run::new("first_depth") };
     if fisheye(&judged).is_none() {
@@ -256,7 +262,8 @@ fn planes([a, b, c]: [Vector; 3]) -> [Vector; 3] {
     [cross(a, b), cross(b, c), cross(c, a)].map(|plane| plane.map(|part| turned * part))
 }
 
-/// How far, in pixels, pixels of a picture of `shards` lie on the wrong side of an edge, and how many do.
+/// How far, in pixels, pixels of a picture of `shards` lie on the wrong side of an edge, and how
+/// many do.
 fn displaced(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> (f64, usize) {
     let (mut worst, mut count) = (0.0f64, 0);
     for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
@@ -308,7 +315,8 @@ fn the_measured_error_follows_the_bound() {
     assert!(undivided > 20.0, "what is not divided is seen: {undivided} px");
 }
 
-/// The error that is allowed is the error that is made, more or less; and what has no room left is counted.
+/// The error that is allowed is the error that is made, more or less; and what has no room left is
+/// counted.
 fn a_greater_error_is_cheaper_and_worse() {
     let worst = |max_error: &str| {
         let method = format!("primitive,max_error={max_error}");

@@ -18,14 +18,16 @@ pub fn fisheye(more: &[&str]) -> Option<Finished> {
     installed("vkcube", &["--width", &size, "--height", &size], "fisheye", &options).map(Finished::expect_success)
 }
 
-/// Distances from the picture's middle, in pixels, of the outlines of the balls in the cube and around it.
+/// Distances from the picture's middle, in pixels, of the outlines of the balls in the cube and
+/// around it.
 fn outlines() -> (f64, f64) {
     let pixels = |sine_squared: f64| sine_squared.sqrt().asin() / std::f64::consts::FRAC_PI_2 * 0.5 * SIZE as f64;
     (pixels(1.0 / DISTANCE_SQUARED), pixels(3.0 / DISTANCE_SQUARED))
 }
 
-/// Number of pixels that show the cube. Says what is wrong with a domemaster of 180° that has to show it in its middle, whichever
-/// way it is turned: all of the ball in it, and nothing but grey beyond the ball around it.
+/// Number of pixels that show the cube. Says what is wrong with a domemaster of 180° that has to
+/// show it in its middle, whichever way it is turned: all of the ball in it, and nothing but grey
+/// beyond the ball around it.
 pub fn cube(picture: &Picture) -> Result<usize, String> {
     if (picture.width, picture.height) != (SIZE, SIZE) {
         return Err(format!("{} × {} pixels", picture.width, picture.height));
@@ -35,7 +37,8 @@ pub fn cube(picture: &Picture) -> Result<usize, String> {
     for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
         let distance = (x as f64 + 0.5 - radius).hypot(y as f64 + 0.5 - radius);
         let found = picture.at(x, y);
-        // A pixel of an outline, or of the circle's rim, may show either; its picture has grey pixels, too.
+        // A pixel of an outline, or of the circle's rim, may show either; its picture has grey
+        // pixels, too.
         holes += usize::from(distance < inner - 1.0 && found == GREY);
         if distance > outer + 2.0 && distance < radius - 1.0 && found != GREY {
             return Err(format!("{found:?} beyond the cube at column {x} row {y}"));
@@ -56,8 +59,8 @@ pub fn expect_cube(picture: &Picture, what: &str) -> usize {
     cube(picture).unwrap_or_else(|error| panic!("{what}: {error}"))
 }
 
-/// Number of pixels of a picture that are not what the other shows within a pixel around, as a part of the pixels of its cube.
-/// The picture on the cube has details of a pixel's size.
+/// Number of pixels of a picture that are not what the other shows within a pixel around, as a part
+/// of the pixels of its cube. The picture on the cube has details of a pixel's size.
 pub fn off(found: &Picture, expected: &Picture) -> f64 {
     assert!((found.width, found.height) == (SIZE, SIZE) && (expected.width, expected.height) == (SIZE, SIZE));
     let around = |x: usize, y: usize| (y - 1..=y + 1).flat_map(move |y| (x - 1..=x + 1).map(move |x| (x, y)));

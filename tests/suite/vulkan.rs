@@ -1,5 +1,5 @@
-//! The Vulkan layer: programs that nobody changed, drawn for each view; shown flat where that cannot be; untouched by
-//! the rig `identity`.
+//! The Vulkan layer: programs that nobody changed, drawn for each view; shown flat where that
+//! cannot be; untouched by the rig `identity`.
 
 use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
@@ -41,7 +41,8 @@ tests! {
     places_in_the_window,
 }
 
-/// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
+/// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else
+/// programs do.
 const WAYS: [&[&str]; 17] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
@@ -115,7 +116,8 @@ fn places_in_the_window() {
     }
 }
 
-/// Depth is cleared, or drawn, by a pass without colours before the pass that draws to the window and keeps it.
+/// Depth is cleared, or drawn, by a pass without colours before the pass that draws to the window
+/// and keeps it.
 fn depth_in_a_pass_of_its_own() {
     for (index, way) in DEPTHS.into_iter().enumerate() {
         let way = &[way, &["--shot", "shot.ppm"][..]].concat();
@@ -177,12 +179,14 @@ fn identity_captured_loses_nothing() {
     }
 }
 
-/// A shader that has no matrix: the rig says what the program's lens is, and without it the picture is flat.
+/// A shader that has no matrix: the rig says what the program's lens is, and without it the picture
+/// is flat.
 fn a_lens_that_the_rig_gives() {
     crate::dialects::given_lens("vulkan", &run(&["--columns"], CAMERAS[1]), Run::vulkan_under);
 }
 
-/// After some hundred draws without a scene the log says what to try; a program with a scene is left in peace.
+/// After some hundred draws without a scene the log says what to try; a program with a scene is
+/// left in peace.
 fn a_program_without_a_scene_is_told_so() {
     for (way, told) in [("--columns", true), ("--indirect", false)] {
         let extra = [way, "--draws", "120"];
@@ -219,7 +223,8 @@ fn as_with_opengl() {
     expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1.0, "Vulkan against OpenGL");
 }
 
-/// What is drawn flat after the scene lies on the panel, in front of it; what is drawn before it lies behind.
+/// What is drawn flat after the scene lies on the panel, in front of it; what is drawn before it
+/// lies behind.
 fn flat_drawing_over_and_behind_the_scene() {
     for way in [&["--matrix", "push"][..], &["--matrix", "dynamic", "--pass", "dynamic"], &["--matrix", "pushed"]] {
         let over = [way, &["--flat", "over"]].concat();
@@ -250,7 +255,8 @@ fn scenes<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { extra, frames: 6, ..Run::new("vk_scenes") }
 }
 
-/// A scene that reaches the window through pictures of the program's own is drawn for each view, however it is shown.
+/// A scene that reaches the window through pictures of the program's own is drawn for each view,
+/// however it is shown.
 fn scenes_that_are_drawn_off_screen() {
     for way in ["post", "matrices", "chain", "place", "passes", "blit", "resolve", "half", "depths"] {
         let extra = ["--way", way];
@@ -274,7 +280,8 @@ fn scenes_off_screen_from_the_first_frame_on() {
     expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes chain, always");
 }
 
-/// With the program's own lens what is drawn off screen is, byte for byte, what the window shows without Cupola.
+/// With the program's own lens what is drawn off screen is, byte for byte, what the window shows
+/// without Cupola.
 fn scenes_off_screen_with_the_programs_own_lens() {
     for way in ["post", "passes", "blit"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -286,7 +293,8 @@ fn scenes_off_screen_with_the_programs_own_lens() {
     }
 }
 
-/// What a program reads of a picture that it draws off screen is its own, and the dome shows each view's.
+/// What a program reads of a picture that it draws off screen is its own, and the dome shows each
+/// view's.
 fn a_scene_off_screen_that_is_read() {
     let extra = ["--way", "post", "--picture", "own.ppm"];
     let run = scenes(&extra);
@@ -328,7 +336,8 @@ fn a_window_that_is_read() {
     }
 }
 
-/// The newest ways to submit and to present change nothing; what the device has none of, the program says.
+/// The newest ways to submit and to present change nothing; what the device has none of, the
+/// program says.
 fn the_newest_ways_to_present() {
     let extra = ["--way", "newest"];
     let run = scenes(&extra);
@@ -340,7 +349,8 @@ fn the_newest_ways_to_present() {
     }
 }
 
-/// Pipelines that are linked, from libraries of shaders and of outputs or of each part alone, are drawn for each view.
+/// Pipelines that are linked, from libraries of shaders and of outputs or of each part alone, are
+/// drawn for each view.
 fn pipelines_that_are_linked() {
     for way in ["library", "parts"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -359,7 +369,8 @@ fn pipelines_that_are_linked() {
     }
 }
 
-/// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
+/// Programs that cannot be followed are flat, say why, and get no message of the validation layer
+/// that they had not before.
 fn programs_that_stay_flat_say_why() {
     let reasons =
         [("multiview", "notes", "multiview or layers"), ("independent", "notes", "no room for a descriptor set")];
@@ -374,8 +385,9 @@ fn programs_that_stay_flat_say_why() {
     }
 }
 
-/// A pass of two subpasses: what the second draws to the window is drawn for each view, with a panel that is clear, and so is what
-/// the first drew off screen and the second reads at the same pixel.
+/// A pass of two subpasses: what the second draws to the window is drawn for each view, with a
+/// panel that is clear, and so is what the first drew off screen and the second reads at the same
+/// pixel.
 fn passes_of_two_subpasses() {
     for way in ["second", "input"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -393,7 +405,8 @@ fn passes_of_two_subpasses() {
     planetarium_of("vk_subpasses", &["--way", "input"], Run::vulkan_under);
 }
 
-/// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene stays.
+/// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene
+/// stays.
 fn a_part_of_the_window() {
     for way in ["part", "clear"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -424,8 +437,9 @@ fn the_window_is_resized() {
     }
 }
 
-/// Many changes of size under the validation layer, which tells at the end of whatever was made and not destroyed. What
-/// is resident after the last does not exceed what it was after a few by more than one set of atlases.
+/// Many changes of size under the validation layer, which tells at the end of whatever was made and
+/// not destroyed. What is resident after the last does not exceed what it was after a few by more
+/// than one set of atlases.
 fn many_sizes_leave_nothing_behind() {
     let more = ["--resizes", "20", "--memory", "memory.txt"];
     for way in [WAYS[0], WAYS[4]] {
@@ -436,8 +450,8 @@ fn many_sizes_leave_nothing_behind() {
     }
 }
 
-/// A program that is shown flat: each pixel of the domemaster against the program's picture, from the definitions of
-/// the fisheye and the panel.
+/// A program that is shown flat: each pixel of the domemaster against the program's picture, from
+/// the definitions of the fisheye and the panel.
 fn the_panel_is_where_the_angles_say() {
     let run = run(&["--copy-window"], CAMERAS[1]);
     let run = Run { cupola: &["--capture-views", "views"], ..run };
@@ -450,7 +464,8 @@ fn the_panel_is_where_the_angles_say() {
     assert!(deviations(&program, &turned).1 > 100, "control: an upside-down picture is not taken for right");
 }
 
-/// Pixels that see the panel, and those of them that differ by more than 2/255 from any texel near their place.
+/// Pixels that see the panel, and those of them that differ by more than 2/255 from any texel near
+/// their place.
 fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
     // The preset's panel is 60° wide.
     let half = 30_f64.to_radians().tan();
@@ -483,7 +498,8 @@ fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
     (checked, wrong)
 }
 
-/// Of a scene the panel has nothing and of what is flat the views: such draws are not begun there, and nothing else changes.
+/// Of a scene the panel has nothing and of what is flat the views: such draws are not begun there,
+/// and nothing else changes.
 fn what_is_out_of_sight_is_not_drawn() {
     let every = [("CUPOLA_CULL", "all")];
     let cases: [(&[&str], bool, u64); 4] = [

@@ -27,8 +27,8 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { fov, yaw, pitch, extra, frames: 6, ..Run::new("vk_computed") }
 }
 
-/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the program's own lens the same
-/// as without Cupola, to the byte.
+/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the
+/// program's own lens the same as without Cupola, to the byte.
 fn right(modes: &[&str], limits: Limits) {
     for mode in modes {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
@@ -47,14 +47,15 @@ fn right(modes: &[&str], limits: Limits) {
     }
 }
 
-/// One dispatch between the scene and the window: it reads the scene by a sampler or as it writes it, its depth, and knows the
-/// picture's size from the image or from push constants.
+/// One dispatch between the scene and the window: it reads the scene by a sampler or as it writes
+/// it, its depth, and knows the picture's size from the image or from push constants.
 fn pictures_that_compute_shaders_make() {
     right(&["sampled", "stored", "same", "depths", "pushed", "descriptors", "indirect"], ROUNDED);
     planetarium_of("vk_computed", &["--mode", "sampled"], Run::vulkan_under);
 }
 
-/// Several dispatches, also by an image of half the size, by levels of one image, and with the picture of the frame before.
+/// Several dispatches, also by an image of half the size, by levels of one image, and with the
+/// picture of the frame before.
 fn several_dispatches_in_a_chain() {
     right(&["chain"], ROUNDED);
     right(&["history"], ROUNDED);
@@ -84,7 +85,8 @@ fn a_window_that_compute_shaders_write() {
     planetarium_of("vk_computed", &["--mode", "written"], Run::vulkan_under);
 }
 
-/// A buffer has values of the program's own picture only: what is made of them is flat, and the statistics say why.
+/// A buffer has values of the program's own picture only: what is made of them is flat, and the
+/// statistics say why.
 fn values_of_each_place_are_not_followed() {
     let run = run(&["--mode", "places"]);
     let Some(finished) = run.vulkan_under("fisheye") else { return };

@@ -1,9 +1,11 @@
-//! Faults of the Vulkan driver: whatever it refuses or lacks, the program goes on and shows its own picture.
+//! Faults of the Vulkan driver: whatever it refuses or lacks, the program goes on and shows its own
+//! picture.
 //!
-//! Two layers (`tests/apps/layers`) around Cupola tell its calls from the program's and have one fault in each run. The rig
-//! does not change the picture, so the window has to show the same as without Cupola. The validation layer below says
-//! whether something is left behind or used although it was refused. `CUPOLA_ALL_FAULTS=1` tries each fault of each way of
-//! drawing instead of a sample.
+//! Two layers (`tests/apps/layers`) around Cupola tell its calls from the program's and have one
+//! fault in each run. The rig does not change the picture, so the window has to show the same as
+//! without Cupola. The validation layer below says whether something is left behind or used
+//! although it was refused. `CUPOLA_ALL_FAULTS=1` tries each fault of each way of drawing instead
+//! of a sample.
 
 use crate::display;
 use crate::harness::{note, tests};
@@ -50,8 +52,8 @@ struct Outcome {
 /// Number of lines of the log after a fault that happens once.
 const ONCE: usize = 1;
 
-/// The same where a fault lasts: each part of Cupola that gives up says so. The picture is flat, then the program's own, then
-/// frames are lost.
+/// The same where a fault lasts: each part of Cupola that gives up says so. The picture is flat,
+/// then the program's own, then frames are lost.
 const ALWAYS: usize = 3;
 
 /// Message of the validation layer: an image is presented to which nothing was drawn.
@@ -76,8 +78,8 @@ impl Outcome {
     }
 }
 
-/// The folders of the descriptions of the layers above and below Cupola, since the loader takes layers in the order in which
-/// it finds them.
+/// The folders of the descriptions of the layers above and below Cupola, since the loader takes
+/// layers in the order in which it finds them.
 fn layers() -> Option<&'static [String; 2]> {
     static FOLDERS: OnceLock<[String; 2]> = OnceLock::new();
     if !cfg!(target_arch = "x86_64") {
@@ -102,7 +104,8 @@ fn layers() -> Option<&'static [String; 2]> {
 fn run((program, extra): Way, rig: Option<&str>, fault: &str) -> Option<Outcome> {
     let [above, below] = layers()?;
     let extra = [extra, &["--shot", "window.ppm"]].concat();
-    // Two frames more than those whose calls are refused: frames may be lost until Cupola has given up.
+    // Two frames more than those whose calls are refused: frames may be lost until Cupola has given
+    // up.
     let frames = if fault.is_empty() { 4 } else { 6 };
     let run = Run { size: (96, 96), frames, extra: &extra, ..Run::new(program) };
     let path = format!("VK_ADD_LAYER_PATH={above}:$VK_ADD_LAYER_PATH:{below} exec \"$@\"");
@@ -161,7 +164,8 @@ fn ways() -> impl Iterator<Item = Way> {
     WAYS.into_iter().take(if tries_all() { WAYS.len() } else { 1 })
 }
 
-/// Tries faults, or a sample of them, and lists those after which something is wrong; `most` as in [`Outcome::faults`].
+/// Tries faults, or a sample of them, and lists those after which something is wrong; `most` as in
+/// [`Outcome::faults`].
 fn expect_the_own_picture(way: Way, faults: &[String], sample: usize, most: usize, right: &Picture) {
     let step = if tries_all() { 1 } else { faults.len().div_ceil(sample) };
     let mut wrong = Vec::new();
@@ -180,8 +184,9 @@ fn expect_the_own_picture(way: Way, faults: &[String], sample: usize, most: usiz
 
 /// The result of a function that refuses; `None`: it refuses nothing.
 fn refusal(function: &str) -> Option<i32> {
-    // The first name that a function's begins with counts. VK_ERROR_OUT_OF_HOST_MEMORY, _OUT_OF_DEVICE_MEMORY,
-    // _INITIALIZATION_FAILED, _DEVICE_LOST, _MEMORY_MAP_FAILED, _OUT_OF_POOL_MEMORY, _SURFACE_LOST_KHR.
+    // The first name that a function's begins with counts. VK_ERROR_OUT_OF_HOST_MEMORY,
+    // _OUT_OF_DEVICE_MEMORY, _INITIALIZATION_FAILED, _DEVICE_LOST, _MEMORY_MAP_FAILED,
+    // _OUT_OF_POOL_MEMORY, _SURFACE_LOST_KHR.
     const REFUSALS: [(&str, i32); 14] = [
         ("vkCreateGraphicsPipelines", -3),
         ("vkCreateShaderModule", -1),
@@ -262,7 +267,8 @@ fn answers_that_are_absurd() {
     }
 }
 
-/// `VK_SUBOPTIMAL_KHR` and `VK_ERROR_OUT_OF_DATE_KHR` reach the program, which then makes a new swapchain.
+/// `VK_SUBOPTIMAL_KHR` and `VK_ERROR_OUT_OF_DATE_KHR` reach the program, which then makes a new
+/// swapchain.
 fn swapchains_that_are_out_of_date() {
     for way in ways() {
         let Some((_, _, right)) = without_a_fault(way) else { return };

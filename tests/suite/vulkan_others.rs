@@ -37,8 +37,8 @@ fn vkcube_in_a_window_of_10_bits() {
     expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
 }
 
-/// In a thousand frames of twenty sizes the validation layer says nothing that it does not say without Cupola, which covers what
-/// was made and is not destroyed, and memory does not grow.
+/// In a thousand frames of twenty sizes the validation layer says nothing that it does not say
+/// without Cupola, which covers what was made and is not destroyed, and memory does not grow.
 fn vkcube_through_twenty_sizes_in_a_thousand_frames() {
     let program = ["vkcube", "--width", "321", "--height", "243", "--c", "1000"];
     let (Some(plain), Some(under)) = (resized(None, "20", &program), resized(Some("fisheye"), "20", &program)) else {

@@ -1,4 +1,5 @@
-//! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against the exact map.
+//! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against
+//! the exact map.
 
 use crate::compare::{EDGE, Limits, Shown, TOLERANCE, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -32,8 +33,8 @@ tests! {
 /// With half a pixel allowed.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
 
-/// With a whole pixel allowed, which is up to 1.6/255 wide: 2.37/255 was found, in 16 of 49,000 pixels more than the usual
-/// tolerance.
+/// With a whole pixel allowed, which is up to 1.6/255 wide: 2.37/255 was found, in 16 of 49,000
+/// pixels more than the usual tolerance.
 const OF_ONE_PIXEL: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: EDGE, rim: false };
 
 /// What the log says of a pipeline that is drawn as with the method `vertex`.
@@ -66,7 +67,8 @@ fn large_triangles_are_where_the_exact_map_has_them() {
     }
 }
 
-/// The error that is allowed is the error that is made, more or less; without division it is seen at once.
+/// The error that is allowed is the error that is made, more or less; without division it is seen
+/// at once.
 fn a_greater_error_is_worse() {
     let worst = |method: &str| {
         let cupola = ["--method", method];
@@ -103,7 +105,8 @@ fn as_with_opengl_and_by_either_stage() {
     expect_divided(&finished, "primitive-tessellation");
 }
 
-/// Values of many types are handed on, and by the right vertex where they are flat: whatever contradicts has another colour.
+/// Values of many types are handed on, and by the right vertex where they are flat: whatever
+/// contradicts has another colour.
 fn all_that_shaders_hand_on_arrives() {
     let cases: [&[&str]; 5] = [
         &["--shape", "list", "--number"],
@@ -160,8 +163,8 @@ fn whole() -> String {
     file.to_str().expect("a UTF-8 path").to_owned()
 }
 
-/// What a run of the stage has no room for is counted, whether Cupola ends the program or it ends itself, of triangles and of lines.
-/// What suffices counts nothing.
+/// What a run of the stage has no room for is counted, whether Cupola ends the program or it ends
+/// itself, of triangles and of lines. What suffices counts nothing.
 fn what_is_not_divided_far_enough_is_counted() {
     for (shape, rig) in [("list", "fisheye".to_owned()), ("lines", whole())] {
         let count = |max_error: &str, frames: usize, ends: &[&str]| {
@@ -191,7 +194,8 @@ fn as_many_are_coarse_as_with_opengl() {
     assert!(opengl > 0 && vulkan.abs_diff(opengl) * 50 <= opengl, "{vulkan} on Vulkan, {opengl} on OpenGL");
 }
 
-/// How many pixels of lines are seen, and by how much their colours are off from those of the places.
+/// How many pixels of lines are seen, and by how much their colours are off from those of the
+/// places.
 fn lines(picture: &Picture, run: &Run) -> (usize, f64) {
     let shown = shown_by_fisheye(CIRCLE, camera_of(run));
     let (mut lit, mut worst) = (0, 0.0f64);
@@ -260,7 +264,8 @@ fn what_cannot_be_divided_is_projected() {
     assert!(!found.words().contains(UNDIVIDED), "{}", found.words());
 }
 
-/// A library that has all shaders has the stage, too; features are enabled in a chain of structures there.
+/// A library that has all shaders has the stage, too; features are enabled in a chain of structures
+/// there.
 fn libraries_with_all_shaders_are_divided() {
     let extra = ["--way", "library"];
     let run = run("vk_scenes", &extra, &DIVIDED);

@@ -1,4 +1,5 @@
-//! Queries of Vulkan programs: each draw is issued for every view, and the program is told what it drew.
+//! Queries of Vulkan programs: each draw is issued for every view, and the program is told what it
+//! drew.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -39,8 +40,9 @@ fn read(counts: &BTreeMap<String, (u64, u64)>) -> BTreeMap<&str, u64> {
     counts.iter().map(|(name, (read, _))| (name.as_str(), *read)).collect()
 }
 
-/// What the program's own picture has, from its lens: the nearest and the farthest face of a small cube, the first of which has
-/// a third of the picture's height, and what they hide of each other is not hidden.
+/// What the program's own picture has, from its lens: the nearest and the farthest face of a small
+/// cube, the first of which has a third of the picture's height, and what they hide of each other
+/// is not hidden.
 fn the_counts_without_cupola() {
     for way in WAYS {
         let extra = [way, &["--counts", "counts.txt"]].concat();
@@ -74,8 +76,9 @@ fn what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own() {
     }
 }
 
-/// What is counted once is counted once, and what no view shows is nothing; what only a view shows is more than that. The samples
-/// of what the program's own picture shows are as many as it has, but for the views' density.
+/// What is counted once is counted once, and what no view shows is nothing; what only a view shows
+/// is more than that. The samples of what the program's own picture shows are as many as it has,
+/// but for the views' density.
 fn a_draw_for_each_view_is_one_draw_to_its_queries() {
     // The last time with draws that are left out where they are out of sight, small ones, too.
     let all: &[(&str, &str)] = &[("CUPOLA_CULL", "all")];
@@ -111,8 +114,8 @@ fn a_draw_for_each_view_is_one_draw_to_its_queries() {
     }
 }
 
-/// A program that draws what a query of the last frame saw: it draws where only a view shows something, and does not where nothing is
-/// seen; then the panel stays as clear as it was.
+/// A program that draws what a query of the last frame saw: it draws where only a view shows
+/// something, and does not where nothing is seen; then the panel stays as clear as it was.
 fn drawing_on_condition() {
     let condition = |extra: &[&str]| {
         let run = Run { extra, ..run(&[]) };

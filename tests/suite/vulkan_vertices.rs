@@ -1,4 +1,5 @@
-//! Method `vertex` in Vulkan programs: vertices that are projected straight to an output, against the exact map.
+//! Method `vertex` in Vulkan programs: vertices that are projected straight to an output, against
+//! the exact map.
 
 use crate::compare::{compare, expect_good, expect_identical, expect_points, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -24,7 +25,8 @@ tests! {
     a_shader_of_the_program_s_own_projects_to_the_picture,
 }
 
-/// The ways in which the cube is drawn: how its pass begins, where its matrix is, which way up, with which samples.
+/// The ways in which the cube is drawn: how its pass begins, where its matrix is, which way up,
+/// with which samples.
 const WAYS: [&[&str]; 6] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block", "--samples", "4"],
@@ -62,7 +64,8 @@ fn other_stages_project() {
     }
 }
 
-/// What is behind what, with depth that is the distance: a ball hides all that is drawn around it later.
+/// What is behind what, with depth that is the distance: a ball hides all that is drawn around it
+/// later.
 fn what_is_nearer_hides_what_is_farther() {
     for turned in [&[][..], &["--flip"]] {
         let extra = [&["--cells", "behind"], turned].concat();
@@ -110,7 +113,8 @@ fn every_projector_gets_its_own_pass_and_blends() {
     projectors.expect_blended(&plain, &blended, &expected);
 }
 
-/// What is flat is where it is with views: on the panel after the scene, behind it before the scene.
+/// What is flat is where it is with views: on the panel after the scene, behind it before the
+/// scene.
 fn flat_drawing_over_and_behind_the_scene() {
     let start = |flat: &str, method: &str| {
         let (extra, cupola) = (["--cells", "triangles", "--flat", flat], ["--method", method]);
@@ -144,7 +148,8 @@ fn scenes_that_are_drawn_off_screen() {
     }
 }
 
-/// A program that others wrote: its cube is where it is with views, but for edges that stay straight.
+/// A program that others wrote: its cube is where it is with views, but for edges that stay
+/// straight.
 fn vkcube_in_one_pass() {
     let start = |method: &str| vkcube::fisheye(&["--method", method]);
     let (Some(found), Some(expected)) = (start("vertex"), start("fragment")) else { return };
@@ -156,7 +161,8 @@ fn vkcube_in_one_pass() {
     assert!(off < 0.04, "{off:.3} of the cube's pixels are off");
 }
 
-/// A shader of the program's own that projects to the picture, with the library's functions in its text, however the views lie.
+/// A shader of the program's own that projects to the picture, with the library's functions in its
+/// text, however the views lie.
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     for method in ["vertex", "fragment"] {
         for views in ["atlas", "layers", "images"] {

@@ -1,6 +1,7 @@
 //! The accumulation buffer of old OpenGL, which framebuffer objects have not.
 //!
-//! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11 bits.
+//! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11
+//! bits.
 
 use super::driver::api::Gl;
 use super::driver::own_names;
@@ -61,10 +62,12 @@ void main() {
 ";
 
 impl Accumulation {
-    /// A buffer of `size` (width, height in pixels), all zero. Every binding that is touched is put back.
+    /// A buffer of `size` (width, height in pixels), all zero. Every binding that is touched is put
+    /// back.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the driver refuses the shader (OpenGL before 3.0) or the framebuffer.
+    /// [`ErrorKind::Graphics`] where the driver refuses the shader (OpenGL before 3.0) or the
+    /// framebuffer.
     pub fn new(gl: &Gl, size: (i32, i32)) -> Result<Self> {
         let caps = Capabilities::of(gl, false);
         let (framebuffer, mut vertex_array, mut sampler) = (own_names::framebuffer(gl), 0, 0);

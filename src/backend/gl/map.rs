@@ -1,4 +1,5 @@
-//! The map that the shaders compute, read back: the very programs that correct, with another last stage.
+//! The map that the shaders compute, read back: the very programs that correct, with another last
+//! stage.
 
 use super::driver::api::*;
 use super::driver::values::integer;
@@ -9,13 +10,14 @@ use crate::correct::shaders::map::MapPixel;
 use crate::correct::{LowerLeftRect, Plan};
 use crate::error::{Error, ErrorKind, Result};
 
-/// Runs the map of output `output` of `plan` on the current context, which is left as it was. Row 0 is
-/// at the top. The direction is that of the atlas coordinates as the sampler gets them, so the error of every
-/// f32 operation up to there is in it; only the way back from the atlas is computed in f64.
+/// Runs the map of output `output` of `plan` on the current context, which is left as it was. Row 0
+/// is at the top. The direction is that of the atlas coordinates as the sampler gets them, so the
+/// error of every f32 operation up to there is in it; only the way back from the atlas is computed
+/// in f64.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidArgument`] where the plan has no such output; [`ErrorKind::Graphics`] where the
-/// context cannot render to 32-bit floats, is too old, or refuses a shader or the size.
+/// [`ErrorKind::InvalidArgument`] where the plan has no such output; [`ErrorKind::Graphics`] where
+/// the context cannot render to 32-bit floats, is too old, or refuses a shader or the size.
 pub fn gpu_map(gl: &Gl, is_gles: bool, plan: &Plan, output: usize) -> Result<Vec<MapPixel>> {
     let Some(pass) = plan.passes.get(output) else {
         let message = format!("There is no output {output}; the plan has {}.", plan.passes.len());
@@ -44,8 +46,8 @@ fn read(gl: &Gl, backend: &GlBackend, size: (u32, u32)) -> Result<Vec<[f32; 4]>>
     let unpack_before = integer(gl, GL_PIXEL_UNPACK_BUFFER_BINDING) as u32;
     let pack_before = integer(gl, GL_PIXEL_PACK_BUFFER_BINDING) as u32;
     let mut texels = vec![[0.0f32; 4]; size.0 as usize * size.1 as usize];
-    // SAFETY: a context is current; the names are those that it gave; rows of four floats need no padding
-    // whatever the pack alignment, and the array holds width · height of them.
+    // SAFETY: a context is current; the names are those that it gave; rows of four floats need no
+    // padding whatever the pack alignment, and the array holds width · height of them.
     let status = unsafe {
         gl.gen_textures(1, &mut texture);
         gl.bind_texture(GL_TEXTURE_2D, texture);

@@ -72,7 +72,8 @@ fn a_second_frame_makes_and_links_nothing() {
     assert!(first.linked > 0, "the control: something was linked");
 }
 
-/// Wherever the driver runs out of memory while a plan is prepared, preparing says so or goes on, and leaves nothing.
+/// Wherever the driver runs out of memory while a plan is prepared, preparing says so or goes on,
+/// and leaves nothing.
 #[test]
 fn errors_while_preparing_leave_nothing_behind() {
     let (plan, _) = plan("planetarium-2");

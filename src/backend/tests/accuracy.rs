@@ -18,7 +18,8 @@ struct Comparison {
     compared: usize,
 }
 
-/// Compares pixels with `exact`; `pixel` is the angle that a pixel spans there, around what `exact` says.
+/// Compares pixels with `exact`; `pixel` is the angle that a pixel spans there, around what `exact`
+/// says.
 fn compare(
     map: &[MapPixel],
     width: u32,

@@ -57,7 +57,8 @@ fn planned(rig: &Rig) -> Plan {
     crate::correct::build(rig, &request).expect("a plan")
 }
 
-/// From the rig file on: in linear light or as displayed, coarser than the output, beside a mask that is black, mirrored.
+/// From the rig file on: in linear light or as displayed, coarser than the output, beside a mask
+/// that is black, mirrored.
 pub fn a_rigs_picture_of_black_is_shown(driver: &dyn Driver) {
     let name = format!("cupola-blacks-{}-{:?}", std::process::id(), std::thread::current().id());
     let folder = std::env::temp_dir().join(name);
@@ -94,7 +95,8 @@ pub fn a_rigs_picture_of_black_is_shown(driver: &dyn Driver) {
                 let weight = if at.x < 0.5 { 0.0 } else { 1.0 };
                 Some([0, 1, 2].map(|k| black[k] + (1.0 - black[k]) * [255.0, 128.0, 64.0][k] / 255.0 * weight))
             };
-            // Filters of textures weigh by parts of 256: up to 0.002 of the difference of two texels.
+            // Filters of textures weigh by parts of 256: up to 0.002 of the difference of two
+            // texels.
             let found = worst(&shown, exact);
             assert!(found <= 0.9, "{word}, {flip:?}: {found}");
             assert!(worst(&shown, |c, r| exact(SIZE.0 - 1 - c, r)) > 50.0, "{word}, {flip:?}");

@@ -71,7 +71,8 @@ fn planned(rig: &Rig) -> Arc<Plan> {
     rigs::planned(rig, SIZE)
 }
 
-/// Of pictures of one size: the greatest difference that all but `rim` pixels keep, and how many pixels differ.
+/// Of pictures of one size: the greatest difference that all but `rim` pixels keep, and how many
+/// pixels differ.
 fn difference(found: &Picture, expected: &Picture, rim: usize) -> (u8, usize) {
     let apart = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0);
     let mut counts = [0usize; 256];
@@ -90,8 +91,9 @@ fn mirrored(picture: &Picture, flip: Flip) -> Picture {
     Picture { size: picture.size, pixels: flip.items(&picture.pixels, picture.size.0 as usize) }
 }
 
-/// What is interpolated over a mirrored rectangle is rounded anew: places by parts of 2⁻²³, so that a code may change by
-/// one, and a pixel on a rim may show nothing. A copy is the same to the bit but for such pixels.
+/// What is interpolated over a mirrored rectangle is rounded anew: places by parts of 2⁻²³, so that
+/// a code may change by one, and a pixel on a rim may show nothing. A copy is the same to the bit
+/// but for such pixels.
 pub fn a_mirrored_output_shows_the_mirrored_picture(driver: &dyn Driver) {
     for (name, text) in OUTPUTS {
         let rig = read(text);

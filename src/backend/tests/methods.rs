@@ -1,4 +1,5 @@
-//! Tables and meshes as methods of outputs: within the error that was asked for, and as light as the default.
+//! Tables and meshes as methods of outputs: within the error that was asked for, and as light as
+//! the default.
 
 use super::{Driver, rigs};
 use crate::correct::shaders::map::MapPixel;

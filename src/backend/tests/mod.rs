@@ -1,4 +1,5 @@
-//! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics API.
+//! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics
+//! API.
 
 pub mod accuracy;
 pub mod blacks;
@@ -22,8 +23,8 @@ use picture::Picture;
 pub trait Driver {
     /// The map of an output, row 0 at the top.
     fn map(&self, plan: &Plan, output: usize) -> Vec<MapPixel>;
-    /// Prepares, presents each of `atlases` into a target of the first output's size, and gives what is shown of each. Nothing
-    /// may go wrong.
+    /// Prepares, presents each of `atlases` into a target of the first output's size, and gives
+    /// what is shown of each. Nothing may go wrong.
     fn show_each(&self, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture>;
     /// [`Self::show_each`] for one.
     fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
@@ -31,7 +32,8 @@ pub trait Driver {
     }
 }
 
-/// A module of tests for each file of cases: all of them on each of `$drivers`, an expression that gives an iterator.
+/// A module of tests for each file of cases: all of them on each of `$drivers`, an expression that
+/// gives an iterator.
 macro_rules! run_cases {
     ($drivers:expr; $($module:ident: $($case:ident),+;)+) => {
         $(mod $module {

@@ -38,7 +38,8 @@ pub fn place(views: &[View], direction: DVec3) -> Option<(f64, f64)> {
     })
 }
 
-/// Greatest difference in codes between what is shown and `exact` (encoded 0…1 of a pixel, row 0 at the top).
+/// Greatest difference in codes between what is shown and `exact` (encoded 0…1 of a pixel, row 0 at
+/// the top).
 pub fn worst(shown: &Picture, exact: impl Fn(u32, u32) -> Option<[f64; 3]>) -> f64 {
     let mut worst = 0.0f64;
     for row in 0..shown.size.1 {
@@ -209,7 +210,8 @@ pub fn the_panel_lies_over_the_scene(driver: &dyn Driver) {
             let Some((x, y)) = place(std::slice::from_ref(&panel), direction).filter(|_| with) else {
                 return Some(rgb(below));
             };
-            // Where the filter would reach beyond the tile, and where alpha jumps, only the place is tested elsewhere.
+            // Where the filter would reach beyond the tile, and where alpha jumps, only the place
+            // is tested elsewhere.
             if !(1.0..127.0).contains(&x)
                 || (x as u32).abs_diff(127) < 2
                 || y - f64::from(tile.y) < 1.0

@@ -1,4 +1,5 @@
-//! What the filters make of a scene with hard edges, against 64 samples per pixel, and that none reads beyond its tile.
+//! What the filters make of a scene with hard edges, against 64 samples per pixel, and that none
+//! reads beyond its tile.
 
 use super::Driver;
 use super::picture::Picture;
@@ -14,8 +15,8 @@ use std::sync::LazyLock;
 
 const SIZE: u32 = 512;
 
-/// A checker in space, black and white: edges of all directions cross the sphere. It is turned, so that none of them
-/// coincides with a border of pixels, texels or views.
+/// A checker in space, black and white: edges of all directions cross the sphere. It is turned, so
+/// that none of them coincides with a border of pixels, texels or views.
 fn checker(direction: DVec3) -> f64 {
     let turned = DVec3::new(
         direction.dot(DVec3::new(0.64, 0.48, 0.6)),
@@ -65,7 +66,8 @@ fn drawn(plan: &Plan, places: &[DVec2], scene: Scene) -> Picture {
     atlas
 }
 
-/// The mean of `side`² samples of `scene` in each pixel that lies wholly in the picture, row 0 at the bottom.
+/// The mean of `side`² samples of `scene` in each pixel that lies wholly in the picture, row 0 at
+/// the bottom.
 fn sampled(plan: &Plan, side: u32, scene: Scene) -> Vec<Option<f64>> {
     let (pass, (width, height)) = (&plan.passes[0], plan.passes[0].size);
     let mean = |index: u32| {
@@ -156,7 +158,8 @@ pub fn filters_are_as_good_as_they_should_be(driver: &dyn Driver) {
     assert!(shown(driver, &plain, &drawn(&plain, &ONE, &checker), exact) < 32.0);
 }
 
-/// A scene, what a projector's pixels should show of it, and its views for the projector's picture and for a domemaster.
+/// A scene, what a projector's pixels should show of it, and its views for the projector's picture
+/// and for a domemaster.
 struct Resampled {
     name: &'static str,
     exact: Vec<Option<f64>>,
@@ -179,7 +182,8 @@ static PROJECTOR_AND_DOME: LazyLock<(Plan, Plan, Vec<Resampled>)> = LazyLock::ne
     let side = (PI / pixel).round();
     let dome = planned(side as u32, 1.0, Filter::Bilinear);
 
-    // Circles around the middle, finer and finer, up to 0.42 of a period for each pixel in the farthest corner.
+    // Circles around the middle, finer and finer, up to 0.42 of a period for each pixel in the
+    // farthest corner.
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
     let farthest = corners.map(|(x, y)| middle.angle_between(towards(x, y))).into_iter().fold(0.0, f64::max);
     let zones = |direction: DVec3| {
@@ -193,8 +197,8 @@ static PROJECTOR_AND_DOME: LazyLock<(Plan, Plan, Vec<Resampled>)> = LazyLock::ne
     (plan, dome, scenes.into())
 });
 
-/// A projector's picture made directly, and made of a domemaster of the same resolution, as programs do that know
-/// only domemasters.
+/// A projector's picture made directly, and made of a domemaster of the same resolution, as
+/// programs do that know only domemasters.
 pub fn one_resampling_is_better_than_two(driver: &dyn Driver) {
     let (plan, dome, scenes) = &*PROJECTOR_AND_DOME;
     for scene in scenes {
@@ -238,7 +242,8 @@ fn spread(plan: &Plan) -> Plan {
 /// Texels between tiles.
 const ROOM: u32 = 8;
 
-/// Noise in all tiles but for their outermost `ring` texels, which are `beyond`, as all around them.
+/// Noise in all tiles but for their outermost `ring` texels, which are `beyond`, as all around
+/// them.
 fn within(plan: &Plan, ring: u32, beyond: u8) -> Picture {
     let random = std::cell::RefCell::new(Random::new(5));
     Picture::new(plan.views.atlas, |x, y| {
@@ -287,7 +292,8 @@ static APART: LazyLock<Vec<Apart>> = LazyLock::new(|| {
     all
 });
 
-/// A picture near seams is that of views without end, to the last bit: what lies beyond the tiles does not matter.
+/// A picture near seams is that of views without end, to the last bit: what lies beyond the tiles
+/// does not matter.
 pub fn filters_read_nothing_beyond_their_tiles(driver: &dyn Driver) {
     for Apart { what, plan, atlases } in APART.iter() {
         let pictures = driver.show_each(plan, false, atlases.as_flattened());

@@ -23,7 +23,8 @@ fn projectors() -> [Projector; 3] {
     [at(0.0, 0.0, 0.1, 0.3), at(0.3, 0.45, 0.15, 0.5), at(-0.2, 0.2, 0.6, 0.15)]
 }
 
-/// What each projector gives to a point before it is shared out, in f64, from the point's place in all pictures.
+/// What each projector gives to a point before it is shared out, in f64, from the point's place in
+/// all pictures.
 fn claims(projectors: &[Projector], point: DVec3) -> Vec<f64> {
     let smooth = |t: f64| t.clamp(0.0, 1.0).powi(2) * (3.0 - 2.0 * t.clamp(0.0, 1.0));
     let claim = |projector: &Projector| {
@@ -45,8 +46,8 @@ fn others(projectors: &[Projector], index: usize) -> Vec<Projector> {
     projectors.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, p)| *p).collect()
 }
 
-/// Where the claims on a point add up to less than this, borders cross with nothing beneath: shares jump
-/// there, and f32 cannot follow them closely. It is a hair's breadth.
+/// Where the claims on a point add up to less than this, borders cross with nothing beneath: shares
+/// jump there, and f32 cannot follow them closely. It is a hair's breadth.
 const MEAGRE: f64 = 0.05;
 
 pub fn shares_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
@@ -185,7 +186,8 @@ pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
 /// Blacks of [`projectors`].
 const BLACKS: [f64; 3] = [0.01, 0.02, 0.015];
 
-/// A pixel's share of the light of its point, and the sum of the blacks there. `None` where borders cross.
+/// A pixel's share of the light of its point, and the sum of the blacks there. `None` where borders
+/// cross.
 type Share = Option<(f64, f64)>;
 
 /// The shares of all pixels of each projector, the same for all drivers.
@@ -207,7 +209,8 @@ static SHARES: LazyLock<[Vec<Share>; 3]> = LazyLock::new(|| {
     })
 });
 
-/// Black and white pictures, weighted as light on displays with a grey black: sums are the same wherever anything is lit.
+/// Black and white pictures, weighted as light on displays with a grey black: sums are the same
+/// wherever anything is lit.
 pub fn blacks_are_evened_out(driver: &dyn Driver) {
     let projectors = projectors();
     let most: f64 = BLACKS.iter().sum();

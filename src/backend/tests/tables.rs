@@ -65,8 +65,8 @@ pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
     }
 }
 
-/// A rig file's outputs, from tables or by formulas of lenses (`None`: as f32 allows), through plan and shader, against the exact map,
-/// pixel by pixel.
+/// A rig file's outputs, from tables or by formulas of lenses (`None`: as f32 allows), through plan
+/// and shader, against the exact map, pixel by pixel.
 fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: Option<bool>) {
     let rig = read(text);
     let plan = planned(&rig, size);
@@ -131,14 +131,15 @@ pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
 }
 
 pub fn a_projector_that_looks_away_makes_no_ghosts(driver: &dyn Driver) {
-    // From outside, and half of the picture looks the other way: the closed form would take the dome for being there.
+    // From outside, and half of the picture looks the other way: the closed form would take the
+    // dome for being there.
     let text = "[dome]\nradius = 1.0\ncoverage = 360.0\n[[output]]\nkind = \"projector\"\n\
                 position = [0.0, 0.0, 1.2]\nyaw = 70.0\nfov = [120.0, 90.0]\n";
     check_rig(driver, text, (320, 240), Some(true));
 }
 
-/// Two overlapping projectors with lenses of their own and grey blacks: what they show is what f64 says, and its sum with
-/// their blacks is the same at any point.
+/// Two overlapping projectors with lenses of their own and grey blacks: what they show is what f64
+/// says, and its sum with their blacks is the same at any point.
 pub fn blacks_are_evened_out_by_tables_too(driver: &dyn Driver) {
     let projector = |name: &str, yaw: f64, contrast: f64| {
         format!(

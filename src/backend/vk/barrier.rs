@@ -41,7 +41,8 @@ impl Use {
     };
 }
 
-/// Records a barrier for the first `layers` layers of an image's first level; none for a null image.
+/// Records a barrier for the first `layers` layers of an image's first level; none for a null
+/// image.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside a render pass, and the image is live.

@@ -10,7 +10,8 @@ use ash::vk;
 /// Data of so many bytes is a header without anything behind.
 const HEADER: usize = 32;
 
-/// A pipeline by `make`, which is told where the driver finds what it made of the same shaders before, and leaves what it makes.
+/// A pipeline by `make`, which is told where the driver finds what it made of the same shaders
+/// before, and leaves what it makes.
 ///
 /// # Errors
 /// Those of `make`.
@@ -35,7 +36,8 @@ pub(super) fn pipeline(
     made.map(|(pipeline, _)| pipeline)
 }
 
-/// Runs `body` with a cache of the driver's that knows `data`, or with none where it refuses one; drivers ignore data of others.
+/// Runs `body` with a cache of the driver's that knows `data`, or with none where it refuses one;
+/// drivers ignore data of others.
 fn with<T>(api: &Api, data: &[u8], body: impl FnOnce(vk::PipelineCache) -> Result<T>) -> Result<T> {
     let info = vk::PipelineCacheCreateInfo::default().initial_data(data);
     // SAFETY: the device is live; the structure is complete.

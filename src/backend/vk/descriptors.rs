@@ -1,4 +1,5 @@
-//! Which images the shaders of a plan read: a descriptor set for each draw, each set of pictures and each filter.
+//! Which images the shaders of a plan read: a descriptor set for each draw, each set of pictures
+//! and each filter.
 
 use super::images::SourceImage;
 use super::program::{Common, picture_bindings};
@@ -35,7 +36,8 @@ pub(super) struct Descriptors {
 }
 
 impl Descriptors {
-    /// For draws that read `reads` out of `images`, which are `sizes.len()` for each set of pictures.
+    /// For draws that read `reads` out of `images`, which are `sizes.len()` for each set of
+    /// pictures.
     pub fn new(
         api: &Api,
         common: &Common,
@@ -60,7 +62,8 @@ impl Descriptors {
         let kinds = [of(vk::DescriptorType::SAMPLED_IMAGE, pictures + 3), of(vk::DescriptorType::SAMPLER, 2)];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&kinds);
         let layouts = vec![common.set_layout; count as usize];
-        // SAFETY: the device is live; the structures are complete; the pool is destroyed if its sets cannot be had.
+        // SAFETY: the device is live; the structures are complete; the pool is destroyed if its
+        // sets cannot be had.
         let (pool, sets) = unsafe {
             let pool = api.device.create_descriptor_pool(&info, None).map_err(refused("descriptors"))?;
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);

@@ -8,14 +8,15 @@ use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use ash::vk::Handle;
 
-/// An image that holds views: the plan's atlas, whose first row is the top one (a tile's first row is
-/// `atlas height − y − height`), or what [`Arrangement`](crate::correct::Arrangement) has in its place. Its values are
-/// encoded, as a display takes them.
+/// An image that holds views: the plan's atlas, whose first row is the top one (a tile's first row
+/// is `atlas height − y − height`), or what [`Arrangement`](crate::correct::Arrangement) has in its
+/// place. Its values are encoded, as a display takes them.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceImage {
     /// The image; null: no barrier is recorded, and it can be read in `layout` as it is.
     pub image: vk::Image,
-    /// A view of its first level, 2D, of its first layer; of layers a 2D array, of the first and as many as there are views.
+    /// A view of its first level, 2D, of its first layer; of layers a 2D array, of the first and as
+    /// many as there are views.
     pub view: vk::ImageView,
     /// The view's format: normalised or floating numbers, filtered, not sRGB.
     pub format: vk::Format,
@@ -40,7 +41,8 @@ pub struct TargetImage {
     pub format: vk::Format,
     /// Width and height in pixels.
     pub extent: (u32, u32),
-    /// The layout in which it is found. `UNDEFINED`: what was in it is lost, and black where no output is.
+    /// The layout in which it is found. `UNDEFINED`: what was in it is lost, and black where no
+    /// output is.
     pub initial_layout: vk::ImageLayout,
     /// The layout in which it is left.
     pub final_layout: vk::ImageLayout,
@@ -209,7 +211,8 @@ fn wrong(message: String) -> Error {
     Error::new(ErrorKind::InvalidArgument, message)
 }
 
-/// Records the copy of an image of `size`, in `TRANSFER_SRC_OPTIMAL`, into a buffer that the processor reads after it.
+/// Records the copy of an image of `size`, in `TRANSFER_SRC_OPTIMAL`, into a buffer that the
+/// processor reads after it.
 pub(super) fn copy_to(
     api: &Api,
     command_buffer: vk::CommandBuffer,
@@ -233,7 +236,8 @@ pub(super) fn copy_to(
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)];
     let (copy, host) = (vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::HOST);
     let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-    // SAFETY: the command buffer is being recorded; image and buffer are live, and the buffer is large enough.
+    // SAFETY: the command buffer is being recorded; image and buffer are live, and the buffer is
+    // large enough.
     unsafe {
         api.device.cmd_copy_image_to_buffer(command_buffer, image, layout, buffer.handle, &[region]);
         api.device.cmd_pipeline_barrier(command_buffer, copy, host, vk::DependencyFlags::empty(), &[], &written, &[]);

@@ -1,4 +1,5 @@
-//! The map that the shaders compute, read back: the very programs that correct, with another last stage.
+//! The map that the shaders compute, read back: the very programs that correct, with another last
+//! stage.
 
 use super::barrier::{Use, barrier};
 use super::images::{SourceImage, TargetImage};
@@ -14,13 +15,13 @@ use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Runs the map of output `output` of `plan` on `headless`. Row 0 is at the top. The direction is that of
-/// the atlas coordinates as the sampler gets them, so the error of every f32 operation up to there is in it;
-/// only the way back from the atlas is computed in f64.
+/// Runs the map of output `output` of `plan` on `headless`. Row 0 is at the top. The direction is
+/// that of the atlas coordinates as the sampler gets them, so the error of every f32 operation up
+/// to there is in it; only the way back from the atlas is computed in f64.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidArgument`] where the plan has no such output; [`ErrorKind::Graphics`] where the
-/// device cannot draw to 32-bit floats, or refuses a shader or the size.
+/// [`ErrorKind::InvalidArgument`] where the plan has no such output; [`ErrorKind::Graphics`] where
+/// the device cannot draw to 32-bit floats, or refuses a shader or the size.
 pub fn gpu_map(headless: &Headless, plan: &Plan, output: usize) -> Result<Vec<MapPixel>> {
     let Some(pass) = plan.passes.get(output) else {
         let message = format!("There is no output {output}; the plan has {}.", plan.passes.len());
@@ -83,7 +84,8 @@ fn draw(
     *buffer = Buffer::new(api, bytes.len(), vk::BufferUsageFlags::TRANSFER_DST)?;
     headless.run(|commands| {
         let general = vk::ImageLayout::GENERAL;
-        // SAFETY: the command buffer is being recorded, outside a render pass; both images are live.
+        // SAFETY: the command buffer is being recorded, outside a render pass; both images are
+        // live.
         unsafe {
             let (before, after) = (Use::nothing(vk::ImageLayout::UNDEFINED), Use::sampled(general));
             barrier(&api.device, commands, (source.handle, 1), before, after);

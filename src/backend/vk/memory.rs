@@ -1,5 +1,5 @@
-//! Buffers and images of ours. Each has an allocation of its own: there are two and one for each mask
-//! and table, far from any limit of their number.
+//! Buffers and images of ours. Each has an allocation of its own: there are two and one for each
+//! mask and table, far from any limit of their number.
 
 use super::barrier::COLOR;
 use crate::backend::vk::driver::api::{Api, refused};
@@ -32,7 +32,8 @@ impl Buffer {
 
     fn make(&mut self, api: &Api, size: u64, usage: vk::BufferUsageFlags) -> Result<()> {
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
-        // SAFETY: the device is live; the structure is complete; the memory fits the buffer's requirements.
+        // SAFETY: the device is live; the structure is complete; the memory fits the buffer's
+        // requirements.
         unsafe {
             self.handle = api.device.create_buffer(&info, None).map_err(refused("a buffer"))?;
             let needs = api.device.get_buffer_memory_requirements(self.handle);
@@ -47,7 +48,8 @@ impl Buffer {
         if bytes.is_empty() {
             return Ok(());
         }
-        // SAFETY: the memory is ours, host-visible, not mapped, and as large as the caller promises.
+        // SAFETY: the memory is ours, host-visible, not mapped, and as large as the caller
+        // promises.
         unsafe {
             let flags = vk::MemoryMapFlags::empty();
             let place = api.device.map_memory(self.memory, offset as u64, bytes.len() as u64, flags);
@@ -126,7 +128,8 @@ impl Image {
             .array_layers(layers.unwrap_or(1))
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage);
-        // SAFETY: the device is live; the structures are complete; the memory fits the image's requirements.
+        // SAFETY: the device is live; the structures are complete; the memory fits the image's
+        // requirements.
         unsafe {
             self.handle = api.device.create_image(&info, None).map_err(refused("an image"))?;
             let needs = api.device.get_image_memory_requirements(self.handle);
@@ -154,7 +157,8 @@ impl Image {
     }
 }
 
-/// Memory for `needs` with all of `wanted`; in the device's own memory where nothing is wanted and it has some.
+/// Memory for `needs` with all of `wanted`; in the device's own memory where nothing is wanted and
+/// it has some.
 fn allocate(api: &Api, needs: &vk::MemoryRequirements, wanted: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {
     let find = |flags: vk::MemoryPropertyFlags| {
         let types = api.memory.memory_types.iter().take(api.memory.memory_type_count as usize);

@@ -1,7 +1,7 @@
 //! Vulkan.
 //!
-//! Only functions of Vulkan 1.0 are called and no feature or extension has to be enabled: the device is
-//! the program's, which may have enabled little.
+//! Only functions of Vulkan 1.0 are called and no feature or extension has to be enabled: the
+//! device is the program's, which may have enabled little.
 
 mod barrier;
 mod binaries;

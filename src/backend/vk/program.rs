@@ -1,4 +1,5 @@
-//! The fixed objects of the correction: render passes, layouts, samplers, and a pipeline per shader.
+//! The fixed objects of the correction: render passes, layouts, samplers, and a pipeline per
+//! shader.
 
 use super::binaries;
 use crate::backend::vk::driver::api::{Api, refused};
@@ -152,7 +153,8 @@ impl Common {
             .dynamic_state(&dynamic)
             .layout(self.layout)
             .render_pass(self.render_passes[0]);
-        // SAFETY: the device is live; everything that the structure names is ours and lives during the call.
+        // SAFETY: the device is live; everything that the structure names is ours and lives during
+        // the call.
         let made = unsafe { api.device.create_graphics_pipelines(cache, &[info], None) };
         made.map(|pipelines| pipelines[0]).map_err(|(_, result)| refused("a pipeline of the correction")(result))
     }

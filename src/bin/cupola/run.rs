@@ -72,8 +72,8 @@ pub struct Options {
     /// position=0,-0.5,1,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     viewer: Option<String>,
-    /// The window already shows a projected picture: domemaster, equirectangular, cylindrical, cubemap
-    /// or flat, for example domemaster,aperture=180
+    /// The window already shows a projected picture: domemaster, equirectangular, cylindrical,
+    /// cubemap or flat, for example domemaster,aperture=180
     #[arg(long, value_name = "KIND[,KEY=VALUE,…]", allow_hyphen_values = true)]
     pub content: Option<String>,
     /// Correction method of the outputs: fragment, table, mesh, cube-mesh, vertex or primitive, for
@@ -83,8 +83,8 @@ pub struct Options {
     /// Use the resolution of each output for captures, independent of the window size
     #[arg(long)]
     offscreen: bool,
-    /// Publish the finished pictures of each frame to other programs, in shared memory [default file: /dev/shm/cupola-USER,
-    /// with the number of the user]
+    /// Publish the finished pictures of each frame to other programs, in shared memory [default
+    /// file: /dev/shm/cupola-USER, with the number of the user]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     publish: Option<PathBuf>,
     /// Publish a domemaster of N × N pixels that is drawn beside the window

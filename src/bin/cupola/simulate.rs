@@ -19,7 +19,8 @@ pub struct Arguments {
     /// writes them
     #[arg(long, value_name = "DIR", required_unless_present = "white")]
     captures: Option<PathBuf>,
-    /// Use white pictures, dimmed by the blend weights and masks of each output, instead of captures
+    /// Use white pictures, dimmed by the blend weights and masks of each output, instead of
+    /// captures
     #[arg(long, conflicts_with = "captures")]
     white: bool,
     /// Picture to write: a fisheye of the dome as the viewer sees it

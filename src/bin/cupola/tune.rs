@@ -43,7 +43,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes a file in place of the one of this name: readers see the old content or the new content, but no partial content.
+/// Writes a file in place of the one of this name: readers see the old content or the new content,
+/// but no partial content.
 pub fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}", std::process::id()));

@@ -152,8 +152,8 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
 }
 
 impl Footprints {
-    /// A rectangle of the output outside of which no pixel samples the texels that are `touched` of the views (by their numbers; of
-    /// those beyond the list everything is).
+    /// A rectangle of the output outside of which no pixel samples the texels that are `touched` of
+    /// the views (by their numbers; of those beyond the list everything is).
     pub fn sampling(&self, touched: &[TexelSpan]) -> LowerLeftRect {
         let (mut low, mut high) = ([CELLS; 2], [0; 2]);
         for part in &self.parts {

@@ -76,8 +76,8 @@ impl Sheet {
                 break;
             }
             let at = corner.truncate() / -corner.z;
-            // The tangent grows by less than this over the departure, since it lies within the patch's
-            // own size.
+            // The tangent grows by less than this over the departure, since it lies within the
+            // patch's own size.
             let slack = 2.0 * departure * (1.0 + at.length_squared());
             (low, high) = (low.min(at - slack), high.max(at + slack));
         }

@@ -31,10 +31,10 @@ const DEEPEST: usize = 14;
 /// Steps of a run at most: far beyond what its vertices suffice for.
 const STEPS: usize = 8192;
 
-/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program) must
-/// be cut, because a straight line would be too far from the curve. Ends are put into an order first, so that both triangles of an edge come to the
-/// same result to the bit. What is no number is not cut: drivers run the stage for primitives that
-/// are none, too.
+/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program)
+/// must be cut, because a straight line would be too far from the curve. Ends are put into an order
+/// first, so that both triangles of an edge come to the same result to the bit. What is no number
+/// is not cut: drivers run the stage for primitives that are none, too.
 const CUTS: &str = "vec3 cupola_seen(vec4 c) {
 float q = c.z + cupola_view[3].x * c.w;
 vec4 p = vec4(c.xyw, q);

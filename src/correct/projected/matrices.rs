@@ -50,8 +50,8 @@ impl ReprojectionMatrix {
         Self { x: single::values(rows.x), y: single::values(rows.y), w: single::values(rows.w), depth }
     }
 
-    /// Returns the linear part as one 4×4 matrix (column-major), of the numbers as they were rounded: what
-    /// [`ClipRows::matrix`] returns.
+    /// Returns the linear part as one 4×4 matrix (column-major), of the numbers as they were
+    /// rounded: what [`ClipRows::matrix`] returns.
     pub fn matrix(&self) -> [f64; 16] {
         let double = |row: [f32; 4]| row.map(f64::from);
         let DepthTerms { pole, factor, offset, to_lens } = self.depth;

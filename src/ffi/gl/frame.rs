@@ -39,8 +39,8 @@ pub unsafe extern "C" fn cupola_gl_begin_frame(gl: *mut cupola_gl) -> cupola_sta
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or there is no such view.
-/// - `CUPOLA_INVALID_STATE`: no frame has begun, a view has begun and not ended, or the context is not
-///   current.
+/// - `CUPOLA_INVALID_STATE`: no frame has begun, a view has begun and not ended, or the context is
+///   not current.
 ///
 /// # Threads
 /// Context current.
@@ -84,7 +84,8 @@ pub unsafe extern "C" fn cupola_gl_end_view(gl: *mut cupola_gl) -> cupola_status
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or the context has no such framebuffer, or it is not
 ///   complete. The frame has not ended then.
-/// - `CUPOLA_INVALID_STATE`: no frame has begun, a view has not ended, or the context is not current.
+/// - `CUPOLA_INVALID_STATE`: no frame has begun, a view has not ended, or the context is not
+///   current.
 ///
 /// # Threads
 /// Context current.
@@ -117,8 +118,8 @@ fn end(gl: &mut cupola_gl, framebuffer: u32, x: i32, y: i32) -> Result<()> {
 /// - `framebuffer`, `x`, `y`: as for `cupola_gl_end_frame`.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, the planes are wrong, or the context has no such
-///   framebuffer. `draw` was not called.
+/// - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, the planes are wrong, or the context has no
+///   such framebuffer. `draw` was not called.
 /// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 ///
 /// # Threads

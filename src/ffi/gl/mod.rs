@@ -270,9 +270,9 @@ pub unsafe extern "C" fn cupola_gl_get_statistics(
 /// - `gl`: the object, or null, which does nothing.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_STATE`: called in `draw` of `cupola_gl_draw_frame`; the object lives on. Or its
-///   context is not current; the object is destroyed, and what it made on the context is left to
-///   the end of the context.
+/// - `CUPOLA_INVALID_STATE`: called in `draw` of `cupola_gl_draw_frame`; the object lives on. Or
+///   its context is not current; the object is destroyed, and what it made on the context is left
+///   to the end of the context.
 ///
 /// # Threads
 /// Context current.

@@ -29,7 +29,8 @@ fn with_rig(name: &CStr, work: impl FnOnce(*mut cupola_gl)) {
         width: SIZE.0,
         height: SIZE.1,
     };
-    // SAFETY: live arguments, as the functions' contracts ask for; the null driver is current everywhere.
+    // SAFETY: live arguments, as the functions' contracts ask for; the null driver is current
+    // everywhere.
     unsafe {
         assert_eq!(cupola_rig_load(name.as_ptr(), &mut rig), cupola_status::CUPOLA_OK);
         assert_eq!(cupola_gl_create(rig, &options, &mut gl), cupola_status::CUPOLA_OK);

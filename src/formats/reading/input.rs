@@ -26,8 +26,8 @@ pub struct Noted<T> {
 /// Reads a whole file of at most [`LONGEST_FILE`] bytes.
 ///
 /// # Errors
-/// [`ErrorKind::Io`] if it cannot be read, [`ErrorKind::InvalidRig`] if it is longer, or no file: what another program
-/// writes to has no end, or never begins.
+/// [`ErrorKind::Io`] if it cannot be read, [`ErrorKind::InvalidRig`] if it is longer, or no file:
+/// what another program writes to has no end, or never begins.
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {
     read_at_most(path, LONGEST_FILE)
 }

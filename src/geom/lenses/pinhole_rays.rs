@@ -56,9 +56,9 @@ impl PinholeRays {
     }
 
     /// Whether no pixel (x and y in −1…1) has the surface behind it: the condition under which the
-    /// forms have no ghosts, but for those of double cones, which [`crate::geom::screen::Bounds`] tell.
-    /// True for every pinhole inside; for one outside, or before a plane, whose whole picture looks
-    /// towards the surface.
+    /// forms have no ghosts, but for those of double cones, which [`crate::geom::screen::Bounds`]
+    /// tell. True for every pinhole inside; for one outside, or before a plane, whose whole picture
+    /// looks towards the surface.
     pub fn looks_at_it(&self) -> bool {
         let towards = |ray: DVec3| match &self.surface {
             ClosedSurface::Quadric(quadric) => quadric.is_convex() && quadric.product(self.origin, ray) < 0.0,

@@ -1,16 +1,18 @@
 //! Matrices of a program that are functions of its camera, and what they are for a view.
 //!
-//! A shader that computes places from pixels, or pixels from places, holds such a matrix beside the one that makes its
-//! position: the projection, its inverse, either with a view matrix, of this frame or of the last, to or from
-//! normalised device coordinates or those of a texture. In a view, clip coordinates are those of the program times the
-//! view's reprojection R. So a matrix M to clip coordinates is R·M there, one from clip coordinates M·R⁻¹; eye
-//! coordinates and all that is farther from the clip coordinates stay those of the program.
+//! A shader that computes places from pixels, or pixels from places, holds such a matrix beside the
+//! one that makes its position: the projection, its inverse, either with a view matrix, of this
+//! frame or of the last, to or from normalised device coordinates or those of a texture. In a view,
+//! clip coordinates are those of the program times the view's reprojection R. So a matrix M to clip
+//! coordinates is R·M there, one from clip coordinates M·R⁻¹; eye coordinates and all that is
+//! farther from the clip coordinates stay those of the program.
 
 use super::Intrinsics;
 use glam::{DMat4, DVec4};
 
-/// Greatest relative deviation from a similarity that rounding explains: what is tested comes from a product or an inverse
-/// that the program formed in f32. Lenses whose openings differ by this much are told apart.
+/// Greatest relative deviation from a similarity that rounding explains: what is tested comes from
+/// a product or an inverse that the program formed in f32. Lenses whose openings differ by this
+/// much are told apart.
 const TOLERANCE: f64 = 1e-3;
 
 /// A matrix whose determinant is this small beside its numbers has no inverse.
@@ -63,11 +65,13 @@ impl Coordinates {
 }
 
 impl CameraFunction {
-    /// How `matrix` (column-major) depends on the camera with this lens; `None`: not at all, as far as its numbers tell.
+    /// How `matrix` (column-major) depends on the camera with this lens; `None`: not at all, as far
+    /// as its numbers tell.
     pub fn of(matrix: &[f64; 16], lens: &Intrinsics) -> Option<Self> {
         let mut best: Option<(Self, f64)> = None;
         for function in Self::all() {
-            // Where near and far are far apart, coordinates of a texture differ little from each other in z.
+            // Where near and far are far apart, coordinates of a texture differ little from each
+            // other in z.
             let deviation = function.deviation(matrix, lens).unwrap_or(f64::INFINITY);
             if deviation < best.map_or(TOLERANCE, |(_, least)| least) {
                 best = Some((function, deviation));
@@ -88,8 +92,9 @@ impl CameraFunction {
         }
     }
 
-    /// The lens of which `matrix` is the inverse of a projection, alone or times a similarity. Its F is not told. `None` for
-    /// lenses whose E is 0, too (reversed depth without a far plane): their inverses are projections like them.
+    /// The lens of which `matrix` is the inverse of a projection, alone or times a similarity. Its
+    /// F is not told. `None` for lenses whose E is 0, too (reversed depth without a far plane):
+    /// their inverses are projections like them.
     pub fn of_inverse(matrix: &[f64; 16]) -> Option<(Self, Intrinsics)> {
         let mut best: Option<(Self, Intrinsics)> = None;
         for transposed in [false, true] {
@@ -97,7 +102,8 @@ impl CameraFunction {
                 let function = Self { direction: Direction::FromClip, coordinates, transposed };
                 let Some(rows) = function.to_clip(matrix).map(Rows::of) else { continue };
                 let Some(lens) = rows.lens().filter(|lens| lens.e.abs() > TOLERANCE) else { continue };
-                // Of coordinates of a texture the middle is at a half, which as a lens would be far beside its axis.
+                // Of coordinates of a texture the middle is at a half, which as a lens would be far
+                // beside its axis.
                 let beside = |lens: &Intrinsics| lens.b.abs() + lens.d.abs();
                 let better = best.is_none_or(|(_, known)| beside(&lens) < beside(&known));
                 if better && rows.deviation(&lens) < TOLERANCE {
@@ -316,7 +322,8 @@ mod tests {
         }
     }
 
-    /// What a view's matrices make of a point of the scene are the view's pixel, and of the pixel the point.
+    /// What a view's matrices make of a point of the scene are the view's pixel, and of the pixel
+    /// the point.
     #[test]
     fn a_view_s_matrices_lead_to_its_pixels_and_back() {
         let p = projection(0.1, 100.0);

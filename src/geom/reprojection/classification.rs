@@ -23,8 +23,8 @@ const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 /// the eye; a mirrored (negative determinant), upside-down or left-handed (`w = +z`) program has
 /// the mirror in its eye axes then, and re-projected directions still agree with its own picture.
 ///
-/// `Stretched`: a model with non-uniform scale or skew. Where this is along the camera's own axes it cannot be told
-/// from another lens, whose E and F are right.
+/// `Stretched`: a model with non-uniform scale or skew. Where this is along the camera's own axes
+/// it cannot be told from another lens, whose E and F are right.
 ///
 /// `Other`: non-finite entries, singular, or a depth row that is not parallel to the w row (oblique
 /// near plane).
@@ -60,8 +60,8 @@ fn projection(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
     Some(Intrinsics { a: a.abs(), b: b * -w, c: c.abs(), d: d * -w, e: e * -w, f: Some(f) })
 }
 
-/// A projection times an affine matrix, by the RQ decomposition of the 3×3 parts of the rows x, y and
-/// w.
+/// A projection times an affine matrix, by the RQ decomposition of the 3×3 parts of the rows x, y
+/// and w.
 fn product(m: &[[f64; 4]; 4]) -> MatrixClass {
     let [x, y, z, w] = m.map(|row| DVec3::new(row[0], row[1], row[2]));
     let scale = w.length();

@@ -1,9 +1,10 @@
-//! Eye coordinates of a view, for shaders that use what they are: the axis of the eye is their z axis.
+//! Eye coordinates of a view, for shaders that use what they are: the axis of the eye is their z
+//! axis.
 //!
-//! A shader that makes a direction from a pixel often takes the inverse of the projection, sets z to −1, and turns the
-//! direction by the inverse of the view matrix. For it, the eye of a view looks along the view's axis: with T, which
-//! turns the program's eye coordinates to those of the view, the projection is R·P·T⁻¹, which is a bare one, and the view
-//! matrix T·V.
+//! A shader that makes a direction from a pixel often takes the inverse of the projection, sets z
+//! to −1, and turns the direction by the inverse of the view matrix. For it, the eye of a view
+//! looks along the view's axis: with T, which turns the program's eye coordinates to those of the
+//! view, the projection is R·P·T⁻¹, which is a bare one, and the view matrix T·V.
 
 use super::Intrinsics;
 use super::camera_function::{CameraFunction, Direction, inverse};
@@ -21,8 +22,8 @@ pub enum ViewMatrix {
     FromEye,
 }
 
-/// The turn from the program's eye coordinates to those of a view with the reprojection `view`; `None` where the view has no
-/// axis.
+/// The turn from the program's eye coordinates to those of a view with the reprojection `view`;
+/// `None` where the view has no axis.
 pub fn turn(view: &[f64; 16], lens: &Intrinsics) -> Option<DMat4> {
     // F only scales clip coordinates that directions have not.
     turn_of_rows(DMat4::from_cols_array(view) * lens.projection(lens.f.unwrap_or(-1.0)))
@@ -115,7 +116,8 @@ mod tests {
 
     const LENS: Intrinsics = Intrinsics { a: 1.5, b: 0.0, c: 2.0, d: 0.0, e: -1.02, f: Some(-0.2) };
 
-    /// The projection of a turned view is a bare one, and both matrices together lead where the view's pixels look.
+    /// The projection of a turned view is a bare one, and both matrices together lead where the
+    /// view's pixels look.
     #[test]
     fn a_turned_eye_sees_the_same_directions() {
         let frustum = Frustum { left: -0.9, right: 0.7, bottom: -1.0, top: 0.6 };

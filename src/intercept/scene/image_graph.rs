@@ -76,8 +76,8 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         images
     }
 
-    /// Those of [`between`](Self::between) of which nothing is made that does not belong to them: an
-    /// image of which something else is made takes with it the images that it is made of.
+    /// Those of [`between`](Self::between) of which nothing is made that does not belong to them:
+    /// an image of which something else is made takes with it the images that it is made of.
     pub fn followed(&self, always: bool) -> HashSet<Id> {
         let mut images = self.reached();
         loop {

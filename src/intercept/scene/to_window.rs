@@ -18,7 +18,8 @@ impl From<LowerLeftRect> for Area {
     }
 }
 
-/// Window coordinates of a fragment in the program's window: those of the driver less `offset`, times `scale`.
+/// Window coordinates of a fragment in the program's window: those of the driver less `offset`,
+/// times `scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToWindow {
     offset: [f32; 2],
@@ -36,13 +37,14 @@ impl Default for ToWindow {
 }
 
 impl ToWindow {
-    /// For a `tile` that shows what the program draws in its own window space. `drawn_height`: of the framebuffer.
+    /// For a `tile` that shows what the program draws in its own window space. `drawn_height`: of
+    /// the framebuffer.
     pub fn of_tile(tile: Area, drawn_height: i32) -> Self {
         Self { offset: tile.origin, scale: [1.0; 2], height: tile.size[1], drawn_height: drawn_height as f32 }
     }
 
-    /// For the `tile` of a view, which shows what the program draws in its `viewport`. The heights are those of the program's
-    /// window and of the framebuffer.
+    /// For the `tile` of a view, which shows what the program draws in its `viewport`. The heights
+    /// are those of the program's window and of the framebuffer.
     pub fn of_view(tile: Area, viewport: Area, height: i32, drawn_height: i32) -> Self {
         let scale: [f64; 2] = std::array::from_fn(|i| {
             let (length, shown) = (f64::from(viewport.size[i]), f64::from(tile.size[i]));

@@ -1,7 +1,7 @@
 //! The rig: what stands where, in radians and metres.
 //!
-//! The parts are files of their own; `camera`, `viewer`, `method` and `content` can also be written on a
-//! command line, and are read from there.
+//! The parts are files of their own; `camera`, `viewer`, `method` and `content` can also be written
+//! on a command line, and are read from there.
 
 pub mod black;
 pub mod blend;
@@ -46,7 +46,8 @@ pub struct Rig {
     pub overlay: Overlay,
     /// The outputs that the window shows.
     pub outputs: Vec<Output>,
-    /// Outputs that have no place in the window: they are drawn for those who read published frames. Each has a `size`.
+    /// Outputs that have no place in the window: they are drawn for those who read published
+    /// frames. Each has a `size`.
     pub beside: Vec<Output>,
 }
 
@@ -66,15 +67,16 @@ impl Rig {
         !self.beside.is_empty() || self.outputs.iter().any(|output| output.publish)
     }
 
-    /// The outputs whose pictures are published if some are, by their place in [`Rig::outputs`]: all where none is chosen.
-    /// Those beside the window follow them.
+    /// The outputs whose pictures are published if some are, by their place in [`Rig::outputs`]:
+    /// all where none is chosen. Those beside the window follow them.
     pub fn published_outputs(&self) -> impl Iterator<Item = usize> + '_ {
         let all = !self.publishes();
         self.outputs.iter().enumerate().filter(move |(_, output)| all || output.publish).map(|(index, _)| index)
     }
 
-    /// The same rig with one more output beside the window: a domemaster of `side` × `side` pixels, which shows what the
-    /// dome covers. Its name is `domemaster`, with a number where an output has that name.
+    /// The same rig with one more output beside the window: a domemaster of `side` × `side` pixels,
+    /// which shows what the dome covers. Its name is `domemaster`, with a number where an output
+    /// has that name.
     pub fn with_domemaster(mut self, side: u32) -> Self {
         let is_taken = |name: &str| self.outputs.iter().chain(&self.beside).any(|output| output.name == name);
         let names = std::iter::once("domemaster".to_owned()).chain((2..).map(|number| format!("domemaster-{number}")));
@@ -190,7 +192,8 @@ pub struct Output {
     pub eye: f64,
     /// Mirroring of the finished picture; everything else refers to the picture before it.
     pub flip: Flip,
-    /// Its finished pictures are published. Where no output says so, all are, if publishing is asked for.
+    /// Its finished pictures are published. Where no output says so, all are, if publishing is
+    /// asked for.
     #[serde(skip)]
     pub publish: bool,
     /// It has a place in the window.

@@ -32,8 +32,8 @@ pub struct Views {
     pub cells: Vec<DVec3>,
     /// Which pictures that a program draws off screen are drawn once per view.
     pub duplicate: Duplicate,
-    /// Frames that a program draws of a view before the one that counts, where the views are drawn in turn: what it mixes with
-    /// earlier frames is then that view's. 0…60.
+    /// Frames that a program draws of a view before the one that counts, where the views are drawn
+    /// in turn: what it mixes with earlier frames is then that view's. 0…60.
     pub warm_up: usize,
 }
 
@@ -71,7 +71,8 @@ pub enum Duplicate {
     Never,
     /// All that perspective draws reach, whatever their shape and use.
     Always,
-    /// None: each frame of the program draws one view, in the program's own images, until all are complete.
+    /// None: each frame of the program draws one view, in the program's own images, until all are
+    /// complete.
     InTurn,
 }
 

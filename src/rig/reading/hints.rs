@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// The message `why` about `span` of `text`, with its column, and with what would be right where that
-/// can be told.
+/// The message `why` about `span` of `text`, with its column, and with what would be right where
+/// that can be told.
 pub(in crate::rig) fn with_hint(text: &str, span: Option<Range<usize>>, why: String) -> String {
     let Some(start) = span.map(|span| span.start.min(text.len())).filter(|start| text.is_char_boundary(*start)) else {
         return why;

@@ -1,5 +1,5 @@
-//! The embedded form on Vulkan: the program draws the views into images, and has their correction recorded into its
-//! own command buffers.
+//! The embedded form on Vulkan: the program draws the views into images, and has their correction
+//! recorded into its own command buffers.
 
 use super::{Planner, check_planes, check_request, joined, log_plan, no_view, projection, rotation, vectors_of_view};
 use crate::backend::vk::ash::vk;
@@ -20,7 +20,8 @@ pub struct VulkanOptions {
     pub size: (u32, u32),
     /// Family of the queues that the command buffers are for.
     pub queue_family: u32,
-    /// How many frames may be on their way at the same time, 1…[`MOST_FRAMES`]: each has images of its own.
+    /// How many frames may be on their way at the same time, 1…[`MOST_FRAMES`]: each has images of
+    /// its own.
     pub frames: usize,
     /// Format of the images that are corrected into.
     pub target_format: vk::Format,
@@ -51,9 +52,10 @@ pub struct VulkanView {
 
 /// A rig at work on a program's Vulkan device.
 ///
-/// Nothing is submitted, and no queue is used: what has to be done is recorded into the program's command buffers. All
-/// methods but [`EmbeddedVulkan::record`] and those that only tell something need that no command buffer is pending that
-/// was recorded with it. Dropping it destroys nothing: [`EmbeddedVulkan::destroy`] does.
+/// Nothing is submitted, and no queue is used: what has to be done is recorded into the program's
+/// command buffers. All methods but [`EmbeddedVulkan::record`] and those that only tell something
+/// need that no command buffer is pending that was recorded with it. Dropping it destroys nothing:
+/// [`EmbeddedVulkan::destroy`] does.
 pub struct EmbeddedVulkan {
     api: Api,
     rig: Rig,
@@ -71,14 +73,15 @@ impl EmbeddedVulkan {
     /// Plans `rig` and makes everything that does not depend on images of the program.
     ///
     /// # Errors
-    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a number that is out of range, a queue
-    /// family that cannot draw, or a rig that corrects nothing.
+    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a number that is out
+    /// of range, a queue family that cannot draw, or a rig that corrects nothing.
     pub fn new(api: Api, rig: &Rig, options: VulkanOptions) -> Result<Self> {
         Self::planned(api, rig, options, Session::new)
     }
 
-    /// The same for a program whose shaders project vertices by [`EmbeddedVulkan::projection`]: outputs with the methods
-    /// `vertex` and `primitive` have a view that is their own picture. Primitives are not divided.
+    /// The same for a program whose shaders project vertices by [`EmbeddedVulkan::projection`]:
+    /// outputs with the methods `vertex` and `primitive` have a view that is their own picture.
+    /// Primitives are not divided.
     ///
     /// # Errors
     /// As for [`EmbeddedVulkan::new`].
@@ -119,9 +122,9 @@ impl EmbeddedVulkan {
         Ok(())
     }
 
-    /// Plans anew for pictures of another size. Sources and targets of the program are forgotten, images of ours made
-    /// anew. If the planner refuses, everything stays; if the driver does, only [`EmbeddedVulkan::resize`] and
-    /// [`EmbeddedVulkan::destroy`] are left to do.
+    /// Plans anew for pictures of another size. Sources and targets of the program are forgotten,
+    /// images of ours made anew. If the planner refuses, everything stays; if the driver does, only
+    /// [`EmbeddedVulkan::resize`] and [`EmbeddedVulkan::destroy`] are left to do.
     ///
     /// # Errors
     /// As for [`EmbeddedVulkan::new`].
@@ -140,10 +143,12 @@ impl EmbeddedVulkan {
         self.plan.views.views.len()
     }
 
-    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be infinite).
+    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be
+    /// infinite).
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no planes.
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no
+    /// planes.
     pub fn view(&self, index: usize, near: f64, far: f64) -> Result<VulkanView> {
         let view = self.plan.views.views.get(index).ok_or_else(|| no_view(index, self.view_count()))?;
         check_planes(near, far)?;
@@ -160,11 +165,13 @@ impl EmbeddedVulkan {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of [`correct::projected::projection`](crate::correct::projected::projection), if the
-    /// program draws with the perspective `matrix` (column by column) of Vulkan's clip space, with y down.
+    /// What `cupola_view` holds for a view in the functions of
+    /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
+    /// draws with the perspective `matrix` (column by column) of Vulkan's clip space, with y down.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no perspective.
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no
+    /// perspective.
     pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
         let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
         Ok(joined(&rows.y_down(), &lens.y_down()))
@@ -186,11 +193,12 @@ impl EmbeddedVulkan {
         all.chunks_exact((all.len() / self.options.frames).max(1)).nth(frame).unwrap_or(&[])
     }
 
-    /// Says which images the program draws views into, [`EmbeddedVulkan::image_sizes`] for each frame. Images of ours
-    /// are destroyed.
+    /// Says which images the program draws views into, [`EmbeddedVulkan::image_sizes`] for each
+    /// frame. Images of ours are destroyed.
     ///
     /// # Errors
-    /// Those of [`VkBackend::set_sources`]; [`ErrorKind::InvalidArgument`] where they are not for all frames.
+    /// Those of [`VkBackend::set_sources`]; [`ErrorKind::InvalidArgument`] where they are not for
+    /// all frames.
     pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
         let needed = self.image_sizes().len() * self.options.frames;
         if images.len() != needed {
@@ -212,9 +220,9 @@ impl EmbeddedVulkan {
         self.backend.set_targets(images)
     }
 
-    /// Records the correction of frame `frame`'s images into target `target`, the picture's left upper corner at
-    /// `place` (pixels from the target's left upper corner; what lies outside is cut off). Makes no object of Vulkan
-    /// and allocates none of its memory.
+    /// Records the correction of frame `frame`'s images into target `target`, the picture's left
+    /// upper corner at `place` (pixels from the target's left upper corner; what lies outside is
+    /// cut off). Makes no object of Vulkan and allocates none of its memory.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that was not set; nothing is recorded then.
@@ -229,8 +237,8 @@ impl EmbeddedVulkan {
         self.frames
     }
 
-    /// How long the device took for the corrections since the last [`EmbeddedVulkan::resize`]; a frame's is known when the
-    /// next one with the same images is recorded.
+    /// How long the device took for the corrections since the last [`EmbeddedVulkan::resize`]; a
+    /// frame's is known when the next one with the same images is recorded.
     pub fn timing(&self) -> Timing {
         self.backend.timing()
     }

@@ -53,8 +53,8 @@ impl Search<'_> {
         places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
     }
 
-    /// Whether such a pixel is in a block: by quarters, but for blocks that lie clear of the view or
-    /// inside an earlier one.
+    /// Whether such a pixel is in a block: by quarters, but for blocks that lie clear of the view
+    /// or inside an earlier one.
     fn finds(&self, block: PixelSpan) -> bool {
         let PixelSpan { left, top, right, bottom } = block;
         let (middle_x, middle_y) = (left + (right - left) / 2, top + (bottom - top) / 2);

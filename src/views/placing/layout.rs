@@ -11,9 +11,9 @@ use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 /// Texels around the sampled part of a tile.
 ///
 /// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; an eighth is the overlap of views (`correct::shaders`), the rest for
-/// the rounding of 32-bit shaders. Further sampling positions in a pixel need no wider guard: each is looked up
-/// in the view that answers for it.
+/// kernel one and a half; an eighth is the overlap of views (`correct::shaders`), the rest for the
+/// rounding of 32-bit shaders. Further sampling positions in a pixel need no wider guard: each is
+/// looked up in the view that answers for it.
 fn guard(filter: Filter) -> f64 {
     if filter.is_cubic() { 1.65625 } else { 0.65625 }
 }
@@ -25,8 +25,8 @@ const ROUNDING: f64 = 4e-7;
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
 
-/// At this part of the resolution asked for each view is one texel. If it still does not fit, the tile of the
-/// window is too large.
+/// At this part of the resolution asked for each view is one texel. If it still does not fit, the
+/// tile of the window is too large.
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.

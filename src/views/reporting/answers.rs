@@ -60,7 +60,8 @@ fn content_sharpness(content: &ContentMap, window: &View, pixel: DVec2, map: &Ou
     let jacobian = DMat2::from_cols(step(DVec2::X)?, step(DVec2::Y)?);
     let squares = jacobian.x_axis.length_squared() + jacobian.y_axis.length_squared();
     let determinant = jacobian.determinant();
-    // The lesser singular value: their squares add up to `squares`, their product is the determinant.
+    // The lesser singular value: their squares add up to `squares`, their product is the
+    // determinant.
     let root = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
     Some((determinant.abs() / (0.5 * (squares + root)).sqrt()).abs()).filter(|value| value.is_finite())
 }

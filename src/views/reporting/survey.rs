@@ -47,7 +47,8 @@ impl<'a> Surveyor<'a> {
         Some(self.surveyed(pixel, &sample, view))
     }
 
-    /// The same for the view with this index, whichever answers; `None` also where the plan has no such view.
+    /// The same for the view with this index, whichever answers; `None` also where the plan has no
+    /// such view.
     pub fn in_view(&self, pixel: DVec2, view: usize) -> Option<Surveyed> {
         let sample = self.output_map.sample(pixel)?;
         self.answers.has(view).then(|| self.surveyed(pixel, &sample, view))

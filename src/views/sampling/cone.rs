@@ -1,5 +1,5 @@
-//! The directions that a view answers for, and whether a small patch of directions is inside of them, outside or on
-//! the border.
+//! The directions that a view answers for, and whether a small patch of directions is inside of
+//! them, outside or on the border.
 //!
 //! A view's part, like a projector's picture, is a convex cone with four sides. What a block of
 //! pixels shows is a small curved patch: it departs from the flat quadrilateral of its corners by

@@ -161,8 +161,8 @@ impl OutputMap {
         Ok(Self { size, inset, map })
     }
 
-    /// Whether the pixel of a sample is so much narrower than others of a calibration that it counts
-    /// as wider.
+    /// Whether the pixel of a sample is so much narrower than others of a calibration that it
+    /// counts as wider.
     pub fn is_widened(&self, sample: &Sample) -> bool {
         matches!(self.map, Map::Traced { least, .. } if least > 0.0 && pixel_width::is_narrowest(&sample.spread, least))
     }

@@ -32,7 +32,8 @@ pub fn core_name(name: &str) -> &str {
 }
 
 impl Gl {
-    /// A string of the driver, `GL_VERSION` and the like, whose context is current; empty where it has none.
+    /// A string of the driver, `GL_VERSION` and the like, whose context is current; empty where it
+    /// has none.
     pub fn text(&self, name: u32) -> String {
         // SAFETY: the driver's strings end with a zero and live as long as it.
         unsafe {

@@ -1,4 +1,5 @@
-//! Which driver GLX programs get on the current display: a small context off screen, asked for its names.
+//! Which driver GLX programs get on the current display: a small context off screen, asked for its
+//! names.
 
 use crate::backend::gl::driver::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
 use crate::error::{Error, ErrorKind, Result};
@@ -23,7 +24,8 @@ pub struct Driver {
     pub renderer: String,
     /// `GL_VERSION`.
     pub version: String,
-    /// The driver draws in this process; otherwise the X server does, and nothing can be intercepted.
+    /// The driver draws in this process; otherwise the X server does, and nothing can be
+    /// intercepted.
     pub direct: bool,
 }
 
@@ -77,11 +79,12 @@ impl Glx {
     }
 }
 
-/// Asks the driver of the display that `DISPLAY` names. To be called in a process of its own: Xlib ends
-/// the process on errors of the protocol, and the libraries stay loaded as long as it lives.
+/// Asks the driver of the display that `DISPLAY` names. To be called in a process of its own: Xlib
+/// ends the process on errors of the protocol, and the libraries stay loaded as long as it lives.
 ///
 /// # Errors
-/// [`ErrorKind::Graphics`] if there is no Xlib, no GLX, no such display, or no context; the message says which.
+/// [`ErrorKind::Graphics`] if there is no Xlib, no GLX, no such display, or no context; the message
+/// says which.
 pub fn driver() -> Result<Driver> {
     // Never dropped: drivers leave handlers behind in Xlib that must stay loaded.
     let glx = Box::leak(Box::new(Glx::load()?));

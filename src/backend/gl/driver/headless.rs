@@ -41,8 +41,8 @@ struct Egl {
     make_current: unsafe extern "C" fn(Handle, Handle, Handle, Handle) -> u32,
     destroy_context: unsafe extern "C" fn(Handle, Handle) -> u32,
     get_error: unsafe extern "C" fn() -> i32,
-    // Keeps the functions above valid. Never unloaded: displays stay initialised, and a library that is loaded again
-    // knows nothing of them and makes new ones, each with threads of its own.
+    // Keeps the functions above valid. Never unloaded: displays stay initialised, and a library
+    // that is loaded again knows nothing of them and makes new ones, each with threads of its own.
     _library: ManuallyDrop<Library>,
 }
 
@@ -81,7 +81,8 @@ impl Egl {
         })
     }
 
-    /// An initialised display: no surface at all, else the first device that works, else the default one.
+    /// An initialised display: no surface at all, else the first device that works, else the
+    /// default one.
     fn display(&self) -> Result<Handle> {
         type GetPlatformDisplay = unsafe extern "C" fn(u32, Handle, *const i32) -> Handle;
         type QueryDevices = unsafe extern "C" fn(i32, *mut Handle, *mut i32) -> u32;
@@ -96,7 +97,8 @@ impl Egl {
             if !query.is_null() {
                 let mut devices = [null_mut(); 16];
                 let mut count = 0;
-                // SAFETY: the type is the function's type in EGL_EXT_device_enumeration; there is room for 16.
+                // SAFETY: the type is the function's type in EGL_EXT_device_enumeration; there is
+                // room for 16.
                 let found = unsafe {
                     let query: QueryDevices = std::mem::transmute(query);
                     query(16, devices.as_mut_ptr(), &mut count)
@@ -131,7 +133,8 @@ impl Headless {
     /// Makes a context of the kind `api` and makes it current on this thread.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where there is no EGL, no driver, or no such context; the message says which.
+    /// [`ErrorKind::Graphics`] where there is no EGL, no driver, or no such context; the message
+    /// says which.
     pub fn new(api: Api) -> Result<Self> {
         let egl = Egl::load()?;
         let display = egl.display()?;

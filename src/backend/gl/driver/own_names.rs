@@ -1,7 +1,7 @@
 //! Names for objects of our own.
 //!
-//! Programs of the old profile and of OpenGL ES may use names that they never asked for, mostly from 1 on. Ours are far from
-//! those there.
+//! Programs of the old profile and of OpenGL ES may use names that they never asked for, mostly
+//! from 1 on. Ours are far from those there.
 
 use crate::backend::gl::driver::api::{self, Gl};
 

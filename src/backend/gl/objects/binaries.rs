@@ -1,6 +1,7 @@
 //! Linked programs of shaders as the driver gives them out, kept by their texts and by the driver.
 //!
-//! Drivers keep what they compile, too, most of them; what is saved beside that is reading the shaders' language.
+//! Drivers keep what they compile, too, most of them; what is saved beside that is reading the
+//! shaders' language.
 
 use crate::backend::gl::driver::api::*;
 use crate::cache::{self, Cache, RawBytes};
@@ -26,7 +27,8 @@ impl Binaries {
         Self { cache, driver: if formats > 0 { driver() } else { String::new() } }
     }
 
-    /// Whether a program may be asked for after `link` made it, so that it has to say so to the driver.
+    /// Whether a program may be asked for after `link` made it, so that it has to say so to the
+    /// driver.
     pub fn are_kept(&self) -> bool {
         !self.driver.is_empty()
     }
@@ -44,12 +46,14 @@ impl Binaries {
     }
 }
 
-/// A program of what [`store`] wrote; `None` where the driver does not take it, as after it was updated.
+/// A program of what [`store`] wrote; `None` where the driver does not take it, as after it was
+/// updated.
 fn load(gl: &Gl, bytes: &[u8]) -> Option<u32> {
     let (format, RawBytes(binary)) = cache::decode::<(u32, RawBytes<'_>)>(bytes)?;
     let size = i32::try_from(binary.len()).ok()?;
     let mut linked = 0;
-    // SAFETY: a context is current; the driver looks at its binaries before it believes them, and has as many bytes as are said.
+    // SAFETY: a context is current; the driver looks at its binaries before it believes them, and
+    // has as many bytes as are said.
     let program = unsafe {
         let program = gl.create_program();
         gl.program_binary(program, format, binary.as_ptr().cast(), size);

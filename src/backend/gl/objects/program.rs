@@ -32,7 +32,8 @@ pub(in crate::backend::gl) fn build(gl: &Gl, text: &Specialised, binaries: &Bina
             _ => ATLAS_UNIT,
         };
         let Ok(name) = CString::new(*uniform) else { continue };
-        // SAFETY: the program is current; the name ends with a zero; a uniform that the compiler dropped has location −1, which is ignored.
+        // SAFETY: the program is current; the name ends with a zero; a uniform that the compiler
+        // dropped has location −1, which is ignored.
         unsafe { gl.uniform1i(gl.get_uniform_location(program, name.as_ptr()), unit as i32) };
     }
     Ok(program)

@@ -32,9 +32,10 @@ pub struct Saved {
 impl Surface {
     /// A surface of `size` (width, height in pixels) with RGBA8 colour and 24 + 8 bits of depth and
     /// stencil. `samples`: 0 = one sample per pixel, in a texture. `srgb`: the program may ask for
-    /// conversion to sRGB when it draws; the texture's values are taken as they are all the same. On Mesa
-    /// `glCopyPixels` reads linear values from an sRGB texture; so the texture is not sRGB where the driver allows that.
-    /// Every binding that is touched is put back. No error of the program is pending.
+    /// conversion to sRGB when it draws; the texture's values are taken as they are all the same.
+    /// On Mesa `glCopyPixels` reads linear values from an sRGB texture; so the texture is not sRGB
+    /// where the driver allows that. Every binding that is touched is put back. No error of the
+    /// program is pending.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
@@ -79,8 +80,9 @@ impl Surface {
         }
     }
 
-    /// Makes its framebuffer anew, in the current context, which shares objects with the one before; contexts do not
-    /// share framebuffers. Every binding that is touched is put back. No error of the program is pending.
+    /// Makes its framebuffer anew, in the current context, which shares objects with the one
+    /// before; contexts do not share framebuffers. Every binding that is touched is put back. No
+    /// error of the program is pending.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.

@@ -14,7 +14,8 @@ pub(in crate::backend::gl) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &M
     if mask.weights.len() != mask.width as usize * mask.height as usize {
         return 0;
     }
-    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height values.
+    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height
+    // values.
     unsafe {
         texture = own_names::texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);
@@ -38,7 +39,8 @@ pub(in crate::backend::gl) fn upload_black(gl: &Gl, caps: &Capabilities, black: 
     if black.codes.len() != black.width as usize * black.height as usize {
         return 0;
     }
-    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height pixels of four values.
+    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height
+    // pixels of four values.
     unsafe {
         let texture = own_names::texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);
@@ -60,7 +62,8 @@ pub(in crate::backend::gl) fn upload_black(gl: &Gl, caps: &Capabilities, black: 
 pub(in crate::backend::gl) fn upload_table(gl: &Gl, table: &Table) -> u32 {
     let (width, height) = (table.entries().0 as i32, table.entries().1 as i32);
     let texels = table.texels().as_flattened().as_ptr().cast();
-    // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four floats as entries.
+    // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four
+    // floats as entries.
     unsafe {
         let texture = own_names::texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);

@@ -1,4 +1,5 @@
-//! Which draws show nothing but the colour of views that hold a single one, and so need not be issued.
+//! Which draws show nothing but the colour of views that hold a single one, and so need not be
+//! issued.
 
 use crate::correct::shaders::constants::Constants;
 use crate::correct::{Footprints, LowerLeftRect, TexelSpan};
@@ -10,7 +11,8 @@ pub struct ClearedViews<'a> {
     pub views: u64,
     /// Red, green and blue as they are stored: multiples of 1/255.
     pub color: [f32; 3],
-    /// For each view the texels of the atlas that may hold something else; views beyond the list may everywhere.
+    /// For each view the texels of the atlas that may hold something else; views beyond the list
+    /// may everywhere.
     pub touched: &'a [TexelSpan],
 }
 
@@ -35,7 +37,8 @@ pub(in crate::backend::gl) struct Draw {
     /// The views that it samples, a bit each.
     pub views: u64,
     pub shows: Shows,
-    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
+    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as
+    /// the output.
     pub nearest: bool,
 }
 
@@ -71,7 +74,8 @@ impl Draw {
         self.views != 0 && self.keeps(cleared.color)
     }
 
-    /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
+    /// Whether it shows the colour of these views and nothing else. What shows nothing at all is
+    /// black.
     pub fn shows_cleared(&self, cleared: &ClearedViews) -> bool {
         self.keeps(cleared.color) && self.views & !cleared.views == 0
     }

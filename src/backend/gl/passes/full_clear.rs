@@ -1,7 +1,8 @@
 //! Full clears: a framebuffer that shows nothing but outputs is cleared at once.
 //!
-//! Of all ways to make pixels black this is the cheapest: hardware only notes it, and llvmpipe takes 0.4 ns for a pixel,
-//! where a rectangle takes 1.2 ns and a clear within a scissor that leaves something out 2 ns.
+//! Of all ways to make pixels black this is the cheapest: hardware only notes it, and llvmpipe
+//! takes 0.4 ns for a pixel, where a rectangle takes 1.2 ns and a clear within a scissor that
+//! leaves something out 2 ns.
 
 use crate::backend::gl::objects::target::Target;
 use crate::correct::apart;
@@ -21,8 +22,9 @@ pub(in crate::backend::gl) struct FullClear {
 }
 
 impl FullClear {
-    /// For the framebuffer of `targets`, of `size` pixels. `black`: which part of each output is black whatever the views
-    /// show. `None` where one clear cannot serve all outputs: they overlap, or have several framebuffers.
+    /// For the framebuffer of `targets`, of `size` pixels. `black`: which part of each output is
+    /// black whatever the views show. `None` where one clear cannot serve all outputs: they
+    /// overlap, or have several framebuffers.
     pub fn of(targets: &[Target], size: (u32, u32), black: impl Iterator<Item = f64>) -> Option<Self> {
         let framebuffer = targets.first()?.framebuffer;
         let together = targets.iter().all(|target| target.framebuffer == framebuffer);
@@ -36,7 +38,8 @@ impl FullClear {
         Some(Self { framebuffer, covered: shown >= all, dark: filled > WORTHWHILE * all })
     }
 
-    /// The colour that it is cleared to, if it is; `cleared`: one that some outputs show as a clear.
+    /// The colour that it is cleared to, if it is; `cleared`: one that some outputs show as a
+    /// clear.
     pub fn color(&self, cleared: Option<[f32; 3]>) -> Option<[f32; 3]> {
         const BLACK: [f32; 3] = [0.0; 3];
         // What no output shows is black.

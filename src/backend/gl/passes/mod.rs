@@ -1,4 +1,5 @@
-//! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
+//! Runs a plan on the current context: one draw for each batch of rectangles, one for what is
+//! black.
 
 mod cleared_views;
 mod full_clear;
@@ -169,14 +170,16 @@ impl GlBackend {
         Ok(())
     }
 
-    /// Says that from now on `targets`, one for each prepared output, are all that is to be seen in their framebuffer of
-    /// `size` pixels: what no output shows there is made black, and all of it may be cleared first.
+    /// Says that from now on `targets`, one for each prepared output, are all that is to be seen in
+    /// their framebuffer of `size` pixels: what no output shows there is made black, and all of it
+    /// may be cleared first.
     pub fn own_framebuffer(&mut self, targets: &[Target], size: (u32, u32)) {
         self.full_clear = FullClear::of(targets, size, self.outputs.iter().map(|output| output.black));
     }
 
-    /// Uploads `areas`, rectangles of an atlas of the given size in texels, for [`GlBackend::close_unsampled`]; none: there
-    /// is nothing to close. For changes of the plan only.
+    /// Uploads `areas`, rectangles of an atlas of the given size in texels, for
+    /// [`GlBackend::close_unsampled`]; none: there is nothing to close. For changes of the plan
+    /// only.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses a shader.
@@ -195,11 +198,12 @@ impl GlBackend {
         Ok(())
     }
 
-    /// After the program cleared the depth of the atlas, which is bound, to `cleared` (0…1): closes the prepared
-    /// areas by the depth farthest from that, so that what is drawn there fails the usual depth tests. Colours and
-    /// stencil stay. How many texels were closed: 0 where none are prepared, where the program does not write depth,
-    /// and while it counts samples. Allocates nothing; the program's state and errors are put back as by
-    /// [`GlBackend::present`], but the program's pending error is returned by the next of those. What is `known` is not asked for.
+    /// After the program cleared the depth of the atlas, which is bound, to `cleared` (0…1): closes
+    /// the prepared areas by the depth farthest from that, so that what is drawn there fails the
+    /// usual depth tests. Colours and stencil stay. How many texels were closed: 0 where none are
+    /// prepared, where the program does not write depth, and while it counts samples. Allocates
+    /// nothing; the program's state and errors are put back as by [`GlBackend::present`], but the
+    /// program's pending error is returned by the next of those. What is `known` is not asked for.
     pub fn close_unsampled(&self, gl: &Gl, cleared: f32, known: &KnownState) -> u64 {
         let Some(unsampled) = &self.unsampled else { return 0 };
         self.take_pending(gl);
@@ -270,7 +274,8 @@ impl GlBackend {
         }
     }
 
-    /// Runs `work`, which uploads rows that lie close together to textures; what that touches is put back.
+    /// Runs `work`, which uploads rows that lie close together to textures; what that touches is
+    /// put back.
     pub fn while_uploading<R>(&self, gl: &Gl, work: impl FnOnce() -> R) -> R {
         state::while_uploading(gl, &self.caps, work)
     }
@@ -287,7 +292,8 @@ impl GlBackend {
         unsafe { gl.is_vertex_array(self.names.vertex_array) != 0 }
     }
 
-    /// Goes on in the current context, which shares objects with the one before. All bindings are put back.
+    /// Goes on in the current context, which shares objects with the one before. All bindings are
+    /// put back.
     pub fn rehome(&mut self, gl: &Gl) {
         if self.names.vertex_array != 0 {
             let caps = self.caps;
@@ -413,8 +419,8 @@ impl GlBackend {
 
 /// Fills a buffer.
 fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
-    // SAFETY: a context is current and gave the name; the array is as long as said. A buffer has no fixed type: bound
-    // as an array it changes no vertex array.
+    // SAFETY: a context is current and gave the name; the array is as long as said. A buffer has no
+    // fixed type: bound as an array it changes no vertex array.
     unsafe {
         gl.bind_buffer(GL_ARRAY_BUFFER, buffer);
         let size = std::mem::size_of_val(values) as isize;

@@ -12,21 +12,22 @@ use crate::correct::LowerLeftRect;
 use std::cell::Cell;
 
 impl GlBackend {
-    /// Corrects the picture in `atlas_texture` (a 2D texture with encoded values, as large as the plan's
-    /// atlas) into `targets`, one for each output of the plan, in its order. Allocates and compiles nothing,
-    /// puts back all state, and leaves no error of its own.
+    /// Corrects the picture in `atlas_texture` (a 2D texture with encoded values, as large as the
+    /// plan's atlas) into `targets`, one for each output of the plan, in its order. Allocates and
+    /// compiles nothing, puts back all state, and leaves no error of its own.
     ///
-    /// Does nothing before [`GlBackend::prepare`], and while the program compiles a display list or picks.
-    /// Conditional rendering and running queries must be off. Gives the error that the program itself had
-    /// pending (`GL_NO_ERROR` mostly): OpenGL forgets an error once it is asked for, so the caller has to
-    /// hand it to the program's next `glGetError`. One that was pending at [`GlBackend::new`] or
-    /// [`GlBackend::prepare`] is given by the next call of this.
+    /// Does nothing before [`GlBackend::prepare`], and while the program compiles a display list or
+    /// picks. Conditional rendering and running queries must be off. Gives the error that the
+    /// program itself had pending (`GL_NO_ERROR` mostly): OpenGL forgets an error once it is asked
+    /// for, so the caller has to hand it to the program's next `glGetError`. One that was pending
+    /// at [`GlBackend::new`] or [`GlBackend::prepare`] is given by the next call of this.
     pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
         self.present_changed(gl, atlas_texture, targets, None, &KnownState::default())
     }
 
-    /// As [`GlBackend::present`], but what shows only `cleared_views` views is cleared to their colour instead of being
-    /// sampled. The picture is the same, if the target stores 8 bits as the atlas does. What is `known` is not asked for.
+    /// As [`GlBackend::present`], but what shows only `cleared_views` views is cleared to their
+    /// colour instead of being sampled. The picture is the same, if the target stores 8 bits as the
+    /// atlas does. What is `known` is not asked for.
     pub fn present_changed(
         &self,
         gl: &Gl,
@@ -147,7 +148,8 @@ impl GlBackend {
         let issue = |draw: &Draw| {
             let first = draw.first as usize * size_of::<u32>();
             let sampler = if draw.nearest && unscaled { nearest } else { linear };
-            // SAFETY: a context is current; the names are its own, and the indices lie in the buffer.
+            // SAFETY: a context is current; the names are its own, and the indices lie in the
+            // buffer.
             unsafe {
                 if bound.replace(sampler) != sampler {
                     gl.bind_sampler(ATLAS_UNIT, sampler);

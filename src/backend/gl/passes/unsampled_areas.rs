@@ -1,7 +1,7 @@
 //! Closing parts of the atlas by their depth, so that nothing is shaded there.
 //!
-//! All rectangles are one draw. Clearing each within the scissor needs no state at all, but software renderers take
-//! 0.2 ms for each rectangle.
+//! All rectangles are one draw. Clearing each within the scissor needs no state at all, but
+//! software renderers take 0.2 ms for each rectangle.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::own_names;
@@ -15,7 +15,8 @@ use crate::correct::shaders::glsl::Specialised;
 use crate::correct::{LowerLeftRect, Tile};
 use crate::error::Result;
 
-/// The texts for OpenGL 3.3 and OpenGL ES 3.0. Texels of the atlas → clip coordinates, at the depth `frame.z`.
+/// The texts for OpenGL 3.3 and OpenGL ES 3.0. Texels of the atlas → clip coordinates, at the depth
+/// `frame.z`.
 macro_rules! texts {
     ($version:literal) => {
         (
@@ -69,7 +70,8 @@ impl UnsampledAreas {
             texels: areas.iter().map(Tile::area).sum(),
             atlas,
         };
-        // SAFETY: a context is current; one name is written to each place; the array is as long as said.
+        // SAFETY: a context is current; one name is written to each place; the array is as long as
+        // said.
         unsafe {
             unsampled.frame = gl.get_uniform_location(program, c"frame".as_ptr());
             gl.gen_vertex_arrays(1, &mut unsampled.vertex_array);
@@ -84,8 +86,9 @@ impl UnsampledAreas {
         Ok(unsampled)
     }
 
-    /// Gives the rectangles of the bound framebuffer the depth that is farthest from `cleared`; how many texels they
-    /// have, or 0 where nothing could be done. Everything is put back; stencil and colour are not touched.
+    /// Gives the rectangles of the bound framebuffer the depth that is farthest from `cleared`; how
+    /// many texels they have, or 0 where nothing could be done. Everything is put back; stencil and
+    /// colour are not touched.
     pub fn close(&self, gl: &Gl, caps: &Capabilities, cleared: f32, known: &KnownState) -> u64 {
         // Without writing to it, the program's clear left the depth as it was, too.
         if !values::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {

@@ -30,7 +30,8 @@ fn locations(gl: &Gl, program: u32, version: i32, (stage, interface): (u32, u32)
     count
 }
 
-/// A program that was in use, and the subroutines that were chosen for it. Allocates only where there are any.
+/// A program that was in use, and the subroutines that were chosen for it. Allocates only where
+/// there are any.
 pub struct CurrentProgram {
     name: u32,
     /// Of each stage with subroutine uniforms, their values.
@@ -62,11 +63,13 @@ impl CurrentProgram {
         saved
     }
 
-    /// Chooses the same subroutines for `other`, which was put in use and has the program's stages besides its own.
+    /// Chooses the same subroutines for `other`, which was put in use and has the program's stages
+    /// besides its own.
     pub fn copy_subroutines(&self, gl: &Gl, other: u32) {
         for (stage, values) in &self.subroutines {
             let mut count = 0;
-            // SAFETY: a linked program; one integer is written, as many values read as the stage has.
+            // SAFETY: a linked program; one integer is written, as many values read as the stage
+            // has.
             unsafe {
                 gl.get_program_stageiv(other, *stage, api::GL_ACTIVE_SUBROUTINE_UNIFORM_LOCATIONS, &mut count);
                 if count as usize == values.len() {

@@ -1,11 +1,12 @@
-//! State that whoever sees all calls of a context can follow, so that it need not be asked for: once known it is kept until
-//! it is noted anew or forgotten.
+//! State that whoever sees all calls of a context can follow, so that it need not be asked for:
+//! once known it is kept until it is noted anew or forgotten.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::values::integer;
 use std::cell::Cell;
 
-/// The switches that are followed; the first of them are off while we draw (`crate::backend::gl::state`).
+/// The switches that are followed; the first of them are off while we draw
+/// (`crate::backend::gl::state`).
 pub(in crate::backend::gl) const SWITCHES: [u32; 28] = [
     GL_DEPTH_TEST,
     GL_STENCIL_TEST,
@@ -109,8 +110,8 @@ impl KnownState {
         keep_same(&self.clear_depth, &saved.clear_depth);
     }
 
-    /// A switch was set. A context that does not have it refuses that, so that one is believed to be on only if it was
-    /// seen so.
+    /// A switch was set. A context that does not have it refuses that, so that one is believed to
+    /// be on only if it was seen so.
     pub fn note(&self, switch: u32, on: bool) {
         let bit = bit(switch);
         if on && self.there.get() & bit == 0 {
@@ -129,7 +130,8 @@ impl KnownState {
         self.known.set(self.known.get() & !bit(switch));
     }
 
-    /// Whether a switch is on, one that the context has; of blending, that of the first colour buffer.
+    /// Whether a switch is on, one that the context has; of blending, that of the first colour
+    /// buffer.
     pub fn is_on(&self, gl: &Gl, switch: u32) -> bool {
         let bit = bit(switch);
         if self.known.get() & bit != 0 {
@@ -154,7 +156,8 @@ impl KnownState {
         self.masks.set(None);
     }
 
-    /// The masks of the first `count` colour buffers, which the context has; one where they have one in common.
+    /// The masks of the first `count` colour buffers, which the context has; one where they have
+    /// one in common.
     pub(in crate::backend::gl) fn masks(&self, gl: &Gl, count: usize, indexed: bool) -> Masks {
         if let Some(masks) = self.masks.get() {
             return masks;
@@ -183,8 +186,8 @@ impl KnownState {
         mask
     }
 
-    /// The factors of blending were set: of colours of the source and of the destination, then of alpha. Others than the usual
-    /// ones may be refused.
+    /// The factors of blending were set: of colours of the source and of the destination, then of
+    /// alpha. Others than the usual ones may be refused.
     pub fn note_blending(&self, factors: [u32; 4]) {
         let usual = |factor: &u32| matches!(*factor, GL_ZERO | GL_ONE | GL_SRC_COLOR..=GL_ONE_MINUS_DST_COLOR);
         self.blending.set(Some(factors).filter(|factors| factors.iter().all(usual)));

@@ -1,8 +1,8 @@
 //! The state of the program's context that correcting touches: read, set, put back.
 //!
 //! `saved` is what drawing touches, `upload` what uploading does. What is known of the state
-//! (`known_state`, followed by the caller) is not asked for. `current_program` is the program in use
-//! with its subroutines, which OpenGL forgets.
+//! (`known_state`, followed by the caller) is not asked for. `current_program` is the program in
+//! use with its subroutines, which OpenGL forgets.
 
 mod capabilities;
 pub mod current_program;

@@ -1,7 +1,8 @@
 //! The state of the program's context that correcting touches: read, set, put back.
 //!
-//! Nothing here allocates, but for programs with subroutines. What is not in [`Saved`] is not touched. Two things of OpenGL cannot be
-//! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
+//! Nothing here allocates, but for programs with subroutines. What is not in [`Saved`] is not
+//! touched. Two things of OpenGL cannot be asked for and are left to the caller: conditional
+//! rendering and queries that count samples or primitives.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::values::{boolean, integer};
@@ -46,9 +47,8 @@ pub(in crate::backend::gl) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
     !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)
 }
 
-/// Reads the state, as far as it is not `known`, and sets what drawing needs; a program, a vertex array, textures on the first
-/// `units` units and a viewport
-/// are for the caller to set.
+/// Reads the state, as far as it is not `known`, and sets what drawing needs; a program, a vertex
+/// array, textures on the first `units` units and a viewport are for the caller to set.
 pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &KnownState) -> Saved {
     let mut saved = Saved {
         switches: 0,
@@ -66,7 +66,8 @@ pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: 
         clip_control: [GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE],
         feedback: false,
     };
-    // SAFETY: a context is current; every name is one that it knows, every array as long as asked for.
+    // SAFETY: a context is current; every name is one that it knows, every array as long as asked
+    // for.
     unsafe {
         for (bit, &switch) in SWITCHES.iter().enumerate() {
             if caps.knows(switch) && known.is_on(gl, switch) {
@@ -108,7 +109,8 @@ pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: 
     saved
 }
 
-/// Pauses transform feedback, while which no other program can be put in use. Whether it is to be resumed.
+/// Pauses transform feedback, while which no other program can be put in use. Whether it is to be
+/// resumed.
 pub(super) fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
     let runs =
         caps.feedback_pauses && boolean(gl, GL_TRANSFORM_FEEDBACK_ACTIVE) && !boolean(gl, GL_TRANSFORM_FEEDBACK_PAUSED);
@@ -178,7 +180,8 @@ pub(in crate::backend::gl) fn clear(gl: &Gl, caps: &Capabilities, rect: LowerLef
     within(gl, caps, rect, || unsafe { gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr()) });
 }
 
-/// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and [`restore`].
+/// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and
+/// [`restore`].
 pub(in crate::backend::gl) fn within(gl: &Gl, caps: &Capabilities, part: LowerLeftRect, draw: impl FnOnce()) {
     let LowerLeftRect { x, y, width, height } = part;
     let mut scissor = [0; 4];

@@ -56,12 +56,12 @@ impl Api {
     /// From handles.
     ///
     /// # Safety
-    /// `get_instance_proc_addr` is Vulkan's and finds every function of Vulkan 1.0 for `instance`; the
-    /// handles are live and belong together, and stay live as long as what is returned is used.
+    /// `get_instance_proc_addr` is Vulkan's and finds every function of Vulkan 1.0 for `instance`;
+    /// the handles are live and belong together, and stay live as long as what is returned is used.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] where a handle is null; [`ErrorKind::Graphics`] where a function of
-    /// Vulkan 1.0 is not found, as when the handles are not of one instance.
+    /// [`ErrorKind::InvalidArgument`] where a handle is null; [`ErrorKind::Graphics`] where a
+    /// function of Vulkan 1.0 is not found, as when the handles are not of one instance.
     pub unsafe fn from_handles(
         get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
         instance: vk::Instance,
@@ -166,8 +166,8 @@ fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
     function.map_or(std::ptr::null(), |function| function as *const c_void)
 }
 
-/// The function of Vulkan 1.0 for devices that `find` does not find, if there is one. What ash calls in its
-/// place ends the process.
+/// The function of Vulkan 1.0 for devices that `find` does not find, if there is one. What ash
+/// calls in its place ends the process.
 pub fn missing_of_device(find: impl Fn(&CStr) -> *const c_void) -> Option<String> {
     first_missing(|find| _ = ash::DeviceFnV1_0::load(find), find)
 }

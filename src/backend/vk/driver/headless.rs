@@ -29,7 +29,8 @@ impl Headless {
     /// Opens the first device that can draw. `layers`: layers to enable.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where there is no Vulkan, no device, or not these layers; the message says which.
+    /// [`ErrorKind::Graphics`] where there is no Vulkan, no device, or not these layers; the
+    /// message says which.
     pub fn new(layers: &[&CStr]) -> Result<Self> {
         // SAFETY: the loader's initialisers are those that every Vulkan program runs.
         let library = unsafe { Library::new("libvulkan.so.1") }.map_err(|error| {

@@ -53,11 +53,12 @@ impl Timers {
         self.timing
     }
 
-    /// Takes what the last correction of `source` left, and records the beginning of the next one: when all commands
-    /// before it are done.
+    /// Takes what the last correction of `source` left, and records the beginning of the next one:
+    /// when all commands before it are done.
     ///
     /// # Safety
-    /// The command buffer is being recorded, outside a render pass; no other one that does the same is pending.
+    /// The command buffer is being recorded, outside a render pass; no other one that does the same
+    /// is pending.
     pub unsafe fn start(&mut self, api: &Api, command_buffer: vk::CommandBuffer, source: usize) {
         if self.written.get(source).is_none() {
             return;
@@ -74,14 +75,15 @@ impl Timers {
         }
     }
 
-    /// Takes what a correction of `source` that is done left. One whose commands are submitted again and again, and are
-    /// recorded only once, has to be asked for so after each time.
+    /// Takes what a correction of `source` that is done left. One whose commands are submitted
+    /// again and again, and are recorded only once, has to be asked for so after each time.
     pub fn read(&mut self, api: &Api, source: usize) {
         if source >= self.written.len() {
             return;
         }
         let mut stamps = [0u64; 2];
-        // SAFETY: the queries are ours. Those that are not available, as when nothing was submitted, are not waited for.
+        // SAFETY: the queries are ours. Those that are not available, as when nothing was
+        // submitted, are not waited for.
         let read = unsafe {
             let (first, wide) = (2 * source as u32, vk::QueryResultFlags::TYPE_64);
             api.device.get_query_pool_results(self.pool, first, &mut stamps, wide)

@@ -1,4 +1,5 @@
-//! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for what is black.
+//! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for
+//! what is black.
 
 mod record;
 
@@ -56,9 +57,9 @@ impl Recording {
     /// Takes the caller's word for it.
     ///
     /// # Safety
-    /// While this lives the command buffer is being recorded, outside a render pass, for a queue that can draw, on the
-    /// device of the [`VkBackend`] that it is given to; the images that the backend knows are live, and in the layouts
-    /// that were said when the commands are executed.
+    /// While this lives the command buffer is being recorded, outside a render pass, for a queue
+    /// that can draw, on the device of the [`VkBackend`] that it is given to; the images that the
+    /// backend knows are live, and in the layouts that were said when the commands are executed.
     pub unsafe fn new(command_buffer: vk::CommandBuffer) -> Self {
         Self(command_buffer)
     }
@@ -66,8 +67,8 @@ impl Recording {
 
 /// The correction on one device.
 ///
-/// Everything but [`VkBackend::record`] needs that no command buffer that it recorded is pending. Dropping it
-/// destroys nothing: [`VkBackend::destroy`] does, as long as the device lives.
+/// Everything but [`VkBackend::record`] needs that no command buffer that it recorded is pending.
+/// Dropping it destroys nothing: [`VkBackend::destroy`] does, as long as the device lives.
 pub struct VkBackend {
     api: Api,
     stage: Stage,
@@ -120,15 +121,18 @@ impl VkBackend {
         }
     }
 
-    /// Makes all pipelines of `plan` for targets of `format`, and its vertices, masks and tables. `panel`: the flat
-    /// panel is shown where the plan has one. Sources and targets have to be set anew. Takes milliseconds per
-    /// batch: for changes of rig or size only. After an error nothing is prepared, or all as before.
+    /// Makes all pipelines of `plan` for targets of `format`, and its vertices, masks and tables.
+    /// `panel`: the flat panel is shown where the plan has one. Sources and targets have to be set
+    /// anew. Takes milliseconds per batch: for changes of rig or size only. After an error nothing
+    /// is prepared, or all as before.
     ///
-    /// The command buffer that is recorded next fills masks and tables: it has to be submitted before later ones.
+    /// The command buffer that is recorded next fills masks and tables: it has to be submitted
+    /// before later ones.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an sRGB format; [`ErrorKind::Graphics`] where the device cannot draw to the
-    /// format, or refuses something; [`ErrorKind::Internal`] where the plan exceeds what shaders take.
+    /// [`ErrorKind::InvalidArgument`] for an sRGB format; [`ErrorKind::Graphics`] where the device
+    /// cannot draw to the format, or refuses something; [`ErrorKind::Internal`] where the plan
+    /// exceeds what shaders take.
     pub fn prepare(&mut self, plan: &Plan, panel: bool, format: vk::Format) -> Result<()> {
         self.arrange(Arrangement::Atlas);
         self.prepare_passes(plan, &plan.passes, panel, format)
@@ -268,12 +272,14 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Says which pictures with views there are, for [`VkBackend::record`] to choose from: one image for each source, and
-    /// with [`Arrangement::Images`] as many as there are views. Former ones are forgotten.
+    /// Says which pictures with views there are, for [`VkBackend::record`] to choose from: one
+    /// image for each source, and with [`Arrangement::Images`] as many as there are views. Former
+    /// ones are forgotten.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`SourceImage`] says, or another number of them;
-    /// [`ErrorKind::Graphics`] where the device cannot filter its format, or refuses something.
+    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`SourceImage`] says, or another
+    /// number of them; [`ErrorKind::Graphics`] where the device cannot filter its format, or
+    /// refuses something.
     pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
         self.expect_prepared()?;
         let view =
@@ -295,11 +301,12 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Says which images are corrected into, for [`VkBackend::record`] to choose from. Former ones are forgotten.
+    /// Says which images are corrected into, for [`VkBackend::record`] to choose from. Former ones
+    /// are forgotten.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`TargetImage`] says; [`ErrorKind::Graphics`]
-    /// where the device cannot draw to its format, or refuses something.
+    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`TargetImage`] says;
+    /// [`ErrorKind::Graphics`] where the device cannot draw to its format, or refuses something.
     pub fn set_targets(&mut self, images: &[TargetImage]) -> Result<()> {
         self.expect_prepared()?;
         images.iter().try_for_each(|image| image.check(&self.api, self.format))?;
@@ -319,9 +326,9 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Measures from now on how long the device takes for corrections, `sources` of which may be on their way at the same
-    /// time, in queues of `family`: a correction of a source is read when the next one of it is recorded. Nothing is
-    /// measured where the device cannot.
+    /// Measures from now on how long the device takes for corrections, `sources` of which may be on
+    /// their way at the same time, in queues of `family`: a correction of a source is read when the
+    /// next one of it is recorded. Nothing is measured where the device cannot.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the device refuses the queries.
@@ -331,8 +338,8 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Takes the measured time of a correction of `source` that is done, and whose commands are submitted again without
-    /// being recorded anew.
+    /// Takes the measured time of a correction of `source` that is done, and whose commands are
+    /// submitted again without being recorded anew.
     pub fn read_timing(&mut self, source: usize) {
         self.timers.read(&self.api, source);
     }

@@ -23,17 +23,17 @@ impl VkBackend {
         unsafe { self.record(recording.0, source, target, viewports) }
     }
 
-    /// Records the correction of source `source` into target `target`: barriers, one render pass, barriers.
-    /// `viewports`: places of the outputs, one for each output of
-    /// the plan, in its order. Another size than the output's own scales it, without filtering anew: the map
-    /// is evaluated where the pixels are. Allocates nothing and makes no object.
+    /// Records the correction of source `source` into target `target`: barriers, one render pass,
+    /// barriers. `viewports`: places of the outputs, one for each output of the plan, in its order.
+    /// Another size than the output's own scales it, without filtering anew: the map is evaluated
+    /// where the pixels are. Allocates nothing and makes no object.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that was not set; nothing is recorded then.
     ///
     /// # Safety
-    /// The command buffer is being recorded, outside a render pass, for a queue that can draw; the images that
-    /// were set are live and in the layouts that were said.
+    /// The command buffer is being recorded, outside a render pass, for a queue that can draw; the
+    /// images that were set are live and in the layouts that were said.
     pub unsafe fn record(
         &mut self,
         command_buffer: vk::CommandBuffer,
@@ -146,7 +146,8 @@ impl VkBackend {
                     ..Default::default()
                 })
                 .image_extent(vk::Extent3D { width: texture.size.0, height: texture.size.1, depth: 1 });
-            // SAFETY: as promised above; buffer and image are ours, and the values lie in the buffer.
+            // SAFETY: as promised above; buffer and image are ours, and the values lie in the
+            // buffer.
             unsafe {
                 barrier(device, command_buffer, (image, 1), nothing, copied);
                 device.cmd_copy_buffer_to_image(command_buffer, values, image, copied.layout, &[region]);

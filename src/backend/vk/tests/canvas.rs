@@ -10,8 +10,8 @@ use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// Prepares, presents each of `atlases` into a target of the first output's size, and gives what is shown of each. Pictures have
-/// row 0 at the bottom.
+/// Prepares, presents each of `atlases` into a target of the first output's size, and gives what is
+/// shown of each. Pictures have row 0 at the bottom.
 pub fn show_each(headless: &Headless, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture> {
     let api = &headless.api;
     let size = plan.passes[0].size;
@@ -61,7 +61,8 @@ pub fn show_each(headless: &Headless, plan: &Plan, panel: bool, atlases: &[Pictu
                     ..Default::default()
                 })
                 .image_extent(vk::Extent3D { width: extent.0, height: extent.1, depth: 1 });
-            // SAFETY: the command buffer is being recorded; all objects are live, and the sizes are the images' own.
+            // SAFETY: the command buffer is being recorded; all objects are live, and the sizes are
+            // the images' own.
             unsafe {
                 let before = Use::nothing(vk::ImageLayout::UNDEFINED);
                 barrier(&api.device, commands, (source.handle, 1), before, Use::COPIED_TO);

@@ -1,5 +1,5 @@
-//! What the device is asked to make: nothing in a steady frame, nothing that is not destroyed, and whatever it refuses
-//! is an error.
+//! What the device is asked to make: nothing in a steady frame, nothing that is not destroyed, and
+//! whatever it refuses is an error.
 
 use super::headless;
 use crate::backend::vk::driver::headless::Headless;
@@ -15,8 +15,8 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 use std::ffi::{CStr, c_void};
 
-/// What makes and what destroys a kind of object, given by (device, structure, allocator, place) and (device, object,
-/// allocator).
+/// What makes and what destroys a kind of object, given by (device, structure, allocator, place)
+/// and (device, object, allocator).
 const KINDS: [(&CStr, &CStr); 13] = [
     (c"vkCreateBuffer", c"vkDestroyBuffer"),
     (c"vkCreateImage", c"vkDestroyImage"),
@@ -293,7 +293,8 @@ fn whatever_the_device_refuses_is_an_error_and_leaves_nothing() {
     }
 }
 
-/// What is kept of pipelines is a saving: where the driver refuses that, they are made all the same.
+/// What is kept of pipelines is a saving: where the driver refuses that, they are made all the
+/// same.
 #[test]
 fn a_refused_cache_of_pipelines_is_no_obstacle() {
     let headless = headless();

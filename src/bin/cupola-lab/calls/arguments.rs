@@ -251,7 +251,8 @@ impl<'a> Caller<'a> {
             "mapsize" => &[0, 1, 2, 3, 4, 16, 256, -1],
             "imageSize" | "length" | "len" => &[0, 1, 4, 16, 64, 128, 256, -1],
             "samples" => &[0, 0, 1, 2, 4, 4, 64, -1],
-            // Mesa 22.3 adds such a number to the count, and does not see that the sum begins at 0 again.
+            // Mesa 22.3 adds such a number to the count, and does not see that the sum begins at 0
+            // again.
             "first" if of.contains("Array") || of.starts_with("glBind") => &[0, 0, 1, 2, 80],
             "index" | "unit" | "first" | "attribindex" | "bindingindex" | "stream" | "drawbuffer" | "buf" => {
                 &[0, 0, 0, 0, 1, 1, 2, 3, 7, 15, 16, 80, -1]

@@ -206,7 +206,8 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Begin and End. After elements and lists there is nothing that is not allowed: Cupola does not refuse all of it.
+    /// Begin and End. After elements and lists there is nothing that is not allowed: Cupola does
+    /// not refuse all of it.
     fn primitive(&mut self) {
         const COMMANDS: [&str; 10] = [
             "glVertex2f",

@@ -1,7 +1,7 @@
 //! The shortest list of calls that still differs.
 
-/// Removes lines as long as `differs` holds for the rest; the first line always stays. The result differs, and without
-/// any one of its other lines it does not, unless `most` trials were too few.
+/// Removes lines as long as `differs` holds for the rest; the first line always stays. The result
+/// differs, and without any one of its other lines it does not, unless `most` trials were too few.
 pub fn minimise<E>(
     lines: &[String],
     most: usize,

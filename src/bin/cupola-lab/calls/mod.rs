@@ -23,8 +23,9 @@ use std::process::ExitCode;
 
 /// Compare what OpenGL answers to random calls with and without Cupola
 ///
-/// Legal and illegal calls of all entry points go to two contexts in the same order. Compared are errors and answers of
-/// each call, and all state that can be asked for. The exit code is 1 if an answer differs.
+/// Legal and illegal calls of all entry points go to two contexts in the same order. Compared are
+/// errors and answers of each call, and all state that can be asked for. The exit code is 1 if an
+/// answer differs.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Program that plays calls (tests/apps/player.c)
@@ -54,8 +55,8 @@ pub struct Arguments {
     /// Set an environment variable for the player with Cupola
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Play the files once for each of these variables, set in a new player with Cupola, and name those with which an
-    /// answer differs
+    /// Play the files once for each of these variables, set in a new player with Cupola, and name
+    /// those with which an answer differs
     #[arg(long, value_name = "NAME=VALUE", requires = "replay")]
     in_turn: Vec<String>,
     /// Do not look for the shortest list of calls

@@ -62,7 +62,8 @@ impl Player {
         self.receive()
     }
 
-    /// Begins to play a file; starts a process if none runs. Processes end with the thread that starts them.
+    /// Begins to play a file; starts a process if none runs. Processes end with the thread that
+    /// starts them.
     pub fn send(&mut self, file: &Path) -> Result<(), Failure> {
         if self.played >= MOST {
             self.stop();

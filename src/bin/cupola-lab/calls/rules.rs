@@ -1,6 +1,7 @@
 //! Which commands are called, and which not and why.
 
-/// Extensions whose commands are called besides those of all versions: what Mesa's software renderers have.
+/// Extensions whose commands are called besides those of all versions: what Mesa's software
+/// renderers have.
 pub const EXTENSIONS: &str = "AMD_draw_buffers_blend ARB_ES3_1_compatibility ARB_base_instance ARB_buffer_storage \
     ARB_clear_buffer_object ARB_clear_texture ARB_copy_buffer ARB_copy_image ARB_debug_output ARB_direct_state_access \
     ARB_draw_buffers ARB_draw_elements_base_vertex ARB_draw_instanced ARB_fragment_program ARB_framebuffer_object \
@@ -65,7 +66,8 @@ pub const LEFT_OUT: [(&str, &str); 34] = [
     ("glAreTexturesResident", "depends on the driver's memory"),
 ];
 
-/// Weights of commands by the beginnings of their names; the first that fits counts, and without one 4.
+/// Weights of commands by the beginnings of their names; the first that fits counts, and without
+/// one 4.
 pub const WEIGHTS: [(&str, u32); 52] = [
     ("glBindFramebuffer", 40),
     ("glUseProgram", 20),

@@ -17,7 +17,8 @@ pub enum Backend {
     Cpu,
 }
 
-/// What a pixel shows: its direction, any length, and the view that is sampled, where the driver says it.
+/// What a pixel shows: its direction, any length, and the view that is sampled, where the driver
+/// says it.
 pub type Sampled = (DVec3, Option<usize>);
 
 /// An open driver, or none.

@@ -28,7 +28,8 @@ const FAR: f64 = 0.004;
 /// the pixels of narrow pictures are not much larger.
 const ANGLE: f64 = 6e-7;
 
-/// Distance from a silhouette, in pixels of [`REFERENCE_WIDTH`], within which errors may be [`FAR`].
+/// Distance from a silhouette, in pixels of [`REFERENCE_WIDTH`], within which errors may be
+/// [`FAR`].
 const BESIDE: f64 = 64.0;
 /// Distance between directions on both sides of a silhouette, radians.
 const JUMP: f64 = 0.1;
@@ -116,8 +117,8 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
             if part <= 1.0 {
                 return part;
             }
-            // The error of a view that is coarser because of the size limit counts in texels: of the one that is
-            // sampled, which beside a border may be the one that ends there.
+            // The error of a view that is coarser because of the size limit counts in texels: of
+            // the one that is sampled, which beside a border may be the one that ends there.
             let sampled = at(found.pixel.0, found.pixel.1).and_then(|(_, view)| view);
             let surveyed = sampled.and_then(|view| surveyor.in_view(found.centre(), view));
             let texels = surveyed.and_then(|pixel| pixel.texels_per_pixel);

@@ -98,8 +98,8 @@ mod tests {
         }
     }
 
-    /// A projector in the middle of a hemisphere that looks up with 90° × 90° lights what lies within a pyramid: a third of
-    /// the half sphere, 2π/3 of 2π.
+    /// A projector in the middle of a hemisphere that looks up with 90° × 90° lights what lies
+    /// within a pyramid: a third of the half sphere, 2π/3 of 2π.
     #[test]
     fn the_lit_part_is_that_of_a_pyramid() {
         let text = "[[output]]\nkind = \"projector\"\npitch = 90.0\nfov = [90.0, 90.0]\n";

@@ -7,8 +7,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Finds `libcupola.so`, or the name that packages without files for developers have it under: the path in
-/// `CUPOLA_LIBRARY`, or the folder of this command, or one of the folders for libraries beside it.
+/// Finds `libcupola.so`, or the name that packages without files for developers have it under: the
+/// path in `CUPOLA_LIBRARY`, or the folder of this command, or one of the folders for libraries
+/// beside it.
 pub fn find() -> Result<PathBuf, Failure> {
     if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
         let path = PathBuf::from(path);
@@ -42,8 +43,8 @@ fn places(folder: &Path) -> Vec<PathBuf> {
     folders.flat_map(|folder| names.clone().map(|name| folder.join(name))).collect()
 }
 
-/// Whether a file contains `bytes`. Reads no further than necessary: the string table is near the start of a library, which has
-/// 40 MB without optimisation.
+/// Whether a file contains `bytes`. Reads no further than necessary: the string table is near the
+/// start of a library, which has 40 MB without optimisation.
 fn contains(path: &Path, bytes: &[u8]) -> std::io::Result<bool> {
     let mut file = File::open(path)?;
     let (mut found, mut chunk) = (Vec::new(), vec![0; 1 << 16]);

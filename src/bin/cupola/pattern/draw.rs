@@ -230,15 +230,15 @@ fn turned(angle: f64) -> f64 {
     angle - (angle / 360.0).round() * 360.0
 }
 
-/// How much a line covers a pixel whose value is so far from the line's, if values change by `slope`
-/// over a pixel.
+/// How much a line covers a pixel whose value is so far from the line's, if values change by
+/// `slope` over a pixel.
 fn coverage(distance: f64, slope: f64) -> f64 {
     // A leap is no slope.
     if (1e-12..20.0).contains(&slope) { (HALF + 0.5 - distance / slope).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Blends two colours over each pixel that shows something, given the directions of the pixel, of the
-/// next one to the right and of the next one below.
+/// Blends two colours over each pixel that shows something, given the directions of the pixel, of
+/// the next one to the right and of the next one below.
 fn each_pixel(
     canvas: &mut Canvas,
     directions: &[Option<DVec3>],
@@ -299,7 +299,8 @@ mod tests {
         canvas.at(x as usize, y as usize).iter().sum()
     }
 
-    /// On a domemaster with the zenith in its middle, an elevation is a circle: the radius falls evenly.
+    /// On a domemaster with the zenith in its middle, an elevation is a circle: the radius falls
+    /// evenly.
     #[test]
     fn lines_are_where_the_closed_form_says() {
         let rig = rig("[[output]]\nkind = \"domemaster\"\n");

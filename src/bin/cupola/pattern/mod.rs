@@ -12,8 +12,8 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Draw test patterns for the outputs of a rig: grids of dome angles with labels, names and borders,
-/// overlaps, crosses at given directions, grey and colour ramps, focus.
+/// Draw test patterns for the outputs of a rig: grids of dome angles with labels, names and
+/// borders, overlaps, crosses at given directions, grey and colour ramps, focus.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Each output is drawn through its exact map, without blending: where two projectors meet, lines that do not coincide show
@@ -38,7 +38,8 @@ pub struct Arguments {
     /// Window size in pixels [default: from the rig, or 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
-    /// Folder to write to: NAME.png for each output, and window.png with all of them in their places
+    /// Folder to write to: NAME.png for each output, and window.png with all of them in their
+    /// places
     #[arg(short = 'o', long = "out", value_name = "DIR", required_unless_present = "show")]
     folder: Option<PathBuf>,
     /// Print the result as JSON

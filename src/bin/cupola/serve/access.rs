@@ -1,8 +1,9 @@
 //! Who may talk to the server.
 //!
-//! A secret word is in the printed address, behind `#`, so that browsers neither send nor log it by themselves; the page sends
-//! it with each request in a header of its own. Other users of the machine do not know it. Pages of others cannot set that
-//! header, and requests under a foreign name of this machine (DNS rebinding) are refused before the word is looked at.
+//! A secret word is in the printed address, behind `#`, so that browsers neither send nor log it by
+//! themselves; the page sends it with each request in a header of its own. Other users of the
+//! machine do not know it. Pages of others cannot set that header, and requests under a foreign
+//! name of this machine (DNS rebinding) are refused before the word is looked at.
 
 use std::io::Read;
 use std::net::{IpAddr, SocketAddr};
@@ -44,8 +45,8 @@ impl Access {
         std::hint::black_box(differing) == 0 && word.len() == own.len()
     }
 
-    /// Whether a request has names that only a page of this server, or a program, sends. An address in numbers is not a name
-    /// that somebody else's name server could lead here.
+    /// Whether a request has names that only a page of this server, or a program, sends. An address
+    /// in numbers is not a name that somebody else's name server could lead here.
     pub fn is_own_name(&self, host: Option<&str>, origin: Option<&str>) -> bool {
         let Some(host) = host else { return false };
         let (name, port) = match host.rsplit_once(':') {

@@ -117,7 +117,8 @@ impl Server {
         })
     }
 
-    /// Does what was asked for. `is_trusted`: the asker may start any program, as this user can anyway.
+    /// Does what was asked for. `is_trusted`: the asker may start any program, as this user can
+    /// anyway.
     ///
     /// # Errors
     /// Why it was refused, for people; nothing has changed then.

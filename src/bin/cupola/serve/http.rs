@@ -157,7 +157,8 @@ fn converse(mut stream: TcpStream, access: &Access, answer: &dyn Fn(&Request) ->
     }
 }
 
-/// Reads the next request; `None` at the end of the connection. `held`: bytes that were read already.
+/// Reads the next request; `None` at the end of the connection. `held`: bytes that were read
+/// already.
 fn read(
     stream: &mut impl Read,
     held: &mut Vec<u8>,

@@ -1,9 +1,12 @@
-//! `cupola serve`: a page in the browser with the dome, the program's picture on it, and every key of the rig.
+//! `cupola serve`: a page in the browser with the dome, the program's picture on it, and every key
+//! of the rig.
 //!
-//! All of it is in this process. The program beside it has Cupola's library as ever: it follows a rig file and publishes its
-//! frames in shared memory, and has neither a thread nor a socket of Cupola.
+//! All of it is in this process. The program beside it has Cupola's library as ever: it follows a
+//! rig file and publishes its frames in shared memory, and has neither a thread nor a socket of
+//! Cupola.
 //!
-//! `http`, `socket` and `osc` are three ways to the same [`control`]; `access` decides who may come by the first.
+//! `http`, `socket` and `osc` are three ways to the same [`control`]; `access` decides who may come
+//! by the first.
 
 mod access;
 pub mod control;
@@ -52,7 +55,8 @@ const PORT: u16 = 8640;
 The address that is printed opens the page; whoever knows it may change the rig and start and stop the programs that are
 named here. The rig file is written only when you save.")]
 pub struct Arguments {
-    /// Rig file or name of a preset; may be given several times, the first is opened [default: fisheye]
+    /// Rig file or name of a preset; may be given several times, the first is opened [default:
+    /// fisheye]
     #[arg(long, short, value_name = "FILE|PRESET")]
     rig: Vec<String>,
     /// Set the size of the program's window in pixels
@@ -193,7 +197,8 @@ fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Answers a request. Without the secret word there is the page alone, which shows nothing by itself.
+/// Answers a request. Without the secret word there is the page alone, which shows nothing by
+/// itself.
 fn answer(server: &Server, request: &Request) -> Answer {
     match (request.is_post, request.path.as_str()) {
         (false, "/") => return Answer::new(200, "text/html; charset=utf-8", PAGE),

@@ -1,7 +1,8 @@
 //! Test patterns in place of the program's picture.
 //!
-//! A rig can say what black is raised to, pixel by pixel, and mask the picture. A pattern is a picture of blacks before a
-//! black mask: each graphics API and each kind of output shows it while the program goes on.
+//! A rig can say what black is raised to, pixel by pixel, and mask the picture. A pattern is a
+//! picture of blacks before a black mask: each graphics API and each kind of output shows it while
+//! the program goes on.
 
 use crate::canvas::Canvas;
 use crate::pattern::draw::{Part, Pattern};
@@ -34,7 +35,8 @@ impl Choice {
     }
 }
 
-/// Draws the pattern with this `number` for outputs of these sizes into `folder`. Returns changes of the rig that show it.
+/// Draws the pattern with this `number` for outputs of these sizes into `folder`. Returns changes
+/// of the rig that show it.
 ///
 /// # Errors
 /// What is wrong with the choice, for people.
@@ -106,7 +108,8 @@ pub fn changes(
     Ok(changes)
 }
 
-/// Removes the pictures of the patterns before `number`: the program may still be reading the newest of them.
+/// Removes the pictures of the patterns before `number`: the program may still be reading the
+/// newest of them.
 pub fn tidy(folder: &Path, number: u64) {
     let older = |name: &str| {
         let stem = name.strip_suffix(".png")?;

@@ -104,7 +104,8 @@ impl Pictures {
         self.frame.pictures.iter().find(|picture| picture.name == name).map(|picture| picture.size)
     }
 
-    /// A frame newer than `after`, `side` pixels wide and high; `None` if none has come within `limit`.
+    /// A frame newer than `after`, `side` pixels wide and high; `None` if none has come within
+    /// `limit`.
     pub fn next(&mut self, after: u64, side: u32, limit: Duration) -> Option<Arc<Small>> {
         let side = side.clamp(*SIDES.start(), *SIDES.end());
         let end = Instant::now() + limit;
@@ -200,7 +201,8 @@ pub fn wait(pictures: &std::sync::Mutex<Pictures>, program: &Program, after: u64
     }
 }
 
-/// Places of pictures of these sizes in a square, in rows, each as large as it fits: x, y, width, height.
+/// Places of pictures of these sizes in a square, in rows, each as large as it fits: x, y, width,
+/// height.
 fn arrange(sizes: &[(u32, u32)], side: u32) -> Vec<(u32, u32, u32, u32)> {
     let widest = sizes.iter().map(|size| f64::from(size.0) / f64::from(size.1.max(1))).fold(0.01, f64::max);
     let most = sizes.len().max(1) as u32;

@@ -103,8 +103,9 @@ pub struct Supervised {
     status: Arc<Mutex<Status>>,
 }
 
-/// Starts and stops programs until somebody asks to leave or a signal ends this process. `is_once`: also when the program
-/// ends. On Linux a program ends with the thread that started it, so this is the thread that lives longest.
+/// Starts and stops programs until somebody asks to leave or a signal ends this process. `is_once`:
+/// also when the program ends. On Linux a program ends with the thread that started it, so this is
+/// the thread that lives longest.
 pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
     let mut child: Option<Child> = None;
     loop {

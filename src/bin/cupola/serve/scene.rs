@@ -203,8 +203,8 @@ impl Mesh {
         }
     }
 
-    /// Moves vertices that light nothing to the edge of what is lit, where a neighbour is lit, and leaves out the triangles
-    /// of those that have none.
+    /// Moves vertices that light nothing to the edge of what is lit, where a neighbour is lit, and
+    /// leaves out the triangles of those that have none.
     fn reach_for_the_edge(&mut self, point: impl Fn(DVec2) -> Option<DVec3>) {
         let mut moved: BTreeMap<usize, Vertex> = BTreeMap::new();
         for triangle in &self.triangles {
@@ -241,14 +241,16 @@ fn point(rig: &Rig, map: &WarpMap, pixel: DVec2) -> Option<DVec3> {
     })
 }
 
-/// Points at the ends of the lines from a projector to the corners of its picture: the middle of each side, too.
+/// Points at the ends of the lines from a projector to the corners of its picture: the middle of
+/// each side, too.
 fn frustum(map: &WarpMap) -> Vec<DVec3> {
     let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     corners.into_iter().filter_map(|(x, y)| map.hit(DVec2::new(x * width, y * height))).collect()
 }
 
-/// Lines on the screen: circles around the dome's pole and lines through it, every 15 and 30 degrees, and rims.
+/// Lines on the screen: circles around the dome's pole and lines through it, every 15 and 30
+/// degrees, and rims.
 fn lines(rig: &Rig) -> Vec<Vec<DVec3>> {
     let surface = rig.surface();
     let pole = DMat3::from_rotation_x(-rig.dome.tilt);

@@ -1,7 +1,7 @@
 //! The rig that is being changed: a text with its history, and the file that the program follows.
 //!
-//! The rig's own file changes when it is saved, and at no other time. The program follows a *working file* in a private
-//! folder, which is written after each change that makes a valid rig.
+//! The rig's own file changes when it is saved, and at no other time. The program follows a
+//! *working file* in a private folder, which is written after each change that makes a valid rig.
 
 use crate::tune;
 use cupola::rig::{self, Rig};
@@ -108,8 +108,8 @@ impl Working {
         rig::keys(&text, &self.name, &self.folder)
     }
 
-    /// Applies changes such as `output.NAME.yaw=3`, all of them or none. Changes of the same `gesture` (a drag) that follow
-    /// each other are one step.
+    /// Applies changes such as `output.NAME.yaw=3`, all of them or none. Changes of the same
+    /// `gesture` (a drag) that follow each other are one step.
     ///
     /// # Errors
     /// The rig's own message, and nothing is changed.
@@ -158,7 +158,8 @@ impl Working {
     /// Writes the text to the rig's file.
     ///
     /// # Errors
-    /// The rig is a preset, the file was changed by others meanwhile (unless `replace`), or it cannot be written.
+    /// The rig is a preset, the file was changed by others meanwhile (unless `replace`), or it
+    /// cannot be written.
     pub fn save(&mut self, replace: bool) -> Result<PathBuf, String> {
         let Some(file) = self.file.clone() else {
             return Err(format!(

@@ -94,8 +94,8 @@ fn ask() -> Result<String, String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Reads a line such as `DP-1 connected primary 1920x1080+0+0 (normal …`. Monitors that are switched
-/// off have no geometry.
+/// Reads a line such as `DP-1 connected primary 1920x1080+0+0 (normal …`. Monitors that are
+/// switched off have no geometry.
 fn monitor(line: &str) -> Option<Monitor> {
     let (name, rest) = line.split_once(" connected ")?;
     let (primary, rest) = rest.strip_prefix("primary ").map_or((false, rest), |rest| (true, rest));

@@ -19,7 +19,8 @@ pub struct Arguments {
     /// Rig file to write
     #[arg(value_name = "FILE.toml")]
     pub file: PathBuf,
-    /// Start from a calibration: SGCT (.json), MPCDI, VIOSO (.vwf) or another one that `convert` reads
+    /// Start from a calibration: SGCT (.json), MPCDI, VIOSO (.vwf) or another one that `convert`
+    /// reads
     #[arg(long, value_name = "FILE", conflicts_with_all = ["diameter", "tilt", "coverage", "seat", "fisheye", "projectors", "places"])]
     pub from: Option<String>,
     /// Diameter of the dome, metres

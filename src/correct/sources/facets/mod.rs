@@ -22,8 +22,8 @@ pub const WEIGHT_ERROR: f64 = 1e-3;
 impl Facets {
     /// The triangles for rectangles of an output all of whose pixels' centres show something: as
     /// large as a greatest error in pixels allows. It is measured in the middle of each, of their
-    /// sides, and between; where the map is discontinuous, triangles are as small as pixels, and exact
-    /// at their centres.
+    /// sides, and between; where the map is discontinuous, triangles are as small as pixels, and
+    /// exact at their centres.
     pub(in crate::correct) fn within(sampler: &SurfaceSampler, rects: &[PixelRect], max_error: f64) -> Self {
         adaptive::Builder::new(sampler, max_error).build(rects)
     }

@@ -1,6 +1,7 @@
 //! Viewports and scissors by index (OpenGL 4.1).
 //!
-//! Views are made of the first ones. Draws of programs that choose one by its index are flat where these differ.
+//! Views are made of the first ones. Draws of programs that choose one by its index are flat where
+//! these differ.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -13,8 +14,8 @@ use crate::intercept::gl::context::list_recording::now_or_later;
 use crate::intercept::gl::state::app::window_arrays::{self, Viewport, WindowArrays};
 use crate::intercept::gl::state::driver::profile::ViewportLimits;
 
-/// The rectangles of a call, for the indices from `first` on. `None`: the driver refuses them, or has others than are
-/// followed here, and gets the call as it is.
+/// The rectangles of a call, for the indices from `first` on. `None`: the driver refuses them, or
+/// has others than are followed here, and gets the call as it is.
 ///
 /// # Safety
 /// `numbers` must be null or point at four for each of `count` rectangles.
@@ -37,7 +38,8 @@ unsafe fn rectangles<T: Copy + PartialOrd + Default>(
     rectangles.iter().all(has_size).then(|| rectangles.to_vec())
 }
 
-/// Changes viewports and scissors of the program, now or whenever the list runs that is being compiled.
+/// Changes viewports and scissors of the program, now or whenever the list runs that is being
+/// compiled.
 fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 'static) {
     now_or_later(ctx, move |ctx| {
         ctx.app.change_arrays(&change);
@@ -51,7 +53,8 @@ fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 
 fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<[f32; 4]>) {
     let ViewportLimits { edge, size } = ctx.driver.profile.viewport_limits;
     for [x, y, width, height] in &mut viewports {
-        // As the driver does with what it keeps. `max` and `min` take the bound where a number is none.
+        // As the driver does with what it keeps. `max` and `min` take the bound where a number is
+        // none.
         (*x, *y) = (x.max(edge[0]).min(edge[1]), y.max(edge[0]).min(edge[1]));
         (*width, *height) = (width.min(size[0]), height.min(size[1]));
     }

@@ -1,12 +1,15 @@
-//! The calls that set what is followed of a context's state ([`KnownState`]), so that draws and corrections need not ask for it.
+//! The calls that set what is followed of a context's state ([`KnownState`]), so that draws and
+//! corrections need not ask for it.
 //!
-//! What a display list may set is not known after it ran; what `glPopAttrib` brings back is known where it did not differ.
+//! What a display list may set is not known after it ran; what `glPopAttrib` brings back is known
+//! where it did not differ.
 
 use crate::backend::gl::KnownState;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 
-/// The program has called what sets some of it: `note` says what, unless the call goes into a list, or may be refused.
+/// The program has called what sets some of it: `note` says what, unless the call goes into a list,
+/// or may be refused.
 pub fn note(ctx: &mut Context, note: impl FnOnce(&KnownState)) {
     if let Some(recording) = &mut ctx.lists.recording {
         recording.sets_state = true;

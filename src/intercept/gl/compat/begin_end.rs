@@ -1,8 +1,9 @@
 //! Begin/End: recorded, and then issued like any other draw.
 //!
-//! While the program is between Begin and End the driver is, too, but gets no vertices: so it says the
-//! program's errors as it would without us. Display lists are called when the draw is issued, and so are
-//! elements of arrays, which go into lists of ours. Begin or End may lie in a list of the program.
+//! While the program is between Begin and End the driver is, too, but gets no vertices: so it says
+//! the program's errors as it would without us. Display lists are called when the draw is issued,
+//! and so are elements of arrays, which go into lists of ours. Begin or End may lie in a list of
+//! the program.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -50,7 +51,8 @@ pub fn note_list(ctx: &mut Context, list: u32) {
     ctx.compat.immediate.recorder.push_list(list);
 }
 
-/// What was recorded goes into the program's list that is compiled, and so will what comes, if there is one.
+/// What was recorded goes into the program's list that is compiled, and so will what comes, if
+/// there is one.
 pub fn leave_to_list(ctx: &mut Context) {
     if ctx.compat.immediate.under_way() && ctx.lists.recording.is_some() {
         give_to_list(ctx);
@@ -73,8 +75,9 @@ impl Current {
         }))
     }
 
-    /// Sets them to what they were. Before the first vertex also what is so already: Mesa gives vertices
-    /// a wrong value of an attribute that comes only after them, unless it was set before them.
+    /// Sets them to what they were. Before the first vertex also what is so already: Mesa gives
+    /// vertices a wrong value of an attribute that comes only after them, unless it was set before
+    /// them.
     fn set(&self, gl: &Gl) {
         let [color, normal, texture] = &self.0;
         // SAFETY: reads three or four floats.
@@ -128,7 +131,8 @@ fn issue(ctx: &mut Context, mode: u32, own: Own, bounds: Bounds, recorder: &Reco
         return;
     }
     let vertices = projected_vertices::Vertices::of_recorded(ctx.driver.gl, mode, recorder);
-    // SAFETY: the program's own attributes: materials count for all vertices, all else is set with each of them.
+    // SAFETY: the program's own attributes: materials count for all vertices, all else is set with
+    // each of them.
     unsafe { recorder.play_attributes(ctx.driver.gl, 0) };
     divided::draw_read(ctx, changes, bounds, &vertices, whole);
     // SAFETY: as above; between vertices others were set.
@@ -145,7 +149,8 @@ fn issue_recorded(ctx: &mut Context, own_end: bool) {
     ctx.compat.immediate.recorder = recorder;
 }
 
-/// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be divided when the list runs.
+/// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be
+/// divided when the list runs.
 fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
     lists.recording.is_some() && !projected.views_only && methods::division_asked_for()
 }
@@ -158,7 +163,8 @@ fn keep_apart(ctx: &mut Context) {
     list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, own, bounds, &recorder));
 }
 
-/// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
+/// What was recorded, and what comes until the program's End, goes into the list that is compiled
+/// as it is.
 fn give_to_list(ctx: &mut Context) {
     list_recording::will_draw(ctx, false);
     let Some(recording) = &mut ctx.lists.recording else { return };

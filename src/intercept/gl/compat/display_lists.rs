@@ -67,7 +67,8 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
     }
 }
 
-/// Runs the list at an offset from the base. Unlike `glCallList`, `glCallLists` takes a list 0 for an empty one.
+/// Runs the list at an offset from the base. Unlike `glCallList`, `glCallLists` takes a list 0 for
+/// an empty one.
 fn call_at(ctx: &mut Context, offset: u32, depth: u32) {
     let list = ctx.lists.base.wrapping_add(offset);
     if list != 0 {
@@ -236,7 +237,8 @@ pub fn finish_recording(ctx: &mut Context) {
     if recording.execute {
         call(ctx, list, 0);
         if recording.primitive.within.is_some() {
-            // The list ends, but OpenGL refuses the command between Begin and End. In GL_COMPILE the driver cannot see it.
+            // The list ends, but OpenGL refuses the command between Begin and End. In GL_COMPILE
+            // the driver cannot see it.
             ctx.driver.note_error(api::GL_INVALID_OPERATION);
         }
     }

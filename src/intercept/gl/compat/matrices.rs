@@ -16,7 +16,8 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
     ctx.compat.projection.touch(ctx.app.matrix_mode);
 }
 
-/// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like [`matrix_command`].
+/// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like
+/// [`matrix_command`].
 fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
     let followed = matches!(mode, api::GL_PROJECTION | api::GL_MODELVIEW);
     if !ctx.compiling() || !followed {

@@ -32,7 +32,8 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         if class == DrawClass::FixedScene {
             let mut model_view = [0.0; 16];
             let (mut texture, mut depths) = ([0.0; 4], [0.0; 2]);
-            // SAFETY: writes eighteen doubles and four floats; a raster position implies a fixed-function pipeline.
+            // SAFETY: writes eighteen doubles and four floats; a raster position implies a
+            // fixed-function pipeline.
             unsafe {
                 gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr());
                 gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
@@ -62,12 +63,13 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     }
 }
 
-/// The colour that the raster position took with it: lit, also where it is clipped away in the program's window and OpenGL
-/// has lit none.
+/// The colour that the raster position took with it: lit, also where it is clipped away in the
+/// program's window and OpenGL has lit none.
 fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
     let gl = ctx.driver.gl;
     let mut color = [0.0; 4];
-    // SAFETY: writes four floats. What is current, the raster position with it, is pushed and popped.
+    // SAFETY: writes four floats. What is current, the raster position with it, is pushed and
+    // popped.
     unsafe {
         if is_valid(gl) {
             gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
@@ -117,7 +119,8 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     }
 }
 
-/// Draws at the raster position what `changes` so much. `false` if the caller should treat it as any other draw.
+/// Draws at the raster position what `changes` so much. `false` if the caller should treat it as
+/// any other draw.
 pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) -> bool {
     if ctx.app.picking || (!ctx.redirected() && ctx.compat.raster.origin == [0, 0]) {
         return false;
@@ -147,7 +150,8 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     ctx.compat.projection.refresh(gl, ctx.drawable.session());
     let Some(mut target) = ctx.drawable.take_target() else { return };
     let before = raster_position(gl);
-    // What is current, the raster position with it, is put back; a full stack has no place left for it.
+    // What is current, the raster position with it, is put back; a full stack has no place left for
+    // it.
     let keeps = ctx.app.can_push(0);
     let placed = Placed::begin(gl, &position, ctx.app.matrix_mode, keeps);
     draw_in_views(ctx, &placed, &mut target, &mut || repeats.unchanged(gl, false, || issue(gl)));
@@ -225,7 +229,8 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     }
 }
 
-/// The driver's raster position gets another tile's origin. One that is not valid cannot be moved, and draws nothing.
+/// The driver's raster position gets another tile's origin. One that is not valid cannot be moved,
+/// and draws nothing.
 fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
     let [x, y] = ctx.compat.raster.origin;
     if [x, y] != origin && is_valid(ctx.driver.gl) {

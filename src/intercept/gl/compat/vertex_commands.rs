@@ -1,7 +1,7 @@
 //! Vertices and their attributes: recorded between Begin and End, watched while a list is compiled.
 //!
-//! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form, but are
-//! allowed between Begin and End, are below it.
+//! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form,
+//! but are allowed between Begin and End, are below it.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::compat::begin_end;
@@ -58,7 +58,8 @@ unsafe fn array<T: Copy, const N: usize>(v: *const T) -> [T; N] {
     std::array::from_fn(|i| unsafe { v.add(i).read_unaligned() })
 }
 
-/// Notes a property of a material, which has as many numbers as its name says. `false`: it is to be passed on.
+/// Notes a property of a material, which has as many numbers as its name says. `false`: it is to be
+/// passed on.
 fn note_material<T: Number + Default>(
     ctx: &mut Context,
     command: Command,

@@ -24,7 +24,8 @@ pub struct ShareGroup {
     pub(in crate::intercept::gl) programs: Mutex<Programs>,
     /// Display lists.
     pub(in crate::intercept::gl) lists: Mutex<Lists>,
-    /// What is known of images that are drawn off screen; `None` while a context that is current has it.
+    /// What is known of images that are drawn off screen; `None` while a context that is current
+    /// has it.
     pub(in crate::intercept::gl) off_screen: Mutex<Option<SharedViewCopies>>,
     /// What is known of buffers.
     pub(in crate::intercept::gl) buffers: Mutex<Buffers>,
@@ -117,8 +118,8 @@ impl Context {
         }
     }
 
-    /// Whether OpenGL does what a call of the program says if its arguments are right: not where it may be between Begin and
-    /// End.
+    /// Whether OpenGL does what a call of the program says if its arguments are right: not where it
+    /// may be between Begin and End.
     pub fn takes_calls(&self) -> bool {
         !self.compat.immediate.under_way() && !self.app.picking && self.session().is_some()
     }

@@ -13,10 +13,11 @@ unsafe impl Sync for Hook {}
 
 /// Defines hooks and the table `HOOKS` of them.
 ///
-/// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context
-/// of ours the call goes straight to the driver; so it does after a panic, which switches the
-/// context off: interception fails open; and so it does once the process ends. Between Begin and End of a draw of ours it goes to the driver,
-/// too, which says that it is not allowed there; hooks of what is allowed say so by `between;`.
+/// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context of
+/// ours the call goes straight to the driver; so it does after a panic, which switches the context
+/// off: interception fails open; and so it does once the process ends. Between Begin and End of a
+/// draw of ours it goes to the driver, too, which says that it is not allowed there; hooks of what
+/// is allowed say so by `between;`.
 macro_rules! hooks {
     (between; $($hooks:tt)*) => {
         $crate::intercept::gl::context::hooks::hooks! { @between true; $($hooks)* }

@@ -161,8 +161,9 @@ pub struct Recording {
     pub(in crate::intercept::gl) primitive: Primitive,
 }
 
-/// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets a real list without the
-/// other, as they are issued in different ways. Not between `glBegin` and `glEnd`.
+/// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets
+/// a real list without the other, as they are issued in different ways. Not between `glBegin` and
+/// `glEnd`.
 pub fn will_draw(ctx: &mut Context, raster: bool) {
     if ctx.lists.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
         next_part(ctx, None);
@@ -183,7 +184,8 @@ pub(in crate::intercept::gl) fn next_part(ctx: &mut Context, command: Option<Com
     go_on(ctx, command);
 }
 
-/// Ends the present real list, so that the driver compiles nothing until [`go_on`]. `false`: no list is compiled.
+/// Ends the present real list, so that the driver compiles nothing until [`go_on`]. `false`: no
+/// list is compiled.
 pub fn pause(ctx: &mut Context) -> bool {
     let gl = ctx.driver.gl;
     ctx.lists.recording.as_mut().map(|recording| recording.end_part(gl)).is_some()
@@ -196,7 +198,8 @@ pub fn go_on(ctx: &mut Context, command: Option<Command>) {
     let Some(recording) = &mut ctx.lists.recording else { return };
     recording.items.extend(command.map(Item::Command));
     recording.real = real;
-    // SAFETY: a list of our own; the program is compiling, and the list that was open has just ended.
+    // SAFETY: a list of our own; the program is compiling, and the list that was open has just
+    // ended.
     unsafe { gl.new_list(real, api::GL_COMPILE) };
 }
 
@@ -224,7 +227,8 @@ impl Lists {
                 // The name stays ours, or the driver might give it to the program.
                 self.own.push(*part);
                 if !ctx.compiling() {
-                    // SAFETY: a list of our own that nothing else names; an empty one takes its place.
+                    // SAFETY: a list of our own that nothing else names; an empty one takes its
+                    // place.
                     unsafe {
                         ctx.driver.gl.new_list(*part, api::GL_COMPILE);
                         ctx.driver.gl.end_list();

@@ -6,11 +6,12 @@ use crate::intercept::{live, log};
 use crate::rig::{Divider, Method, Rig};
 use crate::runtime::session::{Extras, Session};
 
-/// How a rig is planned for a window: rig, size, outputs at their own resolution, greatest texture, more tiles.
+/// How a rig is planned for a window: rig, size, outputs at their own resolution, greatest texture,
+/// more tiles.
 pub type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
-/// How windows of a context are planned for `rig`: shaders were patched for lenses from the start, or never. What outputs lose is
-/// told.
+/// How windows of a context are planned for `rig`: shaders were patched for lenses from the start,
+/// or never. What outputs lose is told.
 pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
     if !asked_for() && rig.outputs.iter().any(|output| output.method.projects_vertices()) {
         log::once(

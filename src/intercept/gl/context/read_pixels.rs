@@ -15,7 +15,8 @@ pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: LowerLeftRect) -> 
     Picture { name: name.to_owned(), width: width as u32, height: height as u32, rgba }
 }
 
-/// Runs `work`, which reads a framebuffer into memory without gaps between rows. Bindings and pixel storage are put back.
+/// Runs `work`, which reads a framebuffer into memory without gaps between rows. Bindings and pixel
+/// storage are put back.
 pub fn while_reading(gl: &Gl, framebuffer: u32, work: impl FnOnce()) {
     const STORE: [u32; 4] =
         [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];

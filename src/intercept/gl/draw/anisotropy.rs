@@ -1,8 +1,9 @@
 //! Anisotropic filtering, which Mesa's software renderer cannot do everywhere in a view.
 //!
-//! llvmpipe (22.3 and later) adds up all texels of a pixel's footprint, in loops that nothing limits. In a view that is
-//! turned to the side surfaces reach the eye at flatter angles than in the program's own picture: where a
-//! footprint is billions of texels long, drawing does not end. There, textures are filtered without anisotropy.
+//! llvmpipe (22.3 and later) adds up all texels of a pixel's footprint, in loops that nothing
+//! limits. In a view that is turned to the side surfaces reach the eye at flatter angles than in
+//! the program's own picture: where a footprint is billions of texels long, drawing does not end.
+//! There, textures are filtered without anisotropy.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::hooks::hooks;

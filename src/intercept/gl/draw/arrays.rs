@@ -1,7 +1,8 @@
 //! Draws from arrays, and where their vertices are.
 //!
-//! Arrays in the program's memory are looked through at every draw, since they may change without a call. Arrays
-//! in buffers are read once and then known until the buffer changes ([`crate::intercept::gl::vertex_input::ranges`]).
+//! Arrays in the program's memory are looked through at every draw, since they may change without a
+//! call. Arrays in buffers are read once and then known until the buffer changes
+//! ([`crate::intercept::gl::vertex_input::ranges`]).
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
@@ -85,8 +86,9 @@ unsafe fn around_all(ctx: &mut Context, draws: i32, vertices: impl Fn(usize) -> 
     bounds
 }
 
-/// Hooks of draws whose vertices are those of the arrays that the program has set. Instances show the same vertices:
-/// of what tells them apart nothing is proven, so that the positions of a proven draw do not depend on it.
+/// Hooks of draws whose vertices are those of the arrays that the program has set. Instances show
+/// the same vertices: of what tells them apart nothing is proven, so that the positions of a proven
+/// draw do not depend on it.
 macro_rules! array_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr $(, from $instance:expr)?; )*) => {
         hooks! {

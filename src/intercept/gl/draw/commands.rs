@@ -11,8 +11,8 @@ use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use std::ffi::c_void;
 
-/// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list that is compiled, or
-/// issued once per view.
+/// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list
+/// that is compiled, or issued once per view.
 pub fn draw_command(
     ctx: &mut Context,
     shape: Shape,

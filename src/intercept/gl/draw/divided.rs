@@ -12,8 +12,8 @@ use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 
-/// Issues a draw whose vertices the processor has read, or could not: divided for views that need it, by `whole` for
-/// others.
+/// Issues a draw whose vertices the processor has read, or could not: divided for views that need
+/// it, by `whole` for others.
 pub fn draw_read(
     ctx: &mut Context,
     changes: Changes,
@@ -38,8 +38,8 @@ pub fn draw_read(
     ctx.projected.fixed_function.processor = Processor::Nothing;
 }
 
-/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
-/// command of its own.
+/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is
+/// compiled it becomes a command of its own.
 pub fn draw_arrays(
     ctx: &mut Context,
     mode: u32,

@@ -1,4 +1,5 @@
-//! Programs whose vertices cannot be projected straight to an output get views, as with the method `fragment`.
+//! Programs whose vertices cannot be projected straight to an output get views, as with the method
+//! `fragment`.
 
 use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
@@ -11,8 +12,8 @@ use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 use crate::intercept::log;
 use crate::runtime::session::MatrixClass;
 
-/// Looks whether the next draw can be served where vertices are projected, and puts a program in the place of the
-/// fixed-function pipeline; gives the window views where not.
+/// Looks whether the next draw can be served where vertices are projected, and puts a program in
+/// the place of the fixed-function pipeline; gives the window views where not.
 pub fn look(ctx: &mut Context) {
     let projects = ctx.drawable.target().is_some_and(|target| !target.lenses.is_empty());
     if !projects
@@ -34,7 +35,8 @@ pub fn look(ctx: &mut Context) {
     }
 }
 
-/// The same for a draw of `class` whose primitives have to be divided. Whether the window has views now.
+/// The same for a draw of `class` whose primitives have to be divided. Whether the window has views
+/// now.
 pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     let in_program = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
@@ -66,7 +68,8 @@ pub fn look_screen(ctx: &mut Context) {
     }
 }
 
-/// From now on this context's windows have views. The frame that is being drawn begins anew with the next draw.
+/// From now on this context's windows have views. The frame that is being drawn begins anew with
+/// the next draw.
 pub fn use_views(ctx: &mut Context, reason: &str) {
     if ctx.projected.views_only {
         return;

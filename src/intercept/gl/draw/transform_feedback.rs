@@ -1,4 +1,5 @@
-//! Transform feedback: whether it is recording, since a draw must be recorded once, not once per view.
+//! Transform feedback: whether it is recording, since a draw must be recorded once, not once per
+//! view.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -22,7 +23,8 @@ fn follow(driver: &Driver, app: &mut AppState, recording: bool) {
     }
 }
 
-/// Runs a command of the program, which may be a part of a display list; `recording`: whether it records after it.
+/// Runs a command of the program, which may be a part of a display list; `recording`: whether it
+/// records after it.
 fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
         issue(ctx.driver.gl);

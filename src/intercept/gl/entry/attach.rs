@@ -71,8 +71,8 @@ impl Context {
         }
     }
 
-    /// Gives away what stands for `window`. Its objects that belong to this context alone are deleted when it is
-    /// current again.
+    /// Gives away what stands for `window`. Its objects that belong to this context alone are
+    /// deleted when it is current again.
     pub fn give_picture(&mut self, window: &Window) -> Option<Box<DefaultFramebuffer>> {
         let position = self.drawable.other_windows.iter().position(|(other, _)| other == window);
         let target = match position {
@@ -84,7 +84,8 @@ impl Context {
         Some(target)
     }
 
-    /// Another window, or none: what stood for the old one is kept for when the program comes back to it.
+    /// Another window, or none: what stood for the old one is kept for when the program comes back
+    /// to it.
     fn change_window(&mut self, window: Option<Window>) {
         let old = std::mem::replace(&mut self.drawable.window, window);
         self.drawable.resized = 0;

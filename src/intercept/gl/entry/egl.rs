@@ -97,8 +97,9 @@ pub unsafe extern "C" fn __egl_Main(
     .unwrap_or(0)
 }
 
-/// The one of `vendors` (separated by colons) that stands behind the copy of this library called `own_file`:
-/// libEGL wants a library per vendor, and the copy for the n-th is called `libEGL_cupola_n.so`, from 0.
+/// The one of `vendors` (separated by colons) that stands behind the copy of this library called
+/// `own_file`: libEGL wants a library per vendor, and the copy for the n-th is called
+/// `libEGL_cupola_n.so`, from 0.
 fn real_vendor<'a>(vendors: &'a str, own_file: &str) -> &'a str {
     let number = own_file.strip_prefix("libEGL_cupola_").and_then(|rest| rest.strip_suffix(".so")?.parse().ok());
     vendors.split(':').nth(number.unwrap_or(0)).filter(|name| !name.is_empty()).unwrap_or("libEGL_mesa.so.0")
@@ -113,7 +114,8 @@ fn own_file() -> String {
     if !found || info.dli_fname.is_null() {
         return String::new();
     }
-    // SAFETY: the dynamic linker's name of a loaded library ends with a zero and lives as long as that.
+    // SAFETY: the dynamic linker's name of a loaded library ends with a zero and lives as long as
+    // that.
     let path = unsafe { CStr::from_ptr(info.dli_fname) }.to_string_lossy();
     path.rsplit('/').next().unwrap_or_default().to_owned()
 }
@@ -249,8 +251,8 @@ unsafe extern "C" fn set_damage_region(display: Pointer, surface: Pointer, rects
     real_call!(c"eglSetDamageRegionKHR", (Pointer, Pointer, *mut c_int, c_int) -> c_uint, display, surface, rects, count)
 }
 
-/// The program's damage, for a window that keeps the program's own picture; for others none, which is all: the whole
-/// window changes with any part of that picture.
+/// The program's damage, for a window that keeps the program's own picture; for others none, which
+/// is all: the whole window changes with any part of that picture.
 fn damage(window: Option<&Window>, rects: *const c_int, count: c_int) -> (*const c_int, c_int) {
     if window.is_some_and(present::corrects) { (std::ptr::null(), 0) } else { (rects, count) }
 }

@@ -4,8 +4,8 @@ use crate::intercept::gl::entry::table;
 use crate::intercept::{log, settings};
 use std::ffi::CStr;
 
-/// The entry point of a vendor library of libglvnd, which stays loaded; `None`, and a word in the log, where there
-/// is none. `variable` names the library to a user.
+/// The entry point of a vendor library of libglvnd, which stays loaded; `None`, and a word in the
+/// log, where there is none. `variable` names the library to a user.
 ///
 /// # Safety
 /// `T` must be the type of the function that libglvnd calls `symbol`.
@@ -32,7 +32,8 @@ pub fn wanted() -> bool {
     !settings::switched_off() && settings::settings().is_some()
 }
 
-/// The function of ours that answers `name`, unless the rig corrects nothing: then only frames are counted.
+/// The function of ours that answers `name`, unless the rig corrects nothing: then only frames are
+/// counted.
 pub fn hook(name: &str) -> Option<*const ()> {
     let passthrough = settings::settings().is_none_or(|s| s.rig.passthrough);
     if passthrough { None } else { table::find(name) }
@@ -41,7 +42,8 @@ pub fn hook(name: &str) -> Option<*const ()> {
 /// Calls the driver's function `$name` with `$arguments`; `real` in the caller's module finds it.
 macro_rules! real_call {
     ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
-        // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
+        // SAFETY: the driver's function of this name has this signature; the arguments are the
+        // program's.
         unsafe {
             let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
             function($($a),*)

@@ -28,7 +28,8 @@ pub fn next(window: usize) -> u64 {
     with(window, |frames| *frames + 1)
 }
 
-/// A window was swapped that is not that of the thread's current context. Its picture was corrected when it was left.
+/// A window was swapped that is not that of the thread's current context. Its picture was corrected
+/// when it was left.
 pub fn swapped_elsewhere(window: &Window) {
     let last = || {
         settings().is_some_and(|settings| {

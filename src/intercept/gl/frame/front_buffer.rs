@@ -1,7 +1,8 @@
-//! Programs that show what they draw without a swap: windows with one buffer, and drawing to the front.
+//! Programs that show what they draw without a swap: windows with one buffer, and drawing to the
+//! front.
 //!
-//! Such a program ends a picture with `glFlush` or `glFinish`. Each is a frame for us if something was
-//! drawn since the last one.
+//! Such a program ends a picture with `glFlush` or `glFinish`. Each is a frame for us if something
+//! was drawn since the last one.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::ending;
@@ -27,7 +28,8 @@ pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
     drawable.target().is_some_and(|t| front || !t.config().double_buffered)
 }
 
-/// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left out.
+/// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left
+/// out.
 pub fn show(ctx: &mut Context, finally: bool) {
     let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking;
     if ctx.frame.begun

@@ -1,4 +1,5 @@
-//! Views in turn: each frame of the program draws one view, and the frames of a round are one on the dome.
+//! Views in turn: each frame of the program draws one view, and the frames of a round are one on
+//! the dome.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -8,8 +9,8 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::log;
 use crate::runtime::Session;
 
-/// Ends a frame of the program. Returns whether the window can be corrected: its views are all drawn, or they are not drawn in
-/// turn.
+/// Ends a frame of the program. Returns whether the window can be corrected: its views are all
+/// drawn, or they are not drawn in turn.
 pub fn end_frame(ctx: &mut Context) -> bool {
     let Some(turns) = ctx.session().and_then(Session::turns) else { return true };
     let end = turns.end_frame();

@@ -32,8 +32,9 @@ pub fn corrects(window: &Window) -> bool {
         && current().is_some_and(|c| !c.switched_off && c.drawable.target().is_some())
 }
 
-/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer. Where the views are
-/// drawn in turn and are not complete, there is nothing to swap, and the answer is `left_out`.
+/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its
+/// back buffer. Where the views are drawn in turn and are not complete, there is nothing to swap,
+/// and the answer is `left_out`.
 pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) -> R {
     if ending::has_begun() {
         return swap();
@@ -48,7 +49,8 @@ pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) ->
     answer
 }
 
-/// Before the window is swapped: its back buffer gets the corrected picture. `false`: it is not to be swapped.
+/// Before the window is swapped: its back buffer gets the corrected picture. `false`: it is not to
+/// be swapped.
 fn before_swap() -> bool {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return true };
     let show = || {
@@ -83,7 +85,8 @@ pub fn show_front(ctx: &mut Context) {
     }
     frame(ctx);
     in_window(ctx, |gl| {
-        // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only then.
+        // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only
+        // then.
         unsafe {
             gl.flush();
             if double {
@@ -110,8 +113,8 @@ pub fn leave(ctx: &mut Context) {
     }
 }
 
-/// The thread or the process ends. A picture that was asked for and is not swapped any more is kept now: later the driver may
-/// be unable to draw.
+/// The thread or the process ends. A picture that was asked for and is not swapped any more is kept
+/// now: later the driver may be unable to draw.
 pub fn at_end() {
     let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
     let next = ctx.drawable.window.as_ref().map(|window| frame_number::next(window.handle()));
@@ -218,8 +221,8 @@ fn frame(ctx: &mut Context) -> bool {
     true
 }
 
-/// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one
-/// question in a frame, and those that come back are corrected at once.
+/// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that
+/// are seen cost one question in a frame, and those that come back are corrected at once.
 fn is_occluded(drawable: &Drawable) -> bool {
     drawable.occluded && drawable.window.as_ref().is_some_and(|window| window.look().occluded)
 }

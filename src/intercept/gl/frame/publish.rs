@@ -15,7 +15,8 @@ pub fn wants(ctx: &Context) -> bool {
     ctx.drawable.window.as_ref().is_some_and(|window| publishing::wants(window.handle() as u64))
 }
 
-/// Publishes the frame that was just corrected: reads its pictures, and hands on those that were read before.
+/// Publishes the frame that was just corrected: reads its pictures, and hands on those that were
+/// read before.
 pub fn frame(ctx: &mut Context, number: u64) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     let Some(mut publishing) = fitting(ctx) else { return };

@@ -1,5 +1,5 @@
-//! Dispatches of compute shaders between the scene and the window: once for each view, in the program's own images, which
-//! have each view's content in turn.
+//! Dispatches of compute shaders between the scene and the window: once for each view, in the
+//! program's own images, which have each view's content in turn.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::errors::drop_errors;
@@ -92,8 +92,8 @@ fn barrier(gl: &Gl) {
     unsafe { gl.memory_barrier(api::GL_ALL_BARRIER_BITS) };
 }
 
-/// Looks which images a dispatch uses. Those that it writes and that are not known yet are known from now on, if it makes
-/// them from known ones.
+/// Looks which images a dispatch uses. Those that it writes and that are not known yet are known
+/// from now on, if it makes them from known ones.
 fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
     let mut used = Used { read: sampling::sampled(ctx), written: 0, numbers: false, lost: stage.loses_cameras };
     let gl = ctx.driver.gl;

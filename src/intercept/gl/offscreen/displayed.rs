@@ -1,4 +1,5 @@
-//! Flat draws to the window that show what was drawn off screen: each view is filled with its own picture.
+//! Flat draws to the window that show what was drawn off screen: each view is filled with its own
+//! picture.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -77,8 +78,8 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
     });
 }
 
-/// Makes the canvases, once. `false` where there can be none: in OpenGL ES a picture with one sample is not copied
-/// to a window with several.
+/// Makes the canvases, once. `false` where there can be none: in OpenGL ES a picture with one
+/// sample is not copied to a window with several.
 fn make_canvases(ctx: &mut Context) -> bool {
     let Some(target) = ctx.drawable.target() else { return false };
     if ctx.driver.profile.es && target.config().samples > 0 {
@@ -93,8 +94,8 @@ fn make_canvases(ctx: &mut Context) -> bool {
     true
 }
 
-/// What is drawn into a canvas is scaled afterwards; more bits than the window's keep that from rounding twice. OpenGL ES
-/// has no such format, and what is encoded as sRGB is so only in 8 bits.
+/// What is drawn into a canvas is scaled afterwards; more bits than the window's keep that from
+/// rounding twice. OpenGL ES has no such format, and what is encoded as sRGB is so only in 8 bits.
 fn canvas_format(ctx: &Context) -> u32 {
     match window_format(&ctx.drawable) {
         api::GL_RGBA8 if !ctx.driver.profile.es => api::GL_RGBA16,
@@ -143,7 +144,8 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             target.issued(view);
         }
         if let Some(canvas) = ctx.view_copies.displayed.canvases.get(view) {
-            // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put back below.
+            // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put
+            // back below.
             unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
         window_space::own_window_space(ctx, whole);

@@ -25,7 +25,8 @@ use crate::rig::Duplicate;
 use crate::runtime::session::Session;
 use std::cell::Cell;
 
-/// A draw of vertices within `bounds` to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
+/// A draw of vertices within `bounds` to a framebuffer of the program's. `false`: it is single and
+/// is to be drawn as it is.
 pub fn draw(
     ctx: &mut Context,
     changes: Changes,
@@ -43,8 +44,8 @@ pub fn draw(
     }
     let index = look(ctx);
     let class = classify_by_projection(ctx);
-    // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
-    // screen they are.
+    // What is drawn into the scene samples by places of its own, but for shaders that ask where on
+    // the screen they are.
     let program = ctx.shaders.program.as_ref();
     let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
     let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
@@ -93,8 +94,8 @@ pub fn draw(
     true
 }
 
-/// Where a flat draw that samples no image of the scene belongs in the views: what fills the picture, all of each; a text,
-/// where the panel would be.
+/// Where a flat draw that samples no image of the scene belongs in the views: what fills the
+/// picture, all of each; a text, where the panel would be.
 fn place(ctx: &mut Context, index: usize) -> (DrawClass, Option<Measure>) {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);
@@ -108,8 +109,8 @@ fn place(ctx: &mut Context, index: usize) -> (DrawClass, Option<Measure>) {
     }
 }
 
-/// Draws in perspective that sample these images by places of their own find the last view's content, whether it was drawn
-/// to or not.
+/// Draws in perspective that sample these images by places of their own find the last view's
+/// content, whether it was drawn to or not.
 fn supply_last(ctx: &mut Context, sampled: Set, count: usize, shown: Views) {
     let last = count.saturating_sub(1);
     if !shown.contain(last) {
@@ -117,8 +118,8 @@ fn supply_last(ctx: &mut Context, sampled: Set, count: usize, shown: Views) {
     }
 }
 
-/// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
-/// view's content in turn.
+/// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer,
+/// which has each view's content in turn.
 fn draw_through(
     ctx: &mut Context,
     attached: Set,

@@ -1,7 +1,9 @@
-//! Off-screen drawing where the views are drawn in turn: into the program's own images, with the lens of the view.
+//! Off-screen drawing where the views are drawn in turn: into the program's own images, with the
+//! lens of the view.
 //!
-//! Nothing is copied, so that whatever a program makes of its images is that view's: it needs no following. What has to be
-//! known is only which draws are the scene, and which flat draw to the window shows it.
+//! Nothing is copied, so that whatever a program makes of its images is that view's: it needs no
+//! following. What has to be known is only which draws are the scene, and which flat draw to the
+//! window shows it.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;

@@ -63,7 +63,8 @@ pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
 }
 
-/// Whether the window's views show anything: a program that draws nothing in perspective has its picture on the panel.
+/// Whether the window's views show anything: a program that draws nothing in perspective has its
+/// picture on the panel.
 fn window_has_scene(frame: &Frame, view_copies: &ViewCopies) -> bool {
     let shown = || view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
     frame.has_scene() || shown()
@@ -275,8 +276,8 @@ pub(in crate::intercept::gl) struct End {
     pub format: u32,
 }
 
-/// Copies between the bound framebuffers. To another size it goes by a canvas: samples cannot be scaled, and a
-/// filter would mix in what lies beside the rectangle.
+/// Copies between the bound framebuffers. To another size it goes by a canvas: samples cannot be
+/// scaled, and a filter would mix in what lies beside the rectangle.
 pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
     let extent = |[x0, y0, x1, y1]: Corners| [(x1 - x0).abs(), (y1 - y0).abs()];

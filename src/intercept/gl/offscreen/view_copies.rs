@@ -1,16 +1,17 @@
 //! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
 //!
-//! What the program's framebuffers get, sample and are copied to is remembered by their `images`. From the
-//! next frame on each image that lies between a scene and the window (`scene_graph`) has a *view copy* with a
-//! tile for each view, and framebuffers of ours with view copies stand for the program's (`framebuffers`),
-//! so that draws of the scene change no framebuffer. A tile has the size of the program's own
-//! image: what it has set about them (size, texel, viewport) stays true. Before a flat draw that samples such an
-//! image (`sampling`) is issued to a view, the view's tile is copied into the program's own: filter, wrapping
-//! and sampler objects hold without being followed.
+//! What the program's framebuffers get, sample and are copied to is remembered by their `images`.
+//! From the next frame on each image that lies between a scene and the window (`scene_graph`) has a
+//! *view copy* with a tile for each view, and framebuffers of ours with view copies stand for the
+//! program's (`framebuffers`), so that draws of the scene change no framebuffer. A tile has the
+//! size of the program's own image: what it has set about them (size, texel, viewport) stays true.
+//! Before a flat draw that samples such an image (`sampling`) is issued to a view, the view's tile
+//! is copied into the program's own: filter, wrapping and sampler objects hold without being
+//! followed.
 //!
-//! `draws` issues draws to the view copies, but for views that cannot show them. `displayed` brings the pictures into the window's
-//! views, `transfers` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
-//! its corner.
+//! `draws` issues draws to the view copies, but for views that cannot show them. `displayed` brings
+//! the pictures into the window's views, `transfers` does for `glBlitFramebuffer` and its relatives
+//! what draws do, `coverage` tells the picture from a map in its corner.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
@@ -30,7 +31,8 @@ pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
 
-/// Whether images have copies: there are views of ours, which are not the program's own picture, and not drawn in turn.
+/// Whether images have copies: there are views of ours, which are not the program's own picture,
+/// and not drawn in turn.
 pub(super) fn possible(ctx: &Context) -> bool {
     let has_other_lenses = |s: &Session| s.turns().is_none() && s.views().iter().any(|v| !v.program_lens);
     duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(has_other_lenses)
@@ -124,7 +126,8 @@ pub fn delete(ctx: &mut Context, name: u32) {
     ctx.view_copies.framebuffers.retain(|framebuffer| framebuffer.name != name);
 }
 
-/// The images for which `which` holds were deleted or got another size or format: they are new ones.
+/// The images for which `which` holds were deleted or got another size or format: they are new
+/// ones.
 fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     while let Some(index) = ctx.view_copies.images.iter().position(&which) {
         leave(ctx);
@@ -211,7 +214,8 @@ fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     supply(ctx, set, own_tile(ctx));
 }
 
-/// The program reads these images, as it draws them with its own lens: there is a tile for that from the next frame on.
+/// The program reads these images, as it draws them with its own lens: there is a tile for that
+/// from the next frame on.
 pub(super) fn before_reading_images(ctx: &mut Context, set: Set) {
     for (_, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
         ctx.view_copies.learnt |= !image.read_back;
@@ -332,7 +336,8 @@ pub(super) fn look(ctx: &mut Context) -> usize {
     index
 }
 
-/// Asks what is attached to the program's read framebuffer, if compute shaders may have made it: nothing was drawn to it then.
+/// Asks what is attached to the program's read framebuffer, if compute shaders may have made it:
+/// nothing was drawn to it then.
 pub(super) fn look_at_read(ctx: &mut Context) {
     let name = ctx.app.read_framebuffer;
     if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer {
@@ -357,7 +362,8 @@ pub(super) fn look_at_read(ctx: &mut Context) {
     drop_errors(ctx.driver.gl);
 }
 
-/// Puts the view copy of the program's draw framebuffer, which is at `index`, in its place. `false`: it has none.
+/// Puts the view copy of the program's draw framebuffer, which is at `index`, in its place.
+/// `false`: it has none.
 pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     if ctx.view_copies.bound {
         return true;
@@ -375,7 +381,8 @@ pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     true
 }
 
-/// Makes the framebuffer that stands for the one at `index`, with view copies of all that is attached.
+/// Makes the framebuffer that stands for the one at `index`, with view copies of all that is
+/// attached.
 pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
     let attached = ctx.view_copies.framebuffers[index].attachments;
     let places: [Option<usize>; framebuffers::COLOURS + 2] =

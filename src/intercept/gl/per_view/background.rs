@@ -1,6 +1,6 @@
-//! Flat drawing behind the scene ([`crate::intercept::scene::frame_order`]): it goes into the views themselves, where the
-//! panel would be. A flat clip position is a point of the panel, seen with the panel's opening as a
-//! lens.
+//! Flat drawing behind the scene ([`crate::intercept::scene::frame_order`]): it goes into the views
+//! themselves, where the panel would be. A flat clip position is a point of the panel, seen with
+//! the panel's opening as a lens.
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;

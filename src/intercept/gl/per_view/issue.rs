@@ -38,8 +38,8 @@ pub struct Copies {
     pub changes: Changes,
     /// Number of the rig's views.
     pub views: usize,
-    /// Number of copies: those of the rig's views and, after these, the program's own picture, which
-    /// gets all draws.
+    /// Number of copies: those of the rig's views and, after these, the program's own picture,
+    /// which gets all draws.
     pub count: usize,
     /// Views that can show the draw.
     pub shown: Views,
@@ -203,7 +203,8 @@ impl Repeats {
         // SAFETY: pushed and popped in pairs around one draw.
         unsafe { gl.push_attrib(self.mask) };
         issue();
-        // SAFETY: as above; the material is made to follow the colour that is current again, which Mesa forgets to do.
+        // SAFETY: as above; the material is made to follow the colour that is current again, which
+        // Mesa forgets to do.
         unsafe {
             gl.pop_attrib();
             if self.follows {

@@ -1,7 +1,8 @@
 //! Points and lines that are wider than the space between two tiles.
 //!
-//! A viewport cuts triangles, but of a point or a line only its middle: the rest would be drawn into the neighbouring
-//! tile. Changing the scissor with each view is dear on software renderers, so tiles are cut for these only.
+//! A viewport cuts triangles, but of a point or a line only its middle: the rest would be drawn
+//! into the neighbouring tile. Changing the scissor with each view is dear on software renderers,
+//! so tiles are cut for these only.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;

@@ -22,7 +22,8 @@ pub fn program_window_space(ctx: &mut Context) {
     ctx.draw.to_window = ToWindow::default();
 }
 
-/// The program's own viewports and scissors, moved to a tile of the window's size and kept inside it.
+/// The program's own viewports and scissors, moved to a tile of the window's size and kept inside
+/// it.
 pub fn own_window_space(ctx: &mut Context, tile: LowerLeftRect) {
     ctx.draw.to_window = ToWindow::of_tile(tile.into(), surface_height(ctx));
     if let Some(arrays) = ctx.app.arrays().map(|arrays| arrays.moved_into(tile)) {

@@ -1,5 +1,6 @@
-//! The geometry stage that divides triangles and lines: `correct::projected::division` with what a program's own shaders hand on. What
-//! is not divided far enough is counted where there are atomic counters.
+//! The geometry stage that divides triangles and lines: `correct::projected::division` with what a
+//! program's own shaders hand on. What is not divided far enough is counted where there are atomic
+//! counters.
 
 use crate::correct::projected::division::{Input, cuts, division};
 use crate::intercept::gl::projected_vertices::interface::Interface;
@@ -35,8 +36,9 @@ pub const COUNTER: &str = "cupola_coarse";
 /// What the carriers of values are called, with a number behind.
 pub const CARRIER: &str = "cupola_carried_";
 
-/// The text of the stage for a primitive of `input` whose stage before hands on `interface` and the built-in outputs
-/// `built_in`. `functions`: our uniform and the functions that project. `None` where the context allows too few vertices.
+/// The text of the stage for a primitive of `input` whose stage before hands on `interface` and the
+/// built-in outputs `built_in`. `functions`: our uniform and the functions that project. `None`
+/// where the context allows too few vertices.
 pub fn text(
     input: Input,
     interface: &Interface,
@@ -85,7 +87,8 @@ pub fn text(
     Some(text)
 }
 
-/// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners give it.
+/// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners
+/// give it.
 fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, corners: usize) -> String {
     let mut text = "void cupola_emit(vec4 c, vec3 u) {\n".to_owned();
     let mixed = |of: &dyn Fn(usize) -> String| {

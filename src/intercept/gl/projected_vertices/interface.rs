@@ -1,7 +1,9 @@
-//! What a stage before rasterisation hands on: found in its text, so that a stage of ours can be put behind it.
+//! What a stage before rasterisation hands on: found in its text, so that a stage of ours can be
+//! put behind it.
 //!
-//! The outputs become plain variables, which are copied into outputs of ours at the end of `main`; the stage behind reads
-//! these and has outputs with the names, qualifiers and places that the fragment stage expects.
+//! The outputs become plain variables, which are copied into outputs of ours at the end of `main`;
+//! the stage behind reads these and has outputs with the names, qualifiers and places that the
+//! fragment stage expects.
 
 use crate::intercept::gl::shader::source::patch;
 use std::ops::Range;
@@ -249,7 +251,8 @@ fn layout(text: &str) -> (&str, &str) {
     }
 }
 
-/// The declarations and definitions at the outermost level, and whether each depends on the preprocessor.
+/// The declarations and definitions at the outermost level, and whether each depends on the
+/// preprocessor.
 fn statements(bare: &str) -> Vec<(Range<usize>, bool)> {
     let mut found = Vec::new();
     let (mut depth, mut conditions, mut start) = (0usize, 0usize, 0usize);

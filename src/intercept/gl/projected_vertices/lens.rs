@@ -1,9 +1,10 @@
-//! Methods `vertex` and `primitive`: a view that is an output's own picture, to which the vertices of the program are
-//! projected in its last stage before rasterisation.
+//! Methods `vertex` and `primitive`: a view that is an output's own picture, to which the vertices
+//! of the program are projected in its last stage before rasterisation.
 //!
-//! `correct::projected::projection` is what that stage computes. For `primitive` there are [`variants`] of the program:
-//! they hand the outputs of its shaders (`interface`) to a stage that divides (`geometry_stage`) and get the values of its
-//! uniforms (`mirror`). Where a program cannot be served, `fallback` gives its window views.
+//! `correct::projected::projection` is what that stage computes. For `primitive` there are
+//! [`variants`] of the program: they hand the outputs of its shaders (`interface`) to a stage that
+//! divides (`geometry_stage`) and get the values of its uniforms (`mirror`). Where a program cannot
+//! be served, `fallback` gives its window views.
 
 use crate::correct::projected::division::Input;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
@@ -32,8 +33,9 @@ pub fn variant(ctx: &mut Context) -> Option<Arc<Variant>> {
     kinds(ctx).into_iter().flatten().find_map(|kind| variants::of(ctx, kind))
 }
 
-/// Puts a variant of the program that draws in use that divides what is drawn, for a view with these rows and lens, unless
-/// nothing has to be divided or the processor does it. `division`: how the view's primitives are divided.
+/// Puts a variant of the program that draws in use that divides what is drawn, for a view with
+/// these rows and lens, unless nothing has to be divided or the processor does it. `division`: how
+/// the view's primitives are divided.
 pub fn begin(
     ctx: &mut Context,
     rows: &ReprojectionMatrix,

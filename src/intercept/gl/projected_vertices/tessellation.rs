@@ -1,9 +1,11 @@
-//! The tessellation stages that divide triangles, lines and quadrilaterals: as many parts along each edge as it needs.
+//! The tessellation stages that divide triangles, lines and quadrilaterals: as many parts along
+//! each edge as it needs.
 //!
-//! Where on an edge its parts meet follows from the directions in which the viewer sees its two ends, and so does their
-//! number: what two primitives share is the same. All parts of an edge are equally wide in the chord between these
-//! directions, so that nearness to the viewer costs nothing. More than 64 parts no driver has to make; edges that would need more are
-//! counted where there are atomic counters.
+//! Where on an edge its parts meet follows from the directions in which the viewer sees its two
+//! ends, and so does their number: what two primitives share is the same. All parts of an edge are
+//! equally wide in the chord between these directions, so that nearness to the viewer costs
+//! nothing. More than 64 parts no driver has to make; edges that would need more are counted where
+//! there are atomic counters.
 
 use crate::correct::projected::division;
 use crate::intercept::gl::projected_vertices::geometry_stage::{CARRIER, COUNTER, Limits, Passing};
@@ -14,8 +16,8 @@ use std::fmt::Write;
 /// What the values of the control stage are called, with a number behind.
 const HANDED: &str = "cupola_handed_";
 
-/// Half the aperture of a fisheye, radians, from which on what is around the antipode of its axis is seen: three quarters of
-/// the way there.
+/// Half the aperture of a fisheye, radians, from which on what is around the antipode of its axis
+/// is seen: three quarters of the way there.
 const SHOWN_BEHIND: f64 = 0.75 * std::f64::consts::PI;
 
 /// `cupola_parts(a, b)`: how many parts the edge between two vertices needs.
@@ -50,8 +52,8 @@ pub fn with_built_in(mut interface: Interface, built_in: &[(&str, &str)], passin
     interface
 }
 
-/// The texts of the control and the evaluation stage for patches behind a stage that hands on `interface`. `functions`: our
-/// uniform and the functions that project.
+/// The texts of the control and the evaluation stage for patches behind a stage that hands on
+/// `interface`. `functions`: our uniform and the functions that project.
 pub fn texts(patch: Patch, interface: &Interface, functions: &str, limits: &Limits) -> [String; 2] {
     let version = if limits.counter.is_some() { "420" } else { "400" };
     let profile = if limits.compatibility { "compatibility" } else { "core" };
@@ -224,7 +226,8 @@ mod tests {
         }
     }
 
-    /// The weights of a patch's corners are 1 at that corner, and each outer level is of the edge on which it lies.
+    /// The weights of a patch's corners are 1 at that corner, and each outer level is of the edge
+    /// on which it lies.
     #[test]
     fn corners_are_where_opengl_has_them() {
         for (patch, places) in [

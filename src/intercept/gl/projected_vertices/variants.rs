@@ -1,7 +1,9 @@
-//! Programs of ours beside the program's: the same shaders with a stage behind them that divides lines or triangles.
+//! Programs of ours beside the program's: the same shaders with a stage behind them that divides
+//! lines or triangles.
 //!
-//! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's own. The variant is
-//! linked when a draw first needs it; before each draw it gets the values of the program's uniforms.
+//! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's
+//! own. The variant is linked when a draw first needs it; before each draw it gets the values of
+//! the program's uniforms.
 
 use crate::backend::gl::CurrentProgram;
 use crate::backend::gl::driver::api::{self, Gl};
@@ -25,7 +27,8 @@ use crate::lock::Lock;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::Arc;
 
-/// The variant of this kind of the program that draws, linked if it is new; `None` where there can be none.
+/// The variant of this kind of the program that draws, linked if it is new; `None` where there can
+/// be none.
 pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
     let program = ctx.shaders.program.clone()?;
     let state = program.variants.locked().state(kind);
@@ -59,7 +62,8 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
 }
 
 impl Variant {
-    /// Puts it in use in place of the program that draws, with the values of its uniforms, for a view of these rows and lens.
+    /// Puts it in use in place of the program that draws, with the values of its uniforms, for a
+    /// view of these rows and lens.
     pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
         let gl = ctx.driver.gl;
         let counter = ctx.projected.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));

@@ -1,13 +1,16 @@
 //! Queries that count what the program draws, though each draw is issued once per view.
 //!
-//! OpenGL cannot pause a query. So what must not be counted as it is (our own work, a picture that shows the same
-//! once more, the repetitions of a draw) is kept apart by ending the object that counts and going on with one
-//! of ours. The program gets the sum of these parts, each times its factor:
+//! OpenGL cannot pause a query. So what must not be counted as it is (our own work, a picture that
+//! shows the same once more, the repetitions of a draw) is kept apart by ending the object that
+//! counts and going on with one of ours. The program gets the sum of these parts, each times its
+//! factor:
 //!
-//! - samples: all views together, scaled so that what fills the program's own picture counts as many as that has.
-//!   Samples outside the program's own picture count too: otherwise the program would not draw what only the dome
-//!   shows. A count is at least 1 if anything was seen. Flat drawing counts once;
-//! - primitives and the work of shaders on them: divided by the number of times that the draw was issued;
+//! - samples: all views together, scaled so that what fills the program's own picture counts as
+//!   many as that has. Samples outside the program's own picture count too: otherwise the program
+//!   would not draw what only the dome shows. A count is at least 1 if anything was seen. Flat
+//!   drawing counts once;
+//! - primitives and the work of shaders on them: divided by the number of times that the draw was
+//!   issued;
 //! - time: without our own work;
 //! - whether any samples passed: yes if any passed in any view.
 
@@ -20,9 +23,10 @@ use crate::runtime::Session;
 
 /// The next draw counts with these factors.
 ///
-/// A query of the program is a sequence of queries of the driver, its parts, each with one factor. A part whose factor is
-/// not chosen yet takes the first that is wanted. With another factor the part ends and the next one begins; a factor of 0
-/// needs no part. At the end the results are added up, each times its factor.
+/// A query of the program is a sequence of queries of the driver, its parts, each with one factor.
+/// A part whose factor is not chosen yet takes the first that is wanted. With another factor the
+/// part ends and the next one begins; a factor of 0 needs no part. At the end the results are added
+/// up, each times its factor.
 pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     for number in 0..queries.running.len() {
         let running = &mut queries.running[number];
@@ -40,8 +44,8 @@ pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     }
 }
 
-/// How many samples of the program's own picture one of the views' is worth: what fills that picture counts as
-/// many as it has. `off_screen`: each view has as many samples as that picture.
+/// How many samples of the program's own picture one of the views' is worth: what fills that
+/// picture counts as many as it has. `off_screen`: each view has as many samples as that picture.
 pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
     let Some(lens) = ctx.frame.lens else { return 1.0 };
     let seen = Some((lens, ctx.app.viewport, off_screen));
@@ -93,7 +97,8 @@ pub fn end(gl: &Gl, queries: &mut Queries, target: u32, index: u32) {
     }
 }
 
-/// The object that conditional rendering goes by, in place of the program's query: one that saw something.
+/// The object that conditional rendering goes by, in place of the program's query: one that saw
+/// something.
 pub fn condition(gl: &Gl, queries: &Queries, name: u32) -> u32 {
     let seen = |count: &Count| count.parts.iter().find(|part| result(gl, queries.wide, part.0) > 0).map(|part| part.0);
     queries.split.get(&name).and_then(seen).unwrap_or(name)

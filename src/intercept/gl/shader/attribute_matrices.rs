@@ -1,6 +1,7 @@
 //! Matrices that shaders have from vertex attributes: a camera for each instance.
 //!
-//! They are looked at where no uniform holds a lens. The value for the first instance is believed to have the lens of all.
+//! They are looked at where no uniform holds a lens. The value for the first instance is believed
+//! to have the lens of all.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;

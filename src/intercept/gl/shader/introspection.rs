@@ -158,7 +158,8 @@ hooks! {
         gl.get_program_resource_name(program, interface, resource(ctx, program, interface, index), room, length, name);
     "glGetProgramResourceiv" get_program_resourceiv(program: u32, interface: u32, index: u32, count: i32, what: *const u32, room: i32, length: *mut i32, values: *mut i32) = |ctx, gl| {
         gl.get_program_resourceiv(program, interface, resource(ctx, program, interface, index), count, what, room, length, values);
-        // A block's list of its uniforms, asked for alone as everybody does, or the numbers around it would be hit.
+        // A block's list of its uniforms, asked for alone as everybody does, or the numbers around
+        // it would be hit.
         if count == 1 && !what.is_null() && *what == api::GL_ACTIVE_VARIABLES && interface == api::GL_UNIFORM_BLOCK {
             let mut one = 0;
             let of_block = [api::GL_NUM_ACTIVE_VARIABLES];

@@ -94,7 +94,8 @@ pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
     }
 }
 
-/// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if they lead to one.
+/// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if
+/// they lead to one.
 pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
     upload(ctx, rows);
     let (Some(program), Some(lens)) = (&ctx.shaders.program, lens) else { return };
@@ -108,8 +109,8 @@ pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensC
 /// Sets vectors of ours.
 pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32]) {
     let count = vectors.len() as i32 / 4;
-    // SAFETY: the location is that of the array, of its second half or of a vector; where no program is in use, there are
-    // pipelines and with them the command that takes a name.
+    // SAFETY: the location is that of the array, of its second half or of a vector; where no
+    // program is in use, there are pipelines and with them the command that takes a name.
     unsafe {
         if ctx.shaders.pipelines.used == program.name {
             ctx.driver.gl.uniform4fv(location, count, vectors.as_ptr());

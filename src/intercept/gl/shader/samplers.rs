@@ -30,7 +30,8 @@ pub fn of_program(gl: &Gl, program: u32) -> Vec<Sampler> {
     for index in 0..u32::try_from(count).unwrap_or(0) {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked by.
+        // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked
+        // by.
         let location = unsafe {
             gl.get_active_uniform(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
             gl.get_uniform_location(program, CStr::from_ptr(text.as_ptr()).as_ptr())

@@ -13,8 +13,8 @@ use crate::intercept::lens::{Order, rank};
 use std::collections::BTreeSet;
 use std::ffi::{CStr, CString, c_char};
 
-/// Of longer arrays of matrices, which are bones or instances, only the first is looked at, and those that the shader names
-/// by their numbers.
+/// Of longer arrays of matrices, which are bones or instances, only the first is looked at, and
+/// those that the shader names by their numbers.
 const LONGEST: u32 = 8;
 
 /// Whether Cupola adds this uniform to shaders.
@@ -28,8 +28,8 @@ fn is_own(name: &str) -> bool {
 /// More matrices of an array are not looked at.
 pub const MOST_NAMED: usize = 64;
 
-/// The 4×4 matrices of a linked program that may flow into its position, all if that is not known, and the indices of
-/// Cupola's own uniforms.
+/// The 4×4 matrices of a linked program that may flow into its position, all if that is not known,
+/// and the indices of Cupola's own uniforms.
 pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&PositionNames>) -> (Uniforms, Vec<u32>) {
     let mut reader = Reader { gl, profile, program, position, uniforms: Uniforms::default(), integers: Vec::new() };
     reader.uniforms.generation = u64::MAX;
@@ -90,7 +90,8 @@ struct Active<'a> {
 enum Place {
     /// A uniform's location.
     Location(i32),
-    /// A block, and in bytes the offset there, and the distances between elements and between columns.
+    /// A block, and in bytes the offset there, and the distances between elements and between
+    /// columns.
     Block { block: Block, offset: usize, between: usize, stride: usize, row_major: bool },
 }
 
@@ -297,7 +298,8 @@ impl Reader<'_> {
         Some(())
     }
 
-    /// The array of structures that `name` is a member of, if one of them is chosen, and its number there.
+    /// The array of structures that `name` is a member of, if one of them is chosen, and its number
+    /// there.
     fn array_of_structures(&mut self, name: &str) -> Option<(usize, Option<u32>)> {
         let (before, member) = name.rsplit_once("].")?;
         let (array, number) = before.rsplit_once('[')?;

@@ -10,7 +10,8 @@ use std::collections::HashMap;
 #[derive(Default)]
 pub struct Queries {
     pub(in crate::intercept::gl) running: Vec<Running>,
-    /// Finished queries whose result is more than what their object says, by the program's name for them.
+    /// Finished queries whose result is more than what their object says, by the program's name for
+    /// them.
     pub(in crate::intercept::gl) split: HashMap<u32, Count>,
     /// Objects of ours that are in no use, with their target: an object stays what it was first.
     pub(in crate::intercept::gl) own: Vec<(u32, u32)>,
@@ -31,7 +32,8 @@ pub(in crate::intercept::gl) struct Running {
     pub(in crate::intercept::gl) target: u32,
     pub(in crate::intercept::gl) index: u32,
     pub(in crate::intercept::gl) name: u32,
-    /// The object that counts now, with its factor once something was drawn; `None` = nothing counts.
+    /// The object that counts now, with its factor once something was drawn; `None` = nothing
+    /// counts.
     pub(in crate::intercept::gl) now: Option<(u32, Option<f64>)>,
     pub(in crate::intercept::gl) before: Count,
 }

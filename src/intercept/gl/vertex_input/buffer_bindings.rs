@@ -1,6 +1,8 @@
-//! Which buffers the program has bound: noted from its calls, and asked for once where these do not tell.
+//! Which buffers the program has bound: noted from its calls, and asked for once where these do not
+//! tell.
 //!
-//! `GL_ELEMENT_ARRAY_BUFFER` belongs to a vertex array object ([`crate::intercept::gl::vertex_input::vertex_arrays`]).
+//! `GL_ELEMENT_ARRAY_BUFFER` belongs to a vertex array object
+//! ([`crate::intercept::gl::vertex_input::vertex_arrays`]).
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;

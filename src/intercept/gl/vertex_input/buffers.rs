@@ -1,8 +1,10 @@
-//! Which of the program's buffers hold what they held before: every command that may write to one is seen.
+//! Which of the program's buffers hold what they held before: every command that may write to one
+//! is seen.
 //!
-//! Only buffers that were seen to get their content by commands are known. What the device itself may write (transform
-//! feedback, storage blocks, read-backs, images over buffers), what stays mapped, and names that came back after a
-//! buffer was deleted (a vertex array may still hold the old one) are not known any more, for good.
+//! Only buffers that were seen to get their content by commands are known. What the device itself
+//! may write (transform feedback, storage blocks, read-backs, images over buffers), what stays
+//! mapped, and names that came back after a buffer was deleted (a vertex array may still hold the
+//! old one) are not known any more, for good.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
@@ -26,7 +28,8 @@ pub fn written_by_device(share: &ShareGroup, name: u32) {
     }
 }
 
-/// The buffer that is bound at `target`; 0 = none, or none that is followed: what is bound elsewhere is not known any more.
+/// The buffer that is bound at `target`; 0 = none, or none that is followed: what is bound
+/// elsewhere is not known any more.
 fn bound(ctx: &mut Context, target: u32) -> u32 {
     buffer_bindings::buffer(ctx, target).unwrap_or(0)
 }

@@ -8,8 +8,8 @@ use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::vertex_arrays;
 
 impl Layout {
-    /// What the program has set for `array`, of which `components` count; `None` where that is not all there is to a
-    /// position.
+    /// What the program has set for `array`, of which `components` count; `None` where that is not
+    /// all there is to a position.
     pub fn of(ctx: &mut Context, array: Array, components: usize) -> Option<Self> {
         let layout = match array {
             Array::Conventional => conventional(ctx)?,
@@ -27,7 +27,8 @@ impl Layout {
         usable.then_some(Self { components: given.min(components), ..layout })
     }
 
-    /// The value of a generic attribute for an instance, if the attribute is an array of values for instances.
+    /// The value of a generic attribute for an instance, if the attribute is an array of values for
+    /// instances.
     pub fn of_instances(ctx: &mut Context, location: u32, instance: usize) -> Option<Self> {
         if !vertex_arrays::is_on(ctx, location) {
             return None;

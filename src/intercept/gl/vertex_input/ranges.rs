@@ -1,8 +1,9 @@
 //! Boxes around what draws take from buffers, kept until a buffer changes.
 //!
-//! Buffers are read back, once for each range that is drawn, instead of being shadowed at each upload: that costs
-//! no memory, and nothing for what is never drawn as a scene. A read-back is a wait for the driver, so a program that
-//! writes its vertices anew in each frame must not have it: a buffer is read only once it has outlasted a frame.
+//! Buffers are read back, once for each range that is drawn, instead of being shadowed at each
+//! upload: that costs no memory, and nothing for what is never drawn as a scene. A read-back is a
+//! wait for the driver, so a program that writes its vertices anew in each frame must not have it:
+//! a buffer is read only once it has outlasted a frame.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
@@ -50,7 +51,8 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
     bounds
 }
 
-/// Forgets the ranges of buffers that have changed since; whether there is room then. Looks once in a frame.
+/// Forgets the ranges of buffers that have changed since; whether there is room then. Looks once in
+/// a frame.
 fn make_room(share: &ShareGroup, ranges: &mut Ranges) -> bool {
     if std::mem::replace(&mut ranges.full, true) {
         return false;
@@ -151,7 +153,8 @@ pub unsafe fn index_at(indices: *const u8, kind: u32, number: usize) -> u32 {
     }
 }
 
-/// `size` bytes of a buffer from `start` on; `None` where it does not have them or cannot be read now.
+/// `size` bytes of a buffer from `start` on; `None` where it does not have them or cannot be read
+/// now.
 pub fn read(gl: &Gl, profile: &Profile, buffer: u32, start: usize, size: usize) -> Option<Vec<u8>> {
     if size == 0 || size > MOST_BYTES {
         return None;

@@ -1,7 +1,8 @@
 //! The calls that change vertex arrays.
 //!
-//! The rows come from the registry (`build/gl_arrays.rs`): each makes unknown what it may have changed. Those whose arguments
-//! are noted have hooks below. Some are allowed between Begin and End, with a result that is not defined.
+//! The rows come from the registry (`build/gl_arrays.rs`): each makes unknown what it may have
+//! changed. Those whose arguments are noted have hooks below. Some are allowed between Begin and
+//! End, with a result that is not defined.
 
 use crate::backend::gl::driver::api;
 use crate::backend::gl::driver::values::integer;
@@ -50,7 +51,8 @@ fn note_conventional(ctx: &mut Context, components: i32, kind: u32, stride: i32,
     }
 }
 
-/// Positions in the elements of `glInterleavedArrays`: components, bytes before them, and of a whole element.
+/// Positions in the elements of `glInterleavedArrays`: components, bytes before them, and of a
+/// whole element.
 fn interleaved(format: u32) -> Option<(i32, usize, i32)> {
     Some(match format {
         api::GL_V2F => (2, 0, 8),

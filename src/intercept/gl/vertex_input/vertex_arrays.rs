@@ -1,8 +1,9 @@
-//! What the program has set about vertex arrays: asked for once and kept until a call changes it, so that nothing is
-//! asked for in each draw.
+//! What the program has set about vertex arrays: asked for once and kept until a call changes it,
+//! so that nothing is asked for in each draw.
 //!
-//! What the usual calls set is noted from their arguments, where OpenGL cannot have refused them; every other call that may
-//! change an array makes it unknown again (`vertex_array_commands`). Only attributes that a draw has asked about are kept.
+//! What the usual calls set is noted from their arguments, where OpenGL cannot have refused them;
+//! every other call that may change an array makes it unknown again (`vertex_array_commands`). Only
+//! attributes that a draw has asked about are kept.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
@@ -77,7 +78,8 @@ pub fn is_on(ctx: &mut Context, location: u32) -> bool {
     *attribute.on.get_or_insert_with(|| ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) != 0)
 }
 
-/// The array of a generic attribute: its format, where it lies, and after how many instances it goes on (0: never).
+/// The array of a generic attribute: its format, where it lies, and after how many instances it
+/// goes on (0: never).
 pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
     let object = object(&ctx.driver, &mut ctx.vertex_input);

@@ -258,7 +258,8 @@ unsafe fn between<R: Region>(
                 device.show_flat("it resolves its picture into an image with other views");
                 return next(from, to, regions);
             }
-            // A copy keeps bits, and a blit values: where the formats differ, the views are scaled in that of the first.
+            // A copy keeps bits, and a blit values: where the formats differ, the views are scaled
+            // in that of the first.
             let scaled = match !R::SCALES && !same_format && !same_size {
                 true => match device.images.scaled_atlas(device, from, &target.layout) {
                     Ok(image) => Some(image),
@@ -298,13 +299,15 @@ unsafe fn between<R: Region>(
                         }
                     }
                     if let Some(nothing) = &read.nothing {
-                        // In the window's atlas tiles are apart, and a filter reads beside the panel.
+                        // In the window's atlas tiles are apart, and a filter reads beside the
+                        // panel.
                         let layout = &target.layout;
                         let panel = if target.window { layout.panel_with_border() } else { layout.panel };
                         of_view(nothing.image, AtlasRect { x: 0, y: 0, width: 1, height: 1 }, panel);
                     }
                 });
-                // The program's image has what compute shaders wrote, and what was drawn if that can be copied there.
+                // The program's image has what compute shaders wrote, and what was drawn if that
+                // can be copied there.
                 let in_image = read.is_stored() && !device.images.lacks_own_picture(read.given);
                 match (in_image, target.layout.primary, read.layout.primary) {
                     (true, Some(to), _) => of_view(read.given, whole(read.layout.panel), to),
@@ -312,8 +315,8 @@ unsafe fn between<R: Region>(
                     _ => {}
                 }
                 if !read.is_stored() {
-                    // The panel of an off-screen scene is empty. Its middle is read, so that a filter reads nothing
-                    // beside it.
+                    // The panel of an off-screen scene is empty. Its middle is read, so that a
+                    // filter reads nothing beside it.
                     of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
                 }
                 bring(COPIED_TO, ready_in(from_layout));

@@ -1,9 +1,10 @@
 //! Dispatches of compute shaders on the way from the scene to the window.
 //!
-//! Invocations of a compute shader know places in the program's image. So images that compute shaders read or write have
-//! a picture of each view that is as large as the program's image, and a dispatch that writes such pictures is recorded
-//! once for each view, with copies of its descriptor sets. The program's own dispatch follows, on its own images: numbers
-//! that it gathers in buffers are gathered once.
+//! Invocations of a compute shader know places in the program's image. So images that compute
+//! shaders read or write have a picture of each view that is as large as the program's image, and a
+//! dispatch that writes such pictures is recorded once for each view, with copies of its descriptor
+//! sets. The program's own dispatch follows, on its own images: numbers that it gathers in buffers
+//! are gathered once.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::draws::tiles::PerViewSet;
@@ -139,7 +140,8 @@ fn note_unknown(device: &Device, recording: &Recording) {
     images.for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
 }
 
-/// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its work groups, if it is known.
+/// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its
+/// work groups, if it is known.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -171,8 +173,8 @@ unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u3
     }
 }
 
-/// Issues a dispatch for each view, if it makes pictures of the scene; returns those in the place of the window's image, if it
-/// writes that.
+/// Issues a dispatch for each view, if it makes pictures of the scene; returns those in the place
+/// of the window's image, if it writes that.
 ///
 /// # Errors
 /// Why it cannot.

@@ -27,7 +27,8 @@ fn seen(device: &Device, write: &Write, graphics: bool) {
 }
 
 impl Pushed {
-    /// For each view of `layout` the same with its own images; `None` where it shows nothing of the scene.
+    /// For each view of `layout` the same with its own images; `None` where it shows nothing of the
+    /// scene.
     ///
     /// # Errors
     /// Why there are none.

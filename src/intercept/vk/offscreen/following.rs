@@ -17,7 +17,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Images {
-    /// The window has this layout now, or other layouts of off-screen scenes: images that hold its scene get them, too.
+    /// The window has this layout now, or other layouts of off-screen scenes: images that hold its
+    /// scene get them, too.
     ///
     /// # Errors
     /// What the driver refuses; then such an image is the program's own.

@@ -1,4 +1,5 @@
-//! Images of the program, of the window and beside it, and the atlas copies that passes draw to in their place.
+//! Images of the program, of the window and beside it, and the atlas copies that passes draw to in
+//! their place.
 //!
 //! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the
 //! window. Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
@@ -102,8 +103,9 @@ impl Images {
         Ok(made)
     }
 
-    /// The window to which the depth of a pass belongs that has these attachments, none of them a colour. It is drawn
-    /// for each view then, as that of the passes that draw to the window. Depth that shaders read is no window's.
+    /// The window to which the depth of a pass belongs that has these attachments, none of them a
+    /// colour. It is drawn for each view then, as that of the passes that draw to the window. Depth
+    /// that shaders read is no window's.
     pub fn window_of_depth(&self, device: &Device, views: &[vk::ImageView]) -> Option<Arc<ViewTarget>> {
         let window = device.swapchains.latest_window().filter(|_| device.draws_views())?;
         let belongs = |state: &Image| {
@@ -138,8 +140,8 @@ impl Images {
         }
     }
 
-    /// A pass of the program's own goes on with the image of a view. What a pass with depth only drew for each view is
-    /// missing there.
+    /// A pass of the program's own goes on with the image of a view. What a pass with depth only
+    /// drew for each view is missing there.
     pub fn goes_on_with(&self, device: &Device, view: vk::ImageView) {
         let alone =
             self.of(view).is_some_and(|image| self.images.locked().get(&image).is_some_and(|state| state.drawn_alone));
@@ -183,7 +185,8 @@ impl Images {
                 .array_layers(1)
                 .samples(state.samples)
                 .usage(state.atlas_copy_usage());
-            // At the end of a frame the submitted layout is used, since commands may be recorded ahead.
+            // At the end of a frame the submitted layout is used, since commands may be recorded
+            // ahead.
             (info, state.format, if scene { state.submitted_layout } else { state.layout })
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.

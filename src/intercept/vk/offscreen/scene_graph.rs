@@ -63,14 +63,16 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// Whether what it makes of an image covers all that the image shows. `mapped`: unless it is read at the
-    /// fragment's place, it is a picture on something in the scene, as the depths of a shadow map are.
+    /// Whether what it makes of an image covers all that the image shows. `mapped`: unless it is
+    /// read at the fragment's place, it is a picture on something in the scene, as the depths of a
+    /// shadow map are.
     fn follows(&self, mapped: bool) -> bool {
         self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !mapped))
     }
 
-    /// What a draw that shows `image` makes of it, if that matters: `made`, or something that is not followed. Images of
-    /// other sizes than the window's that are not read at the fragment's place are mirrors.
+    /// What a draw that shows `image` makes of it, if that matters: `made`, or something that is
+    /// not followed. Images of other sizes than the window's that are not read at the fragment's
+    /// place are mirrors.
     pub fn made(&self, device: &Device, image: vk::Image, made: Made) -> Option<Made> {
         let depths = device.images.is_depth(image);
         let mapped = depths || !device.images.has_size_of_window(image);
@@ -155,7 +157,8 @@ pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     computed(device, targets);
 }
 
-/// The program's own images were drawn to, or written by compute shaders, which is missing in the views.
+/// The program's own images were drawn to, or written by compute shaders, which is missing in the
+/// views.
 pub fn computed(device: &Device, images: &[vk::Image]) {
     let missed = |image: &vk::Image| device.images.target_of_image(*image).is_some_and(|target| target.was_missed());
     if images.iter().filter(|image| missed(image)).count() > 0 {

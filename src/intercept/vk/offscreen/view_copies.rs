@@ -92,10 +92,12 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
     }
 }
 
-/// Records the copies of view copies that compute shaders have written to their atlas, which is in the general layout.
+/// Records the copies of view copies that compute shaders have written to their atlas, which is in
+/// the general layout.
 ///
 /// # Safety
-/// The command buffer is being recorded, outside of a pass; what has written the view copies is visible.
+/// The command buffer is being recorded, outside of a pass; what has written the view copies is
+/// visible.
 pub unsafe fn write_back(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarget) {
     let layer = vk::ImageSubresourceLayers { aspect_mask: target.aspects, ..COLOR_LAYER };
     let general = vk::ImageLayout::GENERAL;
@@ -116,8 +118,8 @@ pub unsafe fn write_back(device: &Device, buffer: vk::CommandBuffer, target: &Vi
     }
 }
 
-/// Records the blits of view copies that compute shaders have written to a window, whose image they have written before and
-/// which is in the general layout.
+/// Records the blits of view copies that compute shaders have written to a window, whose image they
+/// have written before and which is in the general layout.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.

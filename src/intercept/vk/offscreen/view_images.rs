@@ -96,8 +96,8 @@ impl Images {
         known.as_ref().filter(|known| known.layout.has_views_of(&window.layout)).map(Arc::clone)
     }
 
-    /// Images that compute shaders write in the place of a window's: one for each view, as large as the window. All images of
-    /// a swapchain share them.
+    /// Images that compute shaders write in the place of a window's: one for each view, as large as
+    /// the window. All images of a swapchain share them.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -118,8 +118,8 @@ impl Images {
         Ok(made)
     }
 
-    /// An image like one that holds a scene, as large as the atlas of another layout, in which texels can be scaled before
-    /// they are copied bit by bit. Its layout follows the image's.
+    /// An image like one that holds a scene, as large as the atlas of another layout, in which
+    /// texels can be scaled before they are copied bit by bit. Its layout follows the image's.
     ///
     /// # Errors
     /// What the driver refuses.

@@ -1,4 +1,5 @@
-//! Compute pipelines: what their shaders read and write, and variants with the camera's matrices of a view.
+//! Compute pipelines: what their shaders read and write, and variants with the camera's matrices of
+//! a view.
 
 use crate::intercept::log;
 use crate::intercept::scene::obstacle::Obstacle;

@@ -1,5 +1,5 @@
-//! Stages of a pipeline with what is different in a view beside the position: places on the screen, texels of images of
-//! the scene, matrices of the camera.
+//! Stages of a pipeline with what is different in a view beside the position: places on the screen,
+//! texels of images of the scene, matrices of the camera.
 
 use crate::intercept::log;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};

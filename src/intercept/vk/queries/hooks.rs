@@ -29,7 +29,8 @@ fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
             let bits = (0..u32::BITS).map(|bit| S::from_raw(1 << bit));
             let of = |bit| match bit {
                 S::FRAGMENT_SHADER_INVOCATIONS => Quantity::Samples,
-                // After clipping a primitive remains only in views that show it: the count is not divided.
+                // After clipping a primitive remains only in views that show it: the count is not
+                // divided.
                 S::CLIPPING_PRIMITIVES | S::COMPUTE_SHADER_INVOCATIONS => Quantity::Unscaled,
                 _ => Quantity::Primitives,
             };

@@ -67,8 +67,8 @@ impl RunningQuery {
     }
 }
 
-/// A query begins in a command buffer. Pending clears of ours are done first, so that the query does not
-/// count them.
+/// A query begins in a command buffer. Pending clears of ours are done first, so that the query
+/// does not count them.
 ///
 /// # Safety
 /// The command buffer is being recorded.

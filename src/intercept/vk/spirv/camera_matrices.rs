@@ -1,8 +1,9 @@
-//! 4×4 matrices of a shader that may be functions of the program's camera: each becomes a choice between the program's
-//! own and one of ours.
+//! 4×4 matrices of a shader that may be functions of the program's camera: each becomes a choice
+//! between the program's own and one of ours.
 //!
-//! A function of ours, to which the entry point leads, gives each matrix a variable: what the program's block holds, or
-//! what the view constants hold, as they say. Loads of the matrix, or of a part of it, become loads of the variable.
+//! A function of ours, to which the entry point leads, gives each matrix a variable: what the
+//! program's block holds, or what the view constants hold, as they say. Loads of the matrix, or of
+//! a part of it, become loads of the variable.
 
 use crate::intercept::scene::eye;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
@@ -59,9 +60,9 @@ struct Found {
     class: u32,
 }
 
-/// `words` with a choice for each 4×4 matrix; `None` where there is none. Of a vertex stage those are left that may flow into
-/// the position. The matrices of ours, and behind them the numbers that choose them, lie at `offset` in the uniform block
-/// at binding 0 of `set`.
+/// `words` with a choice for each 4×4 matrix; `None` where there is none. Of a vertex stage those
+/// are left that may flow into the position. The matrices of ours, and behind them the numbers that
+/// choose them, lie at `offset` in the uniform block at binding 0 of `set`.
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.

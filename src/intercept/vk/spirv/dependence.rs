@@ -1,8 +1,8 @@
 //! What flows into `Position`: only a matrix among it can be the lens.
 //!
-//! Followed are ids and variables of all functions, each variable as a whole but blocks that the program fills, whose
-//! members are told apart. In doubt something flows: all conditions, whichever function they are in, and all that a
-//! call is given.
+//! Followed are ids and variables of all functions, each variable as a whole but blocks that the
+//! program fills, whose members are told apart. In doubt something flows: all conditions, whichever
+//! function they are in, and all that a call is given.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};
@@ -16,20 +16,22 @@ type Member = (u32, Vec<u32>);
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct PositionLoads {
     members: HashSet<Member>,
-    /// Of arrays the elements that are loaded by their number, each with whether it only goes into scalar products.
+    /// Of arrays the elements that are loaded by their number, each with whether it only goes into
+    /// scalar products.
     elements: HashMap<Member, BTreeMap<u32, bool>>,
 }
 
 impl PositionLoads {
-    /// Whether what is loaded includes the member at `path` of a variable, or a part of it. Elements of arrays count as
-    /// one.
+    /// Whether what is loaded includes the member at `path` of a variable, or a part of it.
+    /// Elements of arrays count as one.
     pub fn contain(&self, variable: u32, path: &[u32]) -> bool {
         self.members.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
     }
 
-    /// Groups of four elements of an array that are loaded one behind the other, by the first one's number: what is a
-    /// matrix if the array's elements are `vec4`. The groups begin with the first element of a row of such elements, or
-    /// end with the last one. `true`: they are rows, as they go into scalar products.
+    /// Groups of four elements of an array that are loaded one behind the other, by the first one's
+    /// number: what is a matrix if the array's elements are `vec4`. The groups begin with the first
+    /// element of a row of such elements, or end with the last one. `true`: they are rows, as they
+    /// go into scalar products.
     pub fn fours(&self, variable: u32, path: &[u32]) -> Vec<(u32, bool)> {
         let Some(elements) = self.elements.get(&(variable, path.to_vec())) else { return Vec::new() };
         let numbers: Vec<u32> = elements.keys().copied().collect();
@@ -37,7 +39,8 @@ impl PositionLoads {
         lens::fours(&numbers).into_iter().map(|first| (first, by_rows(first))).collect()
     }
 
-    /// Those of a module; `None` where it writes through pointers that are not followed, or has no position.
+    /// Those of a module; `None` where it writes through pointers that are not followed, or has no
+    /// position.
     pub fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Option<Self> {
         let open = positions(all, declared);
         let (into, chains, products) = (HashMap::new(), HashMap::new(), products(all));
@@ -104,7 +107,8 @@ impl Flow<'_> {
         self.into.entry(target).or_default().extend(sources);
     }
 
-    /// The variable, parameter or result that a pointer leads into, and the indices that lead there.
+    /// The variable, parameter or result that a pointer leads into, and the indices that lead
+    /// there.
     fn root(&self, mut pointer: u32) -> (u32, Vec<u32>) {
         let mut path = Vec::new();
         while let Some((base, indices)) = self.chains.get(&pointer) {
@@ -207,8 +211,9 @@ impl Flow<'_> {
         loads
     }
 
-    /// Those of `indices` that choose a member of a structure, from `variable` on; an index that is not known ends them.
-    /// Behind the last one the number of an element of an array, if it is known.
+    /// Those of `indices` that choose a member of a structure, from `variable` on; an index that is
+    /// not known ends them. Behind the last one the number of an element of an array, if it is
+    /// known.
     fn members(&self, variable: u32, indices: &[u32]) -> (Vec<u32>, Option<u32>) {
         let constant = |id: u32| self.declared.get(id, Op::Constant).map(|constant| constant.operand(2));
         let mut kind = self.declared.pointee(variable).map_or(0, |pointee| pointee.1);

@@ -1,9 +1,9 @@
 //! A geometry stage of ours behind a program's vertex shader, which divides triangles or lines and
 //! projects what it emits.
 //!
-//! The arithmetic is `correct::projected::division`, made SPIR-V by the build. What reads the corners and
-//! writes vertices is put together here: what the vertex shader hands on is declared again, once as
-//! an array of the corners' and once as it is.
+//! The arithmetic is `correct::projected::division`, made SPIR-V by the build. What reads the
+//! corners and writes vertices is put together here: what the vertex shader hands on is declared
+//! again, once as an array of the corners' and once as it is.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::functions::{Additions, Linked, division, push};

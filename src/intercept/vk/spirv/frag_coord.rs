@@ -10,8 +10,8 @@ use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into
 use spirv::{BuiltIn, Decoration, ExecutionModel, FunctionControl, Op, StorageClass};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// `words` with window coordinates of the program; `None` where the shader does not ask for them. The offset and the
-/// scale are four floats at `offset` in the uniform block at binding 0 of `set`.
+/// `words` with window coordinates of the program; `None` where the shader does not ask for them.
+/// The offset and the scale are four floats at `offset` in the uniform block at binding 0 of `set`.
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.

@@ -25,8 +25,8 @@ pub struct Functions {
     fix: u32,
     /// The function for whose sake they are here: `cupola_fix`, or one that calls it.
     root: u32,
-    /// Functions that the module has to have: those of `correct::projected::division::STAGE_FUNCTIONS`, or
-    /// none.
+    /// Functions that the module has to have: those of
+    /// `correct::projected::division::STAGE_FUNCTIONS`, or none.
     open: &'static [u32],
     /// The type that `cupola_fix` takes and gives.
     vector: u32,

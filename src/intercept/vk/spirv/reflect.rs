@@ -41,7 +41,8 @@ const MOST: usize = 16;
 const DEEPEST: usize = 4;
 
 /// The matrices in a shader's uniform blocks, storage blocks and push constants, the likeliest
-/// first; of arrays the first element. `of_position`: only those that may flow into the shader's `Position`.
+/// first; of arrays the first element. `of_position`: only those that may flow into the shader's
+/// `Position`.
 pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);
@@ -89,7 +90,8 @@ impl Loaded<'_> {
         self.loads.is_none_or(|loads| loads.contain(self.variable, path))
     }
 
-    /// Matrices among the elements of an array of `vec4`, by the first one's number; whether they are rows.
+    /// Matrices among the elements of an array of `vec4`, by the first one's number; whether they
+    /// are rows.
     fn fours(&self, path: &[u32]) -> Vec<(u32, bool)> {
         self.loads.map(|loads| loads.fours(self.variable, path)).unwrap_or_default()
     }

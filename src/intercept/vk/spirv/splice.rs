@@ -1,9 +1,9 @@
 //! The splice that lets a program's own shader draw into a view.
 //!
 //! The last stage before rasterisation gets an epilogue that re-projects `gl_Position`
-//! (`correct::projected::projection`). All words of the program stay as they are, known or not; functions,
-//! their types and a uniform block are put in, and the entry point leads to a function of ours that
-//! calls the program's.
+//! (`correct::projected::projection`). All words of the program stay as they are, known or not;
+//! functions, their types and a uniform block are put in, and the entry point leads to a function
+//! of ours that calls the program's.
 
 use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
@@ -196,7 +196,8 @@ fn before_types(instruction: &Instruction<'_>) -> bool {
     head.iter().any(|op| instruction.is(*op))
 }
 
-/// The whole module. `change` gives the operands of each instruction of the program, and may put others before it.
+/// The whole module. `change` gives the operands of each instruction of the program, and may put
+/// others before it.
 pub fn put_into(
     mut additions: Additions<'_>,
     words: &[u32],

@@ -241,8 +241,8 @@ fn matrices_are_found_in_nested_blocks() {
     );
 }
 
-/// Two matrices in a block. `through`: the matrix of this number goes through a function's parameter into the position,
-/// the other one into an output of the program's own.
+/// Two matrices in a block. `through`: the matrix of this number goes through a function's
+/// parameter into the position, the other one into an output of the program's own.
 fn two_matrices(through: u32) -> Vec<u32> {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 60, 0];
     let mut put = |op: Op, operands: &[u32]| {
@@ -314,8 +314,8 @@ fn only_matrices_of_the_position_are_found_where_it_is_asked_for() {
     assert_eq!(offsets(&words, true), HashSet::from([0, 64]));
 }
 
-/// A block with an array of `vec4`. The elements from `first` on, as many as there are `products`, flow into the position:
-/// into a scalar product where it says so, otherwise into a sum.
+/// A block with an array of `vec4`. The elements from `first` on, as many as there are `products`,
+/// flow into the position: into a scalar product where it says so, otherwise into a sum.
 fn elements_of_an_array(first: u32, products: &[bool]) -> Vec<u32> {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 200, 0];
     let mut put = |op: Op, operands: &[u32]| {
@@ -366,7 +366,8 @@ fn four_elements_of_an_array_are_a_matrix() {
     assert_eq!(found(3, &[true; 4]), [(32 + 3 * 16, 16, true)]);
     assert_eq!(found(0, &[true, true, false, true]), [(32, 16, false)], "what goes into a sum is no row");
     assert_eq!(found(5, &[true; 3]), [], "three are none");
-    // From the first and from the last one on: what lies before or behind a matrix may flow into the position, too.
+    // From the first and from the last one on: what lies before or behind a matrix may flow into
+    // the position, too.
     assert_eq!(found(1, &[false; 6]), [(48, 16, false), (80, 16, false)]);
     assert_eq!(found(0, &[false; 8]), [(32, 16, false), (96, 16, false)]);
     assert!(matrices(&elements_of_an_array(0, &[false; 4]), false).is_empty(), "not where all may flow");

@@ -1,8 +1,10 @@
-//! Texels and sizes of images that a fragment shader reads by numbers: those of the program's images.
+//! Texels and sizes of images that a fragment shader reads by numbers: those of the program's
+//! images.
 //!
-//! In a view, an image of the scene has as many texels as the view, not as the program gave it. Coordinates of fetches
-//! are scaled to that, sizes are scaled back. With a coordinate goes the fragment's offset from the corner of its texel:
-//! where a shader fetches at its own place, it gets its own texel, whichever image has more.
+//! In a view, an image of the scene has as many texels as the view, not as the program gave it.
+//! Coordinates of fetches are scaled to that, sizes are scaled back. With a coordinate goes the
+//! fragment's offset from the corner of its texel: where a shader fetches at its own place, it gets
+//! its own texel, whichever image has more.
 
 use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
@@ -24,13 +26,15 @@ pub type DescriptorPlace = (u32, u32);
 pub struct Followed {
     /// Its words.
     pub words: Vec<u32>,
-    /// Descriptors of the images that it fetches from or asks for their size, in the order of their factors.
+    /// Descriptors of the images that it fetches from or asks for their size, in the order of their
+    /// factors.
     pub pictures: Vec<DescriptorPlace>,
 }
 
-/// `words` with fetches at texels of the program; `None` where the shader reads by texture coordinates only. Four floats
-/// at `offset` in the uniform block at binding 0 of `set` are those of [`frag_coord`](super::frag_coord); behind them
-/// are four for each image: the factors from its texels to those of a view, and to them from pixels of the program.
+/// `words` with fetches at texels of the program; `None` where the shader reads by texture
+/// coordinates only. Four floats at `offset` in the uniform block at binding 0 of `set` are those
+/// of [`frag_coord`](super::frag_coord); behind them are four for each image: the factors from its
+/// texels to those of a view, and to them from pixels of the program.
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.

@@ -7,7 +7,8 @@ use std::sync::OnceLock;
 /// The reasons for which a device's draws are not issued for each view.
 #[derive(Default)]
 pub struct Flatness {
-    /// Text for the log and the statistics, where the program's picture is not made of views; empty where it is.
+    /// Text for the log and the statistics, where the program's picture is not made of views; empty
+    /// where it is.
     note: OnceLock<String>,
     /// Why some pipeline has no variants.
     pipeline: OnceLock<Obstacle>,

@@ -78,13 +78,15 @@ pub struct Variants {
     pub(in crate::intercept::vk) panel: vk::Pipeline,
     /// Where its shaders' matrices are.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
-    /// Its fragment shader is told its place in the program's window, and the texels of the program's images.
+    /// Its fragment shader is told its place in the program's window, and the texels of the
+    /// program's images.
     pub(in crate::intercept::vk) moves_place: bool,
     /// It should be, and cannot.
     pub(in crate::intercept::vk) loses_place: bool,
     /// Descriptors of the images that it reads by texels, or asks for their size.
     pub(in crate::intercept::vk) pictures: Vec<DescriptorPlace>,
-    /// Where the matrices of its shaders are that may be functions of the camera, each with its place among ours.
+    /// Where the matrices of its shaders are that may be functions of the camera, each with its
+    /// place among ours.
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
     /// It tests depth.
     pub(in crate::intercept::vk) deep: bool,

@@ -21,7 +21,8 @@ impl CameraFunctions {
     }
 }
 
-/// Looks which matrices of a group are functions of the frame's cameras; whether they, or the cameras, have changed.
+/// Looks which matrices of a group are functions of the frame's cameras; whether they, or the
+/// cameras, have changed.
 pub fn look(device: &Device, group: &mut DrawGroup, frame: &Frame) -> bool {
     if group.facts.cameras.is_empty() {
         return false;
@@ -43,7 +44,8 @@ pub fn look(device: &Device, group: &mut DrawGroup, frame: &Frame) -> bool {
     true
 }
 
-/// Writes for each slot of a group the matrices that its shaders have in the place of the program's.
+/// Writes for each slot of a group the matrices that its shaders have in the place of the
+/// program's.
 pub(in crate::intercept::vk) fn write(
     device: &Device,
     group: &DrawGroup,

@@ -31,7 +31,8 @@ const OUT_OF_SIGHT: ReprojectionMatrix =
     ReprojectionMatrix::from_array([0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
 
 impl Frame {
-    /// A frame ended. `in_views`: draws of scenes are drawn for each view. `off_screen` is asked for what is drawn off screen.
+    /// A frame ended. `in_views`: draws of scenes are drawn for each view. `off_screen` is asked
+    /// for what is drawn off screen.
     pub fn end(&mut self, in_views: bool, off_screen: impl FnOnce() -> OffScreen) {
         if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
             let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
@@ -274,8 +275,8 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     write(group.slots() - 1, &own(group.layout.primary.unwrap_or(group.layout.panel)), &same);
 }
 
-/// Factors for a view of an image that is drawn by the layout `shown`: from texels of the program's image to those of the
-/// view's, and to texels of the program's from pixels of its target.
+/// Factors for a view of an image that is drawn by the layout `shown`: from texels of the program's
+/// image to those of the view's, and to texels of the program's from pixels of its target.
 fn factors(shown: &AtlasLayout, view: usize, target: (u32, u32)) -> [f32; 4] {
     let Some(AtlasRect { width, height, .. }) = shown.views.get(view).map(|view| view.rect) else { return [1.0; 4] };
     let part = |of: f64, whole: u32| of / f64::from(whole.max(1));

@@ -2,7 +2,8 @@
 //!
 //! [`draw_groups`] goes through the events of the submitted command buffers in order. It decides of
 //! each group of draws whether it is of the scene, flat, or flat behind the scene, and writes the
-//! view constants of its tiles; [`camera_matrices`] are those that shaders have beside the position's. [`host_memory`] follows buffers and mapped memory (`vkMapMemory`,
+//! view constants of its tiles; [`camera_matrices`] are those that shaders have beside the
+//! position's. [`host_memory`] follows buffers and mapped memory (`vkMapMemory`,
 //! `vkBindBufferMemory`, …), so that matrices can be read. [`inspected`] describes groups for
 //! `cupola inspect`. State: `Frame`, `HostMemory`.
 

@@ -79,8 +79,8 @@ unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
 }
 
 /// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the
-/// place of the program's semaphores, where those were waited for here. Returns whether each image has a
-/// picture.
+/// place of the program's semaphores, where those were waited for here. Returns whether each image
+/// has a picture.
 ///
 /// # Safety
 /// As for [`present`].
@@ -123,7 +123,8 @@ unsafe fn prepare(
         match made {
             Made::Submitted(signal) => {
                 ready.get_or_insert_default().push(signal);
-                // The first submission waits for everything; what follows on the queue comes after it.
+                // The first submission waits for everything; what follows on the queue comes after
+                // it.
                 waits = &[];
             }
             Made::Lost => complete = false,
@@ -190,8 +191,8 @@ enum Made {
     Lost,
 }
 
-/// Makes the window's picture: the corrected one, or after a failure the program's own. If the driver
-/// refuses this as well, the program is asked for a new swapchain, which is left alone.
+/// Makes the window's picture: the corrected one, or after a failure the program's own. If the
+/// driver refuses this as well, the program is asked for a new swapchain, which is left alone.
 ///
 /// # Safety
 /// As for [`present`].

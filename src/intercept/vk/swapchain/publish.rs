@@ -9,15 +9,15 @@ use crate::intercept::vk::state::swapchains::publishing::Publishing;
 use ash::vk;
 use std::sync::Arc;
 
-/// Reads the pictures of the frame that was just made in image `index`, after `waits`, and hands on those that were read
-/// before. Returns what the presentation has to wait for.
+/// Reads the pictures of the frame that was just made in image `index`, after `waits`, and hands on
+/// those that were read before. Returns what the presentation has to wait for.
 ///
 /// # Errors
 /// The driver's.
 ///
 /// # Safety
-/// No other thread may use the queue or present this swapchain; what was submitted to the queue, and `waits`, leave the image
-/// ready to be presented.
+/// No other thread may use the queue or present this swapchain; what was submitted to the queue,
+/// and `waits`, leave the image ready to be presented.
 pub unsafe fn frame(
     device: &Device,
     queue: Queue,
@@ -33,7 +33,8 @@ pub unsafe fn frame(
         known.layout.as_ref().map(Arc::as_ptr) == layout.map(Arc::as_ptr) && known.family == queue.family
     };
     if !managed.publishing.as_ref().is_some_and(fits) {
-        // SAFETY: as promised. Presentations may still wait for the old semaphores until the device is idle.
+        // SAFETY: as promised. Presentations may still wait for the old semaphores until the device
+        // is idle.
         unsafe {
             if let Some(mut old) = managed.publishing.take() {
                 device.driver.functions.device_wait_idle().map_err(refused)?;

@@ -452,7 +452,8 @@ impl StandIn {
     pub unsafe fn wait(&self, device: &Device) {
         let fences: Vec<vk::Fence> = self.slots.iter().filter(|slot| slot.pending).map(|slot| slot.done).collect();
         if !fences.is_empty() {
-            // SAFETY: fences of ours that were submitted; a lost device ends the wait with an error.
+            // SAFETY: fences of ours that were submitted; a lost device ends the wait with an
+            // error.
             let _ = unsafe { device.driver.functions.wait_for_fences(&fences, true, u64::MAX) };
         }
     }

@@ -10,8 +10,9 @@ use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::log;
 
-/// Where in the atlas an operation on the program's window counts: all of it, or the parts of its own pictures that lie
-/// within its scissor. A scissor around most of the window is taken for the whole, as for clears.
+/// Where in the atlas an operation on the program's window counts: all of it, or the parts of its
+/// own pictures that lie within its scissor. A scissor around most of the window is taken for the
+/// whole, as for clears.
 fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     let Some(target) = ctx.drawable.target() else { return Vec::new() };
     let window = target.size();

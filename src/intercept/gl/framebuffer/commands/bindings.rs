@@ -24,7 +24,8 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     }
     let asked = if draws { api::GL_DRAW_FRAMEBUFFER_BINDING } else { api::GL_READ_FRAMEBUFFER_BINDING };
     if name != 0 && (draws || reads) && integer(ctx.driver.gl, asked) != name as i32 {
-        // The driver refuses names that it has not made, in a core profile. What was bound is so again.
+        // The driver refuses names that it has not made, in a core profile. What was bound is so
+        // again.
         let bound = if draws { ctx.app.draw_framebuffer } else { ctx.app.read_framebuffer };
         bind(ctx, if draws { api::GL_DRAW_FRAMEBUFFER } else { target }, bound);
         return;
@@ -40,7 +41,8 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     }
 }
 
-/// Attaches an image to what is bound at `target`; to the window nothing can be attached, as its own framebuffer says.
+/// Attaches an image to what is bound at `target`; to the window nothing can be attached, as its
+/// own framebuffer says.
 fn attach(ctx: &mut Context, target: u32, run: impl FnOnce(&Gl)) {
     let changed = if target == api::GL_READ_FRAMEBUFFER { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
     view_copies::forget(ctx, changed);

@@ -68,7 +68,8 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
 /// `glClearBuffer`, which may be a part of a display list.
 ///
 /// # Safety
-/// `value` must be null or point at as many numbers as the buffer has, as the program promises OpenGL.
+/// `value` must be null or point at as many numbers as the buffer has, as the program promises
+/// OpenGL.
 unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
     ctx: &mut Context,
     cleared: Cleared,

@@ -1,8 +1,8 @@
 //! Framebuffers by their name (OpenGL 4.5): the program's 0 is ours here too.
 //!
-//! A command on the window's framebuffer is done by the older command that works on the bound framebuffer; then the
-//! binding is put back. Other framebuffers use the newer command, except where the scissor has an effect: while the
-//! window is bound, the scissor is that of a tile.
+//! A command on the window's framebuffer is done by the older command that works on the bound
+//! framebuffer; then the binding is put back. Other framebuffers use the newer command, except
+//! where the scissor has an effect: while the window is bound, the scissor is that of a tile.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -50,7 +50,8 @@ fn exists(ctx: &Context, name: u32) -> bool {
     name == 0 || unsafe { ctx.driver.gl.is_framebuffer(name) } != 0
 }
 
-/// Defines all hooks of this file; clears, which differ in the types of their values alone, from a line each.
+/// Defines all hooks of this file; clears, which differ in the types of their values alone, from a
+/// line each.
 macro_rules! named_framebuffer_hooks {
     ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {

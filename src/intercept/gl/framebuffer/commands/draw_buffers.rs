@@ -20,8 +20,8 @@ fn attachment(buffer: u32) -> u32 {
     match buffer {
         api::GL_NONE => buffer,
         _ if is_window_buffer(buffer) => api::GL_COLOR_ATTACHMENT0,
-        // Names of buffers that this window has not. `GL_BACK` is not valid for our framebuffer object, so that the
-        // driver reports the same error.
+        // Names of buffers that this window has not. `GL_BACK` is not valid for our framebuffer
+        // object, so that the driver reports the same error.
         api::GL_RIGHT
         | api::GL_FRONT_RIGHT
         | api::GL_BACK_RIGHT

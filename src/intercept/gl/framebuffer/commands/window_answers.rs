@@ -10,8 +10,8 @@ fn is_window(ctx: &Context, target: u32) -> bool {
     if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() }
 }
 
-/// Runs a command on what is bound at `target`; for the window that is its own framebuffer, which has the program's errors
-/// and answers. Nothing that the program drew is there.
+/// Runs a command on what is bound at `target`; for the window that is its own framebuffer, which
+/// has the program's errors and answers. Nothing that the program drew is there.
 pub(super) fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R) -> R {
     let gl = ctx.driver.gl;
     let Some(ours) = ctx.drawable.target().filter(|_| is_window(ctx, target)).map(|t| t.framebuffer()) else {

@@ -39,8 +39,8 @@ pub fn fill_primary(ctx: &mut Context) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
-/// −1 along the program's. None before the program's lens is known.
+/// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the
+/// viewer's axes, as far as −1 along the program's. None before the program's lens is known.
 pub(in crate::intercept::gl) fn own_directions(frame: &Frame, camera: &Camera) -> Option<DMat3> {
     let lens = frame.lens?;
     let zoom = camera.zoom;

@@ -1,5 +1,6 @@
-//! Colours of the program's own picture for a read that comes before anything was drawn to it, where views are pictures of
-//! outputs: each pixel takes that of the texel that shows its direction, with the flat panel over it.
+//! Colours of the program's own picture for a read that comes before anything was drawn to it,
+//! where views are pictures of outputs: each pixel takes that of the texel that shows its
+//! direction, with the flat panel over it.
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
@@ -8,8 +9,9 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::gl::state::driver::Driver;
 use glam::{DMat3, DVec3};
 
-/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes. The
-/// views must be drawn and, where they have several samples, resolved. What no output shows is black.
+/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in
+/// the viewer's axes. The views must be drawn and, where they have several samples, resolved. What
+/// no output shows is black.
 pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     let Some(primary) = target.primary() else { return };
     let [width, height] = primary.size();
@@ -44,8 +46,8 @@ pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     first_read_depth::write(driver.gl, target, primary, Content::Color, &pixels);
 }
 
-/// Fills the primary tile before a scene was drawn. The views hold what the program cleared, all the same; over it lies the
-/// panel, with its own depth.
+/// Fills the primary tile before a scene was drawn. The views hold what the program cleared, all
+/// the same; over it lies the panel, with its own depth.
 pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
     let (gl, session) = (ctx.driver.gl, &target.session);
     let Some(primary) = target.primary() else { return };

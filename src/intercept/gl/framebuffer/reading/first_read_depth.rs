@@ -1,5 +1,6 @@
-//! Depth and stencil of the program's own picture for a read that comes before anything was drawn to it: each pixel
-//! takes those of the view that shows its direction, from the texel that it falls into.
+//! Depth and stencil of the program's own picture for a read that comes before anything was drawn
+//! to it: each pixel takes those of the view that shows its direction, from the texel that it falls
+//! into.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct;
@@ -19,8 +20,9 @@ const DEEPEST: u32 = (1 << 24) - 1;
 /// The texel of an empty window.
 const EMPTY: u32 = DEEPEST << 8;
 
-/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes, as
-/// far as −1 along the program's. The views must be drawn and, where they have several samples, resolved.
+/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in
+/// the viewer's axes, as far as −1 along the program's. The views must be drawn and, where they
+/// have several samples, resolved.
 pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directions: DMat3) {
     // OpenGL ES lets nobody read depth, the program neither.
     let (Some(lens), Some(primary), false) = (frame.lens, target.primary(), driver.profile.es) else {
@@ -85,8 +87,8 @@ impl Content {
     }
 }
 
-/// The texel of a view that shows a direction, if it answers for it, and how many times as far it is drawn as it is along
-/// the program's axis.
+/// The texel of a view that shows a direction, if it answers for it, and how many times as far it
+/// is drawn as it is along the program's axis.
 pub fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
     let seen = view.rotation * direction;
     let Tile { x, y, width, height } = view.tile;
@@ -129,8 +131,8 @@ impl Depths {
         (range[0] != range[1]).then_some(Self { range: range.map(f64::from), least })
     }
 
-    /// What the program's own picture stores for what a view stores as `texel`, `farther` times as far along the view's
-    /// axis as along the program's. What nothing was drawn to stays so.
+    /// What the program's own picture stores for what a view stores as `texel`, `farther` times as
+    /// far along the view's axis as along the program's. What nothing was drawn to stays so.
     fn own(&self, texel: u32, rows: &ClipRows, farther: f64) -> u32 {
         let (depth, stencil) = (texel >> 8, texel & 0xff);
         if depth == 0 || depth == DEEPEST {

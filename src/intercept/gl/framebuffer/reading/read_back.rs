@@ -1,6 +1,7 @@
 //! What a program reads from its window: from the primary picture, which is its own.
 //!
-//! Beside that picture lie others. Memory of the program for pixels outside of its window is not written.
+//! Beside that picture lie others. Memory of the program for pixels outside of its window is not
+//! written.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -15,8 +16,8 @@ use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use std::ffi::c_void;
 
-/// Binds what the program's reads of `part` of its window come from. Returns where the program's picture begins in it.
-/// `alpha`: the read takes alpha, too.
+/// Binds what the program's reads of `part` of its window come from. Returns where the program's
+/// picture begins in it. `alpha`: the read takes alpha, too.
 pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] {
     let own_picture = DefaultFramebuffer::own_picture;
     if ctx.drawable.target().is_some_and(|t| own_picture(t).is_none()) {
@@ -50,7 +51,8 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
         view_copies::before_reading_framebuffer(ctx);
         return issue(x, y);
     }
-    // What is read while a list is compiled is no part of the list, and so are the calls that make it ready.
+    // What is read while a list is compiled is no part of the list, and so are the calls that make
+    // it ready.
     let compiling = list_recording::pause(ctx);
     let origin = prepare(ctx, part, alpha);
     if compiling {
@@ -61,14 +63,16 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
     answer
 }
 
-/// The part of a rectangle that lies in the window, if that is not all of it. Sizes below 0 are errors, for the driver to say.
+/// The part of a rectangle that lies in the window, if that is not all of it. Sizes below 0 are
+/// errors, for the driver to say.
 fn cut(ctx: &Context, part: LowerLeftRect) -> Option<LowerLeftRect> {
     let window = ctx.drawable.target().filter(|_| ctx.reads_redirected())?.size();
     let inside = part.moved_into(LowerLeftRect::of_size(window));
     (inside != part && part.width >= 0 && part.height >= 0).then_some(inside)
 }
 
-/// Runs a copy into a part of a texture; `issue` gets the rectangle and how far inside of the part it begins.
+/// Runs a copy into a part of a texture; `issue` gets the rectangle and how far inside of the part
+/// it begins.
 pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl FnOnce(LowerLeftRect, [i32; 2])) {
     let inside = cut(ctx, part).unwrap_or(part);
     let moved = [inside.x - part.x, inside.y - part.y];

@@ -6,7 +6,8 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, Ready};
 
-/// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is needed and not done.
+/// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is
+/// needed and not done.
 pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
     let Some(target) = ctx.drawable.target() else { return };
     let opaque = alpha && target.config.alpha_bits == 0;
@@ -27,8 +28,8 @@ pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
     }
 }
 
-/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
-/// the correction takes the colours only.
+/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the
+/// program's own picture the correction takes the colours only.
 fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
     let gl = ctx.driver.gl;
     let Some(target) = ctx.drawable.target() else { return };

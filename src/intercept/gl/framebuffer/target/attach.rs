@@ -1,4 +1,5 @@
-//! Puts the atlas of the rig's views in the place of a window's framebuffer, and follows the window and the rig file.
+//! Puts the atlas of the rig's views in the place of a window's framebuffer, and follows the window
+//! and the rig file.
 
 use crate::backend::gl::KnownState;
 use crate::backend::gl::driver::api::{self, Gl};
@@ -45,7 +46,8 @@ fn put(ctx: &mut Context, target: DefaultFramebuffer) {
     }
 }
 
-/// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or made, everything stays.
+/// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or
+/// made, everything stays.
 pub fn follow_rig(ctx: &mut Context) {
     let version = live::version();
     if ctx.drawable.target().is_none_or(|target| target.version == version) {
@@ -74,8 +76,9 @@ pub fn follow_rig(ctx: &mut Context) {
 /// How often a window that the program gives another size gets the size that was asked for.
 const MOST_RESIZED: u32 = 3;
 
-/// Looks at the window, and plans anew where it has another size than the plan. Only between frames. A window that keeps
-/// its own picture is not looked at: that would be a question to the display in each frame.
+/// Looks at the window, and plans anew where it has another size than the plan. Only between
+/// frames. A window that keeps its own picture is not looked at: that would be a question to the
+/// display in each frame.
 pub fn follow_size(ctx: &mut Context) {
     if ctx.drawable.target().is_none() {
         ctx.drawable.occluded = false;

@@ -39,7 +39,8 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
             adopt(ctx);
             ctx.set_scissor(None);
             if let Some(new) = ctx.drawable.target() {
-                // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
+                // SAFETY: copies between two framebuffers of ours; the bindings are put back by
+                // `adopt`.
                 unsafe {
                     gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
                     clear_everything(gl);

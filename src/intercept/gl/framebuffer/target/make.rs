@@ -78,7 +78,8 @@ impl DefaultFramebuffer {
         let mut session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
         if live.rig.views.duplicate == Duplicate::InTurn && perspective {
-            // The panel has its place from the start: views that were collected would be lost with the old atlas.
+            // The panel has its place from the start: views that were collected would be lost with
+            // the old atlas.
             session = session.with(Extras { panel: true, ..extras })?.in_turn();
         }
         let config = Config::of_window(gl, &ctx.driver.profile, window);

@@ -1,9 +1,10 @@
-//! How many draws a frame of the program has: it says how dear another view is, which decides how many there are.
+//! How many draws a frame of the program has: it says how dear another view is, which decides how
+//! many there are.
 //!
-//! The first plan is for a program of a thousand draws. Once the number has been steady for some frames, the views are
-//! planned anew for it, at a clear that begins a frame, so that nothing that was drawn is lost. It happens once. The
-//! number is that of the program's own draws, whether or not some of them are left out of views: what is left out never
-//! changes a picture.
+//! The first plan is for a program of a thousand draws. Once the number has been steady for some
+//! frames, the views are planned anew for it, at a clear that begins a frame, so that nothing that
+//! was drawn is lost. It happens once. The number is that of the program's own draws, whether or
+//! not some of them are left out of views: what is left out never changes a picture.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -13,7 +14,8 @@ use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::driver::Driver;
 
-/// The program clears its window. If nothing of what is there can be seen afterwards, this is the moment for other views.
+/// The program clears its window. If nothing of what is there can be seen afterwards, this is the
+/// moment for other views.
 pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
     let begins = !ctx.frame.begun && ctx.redirected() && !ctx.app.picking && !ctx.app.scissor_test;
     let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.frame.draw_count.stencil);

@@ -1,12 +1,14 @@
-//! The parts of views that no output samples: closed by their depth, so that nothing is shaded there.
+//! The parts of views that no output samples: closed by their depth, so that nothing is shaded
+//! there.
 //!
-//! A program that clears the depth of its window starts a picture; right after that those parts get the nearest depth,
-//! and what is drawn there fails the depth test before it is shaded. Whatever the program's depth function, range and
-//! clear value are, no pixel of an output changes, because none reads there: with `GL_ALWAYS`, without a depth test or
-//! with a function turned round in the middle of a frame the parts are merely drawn as before. Reads of the program
-//! come from its own picture, which is not closed. What it counts with occlusion queries are then samples that the
-//! audience can see. Not closed are copies of a program's own framebuffers: what it makes of them (a blur, say) may
-//! read beyond the border of what is sampled.
+//! A program that clears the depth of its window starts a picture; right after that those parts get
+//! the nearest depth, and what is drawn there fails the depth test before it is shaded. Whatever
+//! the program's depth function, range and clear value are, no pixel of an output changes, because
+//! none reads there: with `GL_ALWAYS`, without a depth test or with a function turned round in the
+//! middle of a frame the parts are merely drawn as before. Reads of the program come from its own
+//! picture, which is not closed. What it counts with occlusion queries are then samples that the
+//! audience can see. Not closed are copies of a program's own framebuffers: what it makes of them
+//! (a blur, say) may read beyond the border of what is sampled.
 
 use crate::backend::gl::GlBackend;
 use crate::backend::gl::driver::api::{self, Gl};
@@ -62,7 +64,8 @@ const LEAST_PART: f64 = 0.04;
 /// As many texels at least: closing costs as much as shading some ten thousand simple ones.
 const LEAST_TEXELS: u64 = 1 << 17;
 
-/// Gives the backend what is to be closed of a plan; how many texels of each view that is, empty for nothing.
+/// Gives the backend what is to be closed of a plan; how many texels of each view that is, empty
+/// for nothing.
 pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     let mask = settings::settings().map_or(Mask::Never, |settings| settings.mask);
     let unsampled =

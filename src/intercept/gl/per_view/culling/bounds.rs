@@ -2,8 +2,8 @@
 
 use crate::intercept::gl::per_view::culling::position::{Transform, View};
 
-/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms' sizes: five
-/// roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
+/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms'
+/// sizes: five roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
 const ROUNDING: f64 = 1e-5;
 
 /// A box after a product of matrices.
@@ -45,13 +45,13 @@ fn product(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// Whether no point of the box comes into the picture of a `view`, nor `beside` it (in parts of half the picture's width and
-/// height).
+/// Whether no point of the box comes into the picture of a `view`, nor `beside` it (in parts of
+/// half the picture's width and height).
 ///
-/// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 + beside)·w`.
-/// These are linear, so that holds for points behind the eye as well. Near and far planes are not looked at:
-/// the program may have switched their clipping off. `false` in all cases of doubt, such as numbers that are
-/// not finite.
+/// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 +
+/// beside)·w`. These are linear, so that holds for points behind the eye as well. Near and far
+/// planes are not looked at: the program may have switched their clipping off. `false` in all cases
+/// of doubt, such as numbers that are not finite.
 pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
     (0..2).any(|axis| {
         let out = 1.0 + beside[axis];
@@ -64,8 +64,9 @@ pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
     })
 }
 
-/// The part of the picture of a `view` (left, bottom, right, top; the picture is −1…1) that holds all that can be
-/// seen of the box. `None` where the box reaches behind the eye, so that it may be seen anywhere.
+/// The part of the picture of a `view` (left, bottom, right, top; the picture is −1…1) that holds
+/// all that can be seen of the box. `None` where the box reaches behind the eye, so that it may be
+/// seen anywhere.
 pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
     let error: [f64; 3] = std::array::from_fn(|row| ROUNDING * product(&view.sizes[row], &placed.sizes));
     let middle: [f64; 3] = std::array::from_fn(|row| product(&view.rows[row], &placed.middle));
@@ -90,7 +91,8 @@ pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
             if !at.is_finite() {
                 return None;
             }
-            // With w at its least a point may be taken farther out than it is, and at its greatest farther in.
+            // With w at its least a point may be taken farther out than it is, and at its greatest
+            // farther in.
             let inner = along(axis) / (w + 2.0 * error[2]);
             part[axis] = part[axis].min(at.min(inner) - off);
             part[axis + 2] = part[axis + 2].max(at.max(inner) + off);

@@ -1,5 +1,5 @@
-//! Views that hold nothing but the colour of the last clear, and where others hold more: their part of the correction is
-//! that colour, but for where something was drawn.
+//! Views that hold nothing but the colour of the last clear, and where others hold more: their part
+//! of the correction is that colour, but for where something was drawn.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;

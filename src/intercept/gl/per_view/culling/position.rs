@@ -63,7 +63,8 @@ impl View {
     }
 }
 
-/// The array of positions of what is drawn now, and how many of its components count; `None`: not known.
+/// The array of positions of what is drawn now, and how many of its components count; `None`: not
+/// known.
 pub fn array(ctx: &Context) -> Option<(Array, usize)> {
     match ctx.shaders.program.as_ref().filter(|program| program.draws_vertices()) {
         Some(program) => {
@@ -75,8 +76,8 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
     }
 }
 
-/// What takes positions of the scene at `class` to the program's eye or clip coordinates, whichever the views' own
-/// transforms start from; `None`: not known.
+/// What takes positions of the scene at `class` to the program's eye or clip coordinates, whichever
+/// the views' own transforms start from; `None`: not known.
 pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
     match class {
         DrawClass::FixedScene => {

@@ -1,8 +1,9 @@
 //! Leaves out draws from the views that cannot show them.
 //!
-//! Only where that is proven: vertices whose places are known, and matrices that are known, be it the
-//! fixed-function pipeline's or those of a shader whose text says what it does with them (`shader::source::prover`). Everything else
-//! goes to every view. Views that got nothing are not corrected either ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
+//! Only where that is proven: vertices whose places are known, and matrices that are known, be it
+//! the fixed-function pipeline's or those of a shader whose text says what it does with them
+//! (`shader::source::prover`). Everything else goes to every view. Views that got nothing are not
+//! corrected either ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
 
 use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::intercept::gl::context::gl_context::Context;
@@ -19,11 +20,11 @@ pub fn enabled() -> bool {
     crate::intercept::settings::settings().is_some_and(|s| s.cull)
 }
 
-/// The views of the window that can show a draw of `class` of vertices within `bounds`, which are asked for where they may
-/// matter.
+/// The views of the window that can show a draw of `class` of vertices within `bounds`, which are
+/// asked for where they may matter.
 ///
-/// A draw that no view shows still goes to the last one where it `changes` state, or where more than its
-/// picture counts (transform feedback).
+/// A draw that no view shows still goes to the last one where it `changes` state, or where more
+/// than its picture counts (transform feedback).
 pub fn views(
     ctx: &mut Context,
     class: DrawClass,
@@ -130,8 +131,8 @@ fn note_place(ctx: &mut Context, class: DrawClass, placed: &Placed) {
     }
 }
 
-/// The texels of the atlas within `spread` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the
-/// tile's, or so near to it that a wide line may reach them.
+/// The texels of the atlas within `spread` of a part of a picture (left, bottom, right, top; −1…1),
+/// as far as they are the tile's, or so near to it that a wide line may reach them.
 fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, spread: f64) -> TexelSpan {
     let along = |at: f64, start: i32, length: i32| {
         let length = f64::from(length);

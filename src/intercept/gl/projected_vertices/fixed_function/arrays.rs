@@ -1,7 +1,7 @@
 //! The conventional arrays of a draw, read so that the processor can divide what is drawn.
 //!
-//! Triangles and lines from buffers are left to a geometry stage where there is one: to read them back the processor would
-//! have to wait.
+//! Triangles and lines from buffers are left to a geometry stage where there is one: to read them
+//! back the processor would have to wait.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
@@ -124,7 +124,8 @@ const OTHERS: [(Attribute, Names); 4] = [
     ),
 ];
 
-/// The vertices of a draw of `mode`, if the processor has to divide it; an error where it should, but cannot.
+/// The vertices of a draw of `mode`, if the processor has to divide it; an error where it should,
+/// but cannot.
 ///
 /// # Safety
 /// The program's arrays must hold `range`, as it promises OpenGL.
@@ -211,7 +212,8 @@ unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range)
         let column: Vec<[f32; 4]> = numbers
             .iter()
             .map(|number| {
-                // SAFETY: inside the bytes that were read, or the program's array as it promises OpenGL.
+                // SAFETY: inside the bytes that were read, or the program's array as it promises
+                // OpenGL.
                 unsafe { array.value(first.add((number - least) * array.stride)) }
             })
             .collect();

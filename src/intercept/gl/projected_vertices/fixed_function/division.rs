@@ -1,7 +1,7 @@
 //! Lines, triangles, quadrilaterals and polygons that are divided on the processor, for one view.
 //!
-//! The positions of the new vertices are the program's own, in between; what stands in for the pipeline's vertex stage
-//! projects them, and lights them, as it does the others.
+//! The positions of the new vertices are the program's own, in between; what stands in for the
+//! pipeline's vertex stage projects them, and lights them, as it does the others.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
@@ -64,7 +64,8 @@ pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
     }
 }
 
-/// Where the viewer sees a vertex of these clip coordinates of the program: lens axes, the program's units.
+/// Where the viewer sees a vertex of these clip coordinates of the program: lens axes, the
+/// program's units.
 fn seen(rows: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
     let q = z + f64::from(rows.depth.pole) * w;
     let row = |row: [f32; 4]| {
@@ -123,7 +124,8 @@ impl Divided<'_> {
     /// A vertex between those of these numbers.
     fn emit(&self, corners: &[usize], provoking: usize, weights: DVec3, outline: Option<bool>) {
         let between = |value: usize| {
-            // A sum of two terms is the same in any order: what two triangles share is the same vertex to the bit.
+            // A sum of two terms is the same in any order: what two triangles share is the same
+            // vertex to the bit.
             let mut sum = [0.0f64; 4];
             for (number, weight) in corners.iter().zip(weights.to_array()) {
                 let given = self.vertices.vertex(*number).get(value).copied().unwrap_or_default();

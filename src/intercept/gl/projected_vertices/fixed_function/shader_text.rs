@@ -1,7 +1,8 @@
-//! The fixed-function pipeline's vertex stage as a shader (OpenGL 2.1, sections 2.11 to 2.14), for one state of its switches.
+//! The fixed-function pipeline's vertex stage as a shader (OpenGL 2.1, sections 2.11 to 2.14), for
+//! one state of its switches.
 //!
-//! The position is the pipeline's own, so that what stands behind it can go on from there. Values (lights, materials,
-//! planes, matrices) are read from GLSL's own uniforms.
+//! The position is the pipeline's own, so that what stands behind it can go on from there. Values
+//! (lights, materials, planes, matrices) are read from GLSL's own uniforms.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{Followed, Generated, Lighting, Pipeline};

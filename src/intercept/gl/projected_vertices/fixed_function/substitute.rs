@@ -1,11 +1,13 @@
-//! The fixed-function pipeline, whose vertices only shaders can project to a lens: a program of ours stands in for its
-//! vertex stage while a draw of the scene is issued.
+//! The fixed-function pipeline, whose vertices only shaders can project to a lens: a program of
+//! ours stands in for its vertex stage while a draw of the scene is issued.
 //!
-//! [`pipeline`] is what of the stage is switched on, [`shader_text`] the shader that does the same. There is a program for each
-//! state of the switches that was met. What comes behind the stage (textures, fog, blending) stays the pipeline's own.
+//! [`pipeline`] is what of the stage is switched on, [`shader_text`] the shader that does the same.
+//! There is a program for each state of the switches that was met. What comes behind the stage
+//! (textures, fog, blending) stays the pipeline's own.
 //!
-//! Where primitives have to be divided, [`vertices`] are read from what was recorded or from [`arrays`], become triangles
-//! and lines ([`assembly`]) and are given to the driver with what is between them ([`division`]).
+//! Where primitives have to be divided, [`vertices`] are read from what was recorded or from
+//! [`arrays`], become triangles and lines ([`assembly`]) and are given to the driver with what is
+//! between them ([`division`]).
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::LensConstants;
@@ -91,7 +93,8 @@ pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
     matches!(&projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
 }
 
-/// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
+/// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide
+/// them for some view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     divides && !ctx.app.picking && !ctx.app.feedback && ctx.shaders.program.is_none() && mode != api::GL_POINTS
@@ -121,8 +124,8 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     Ok(program)
 }
 
-/// A command that sets a switch: done now, or cut out of the list that is compiled, so that each draw of the list finds
-/// the program for it.
+/// A command that sets a switch: done now, or cut out of the list that is compiled, so that each
+/// draw of the list finds the program for it.
 pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
     if !methods::asked_for() {
         run(ctx.driver.gl);
@@ -134,7 +137,8 @@ pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
     });
 }
 
-/// The first four numbers of an array, or as many as `name` has: planes and colours have four, all else one.
+/// The first four numbers of an array, or as many as `name` has: planes and colours have four, all
+/// else one.
 ///
 /// # Safety
 /// `values` must hold as many, as the program promises OpenGL.

@@ -150,7 +150,8 @@ fn of_command(command: &Recorded) -> Option<Attribute> {
     }
 }
 
-/// Up to four numbers of a command, the others as OpenGL has them. `normalised`: integers stand for parts of 1.
+/// Up to four numbers of a command, the others as OpenGL has them. `normalised`: integers stand for
+/// parts of 1.
 fn numbers(command: &Recorded, normalised: bool) -> Option<[f32; 4]> {
     let mut value = [0.0, 0.0, 0.0, 1.0];
     for (index, number) in value.iter_mut().enumerate().take(command.count) {

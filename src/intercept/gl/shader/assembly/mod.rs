@@ -1,7 +1,9 @@
-//! Vertex programs in assembly language (`GL_ARB_vertex_program`) that have their matrix in parameters.
+//! Vertex programs in assembly language (`GL_ARB_vertex_program`) that have their matrix in
+//! parameters.
 //!
-//! `text` changes them as `patch` changes shaders; `parameters` finds what may be their matrix. Programs that take the
-//! fixed-function matrices stay as they are: these matrices are replaced for each view.
+//! `text` changes them as `patch` changes shaders; `parameters` finds what may be their matrix.
+//! Programs that take the fixed-function matrices stay as they are: these matrices are replaced for
+//! each view.
 
 mod parameters;
 mod text;

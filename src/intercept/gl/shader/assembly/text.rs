@@ -1,4 +1,5 @@
-//! The change of a vertex program in assembly language: its position goes to a variable, which is re-projected at its end.
+//! The change of a vertex program in assembly language: its position goes to a variable, which is
+//! re-projected at its end.
 
 use crate::intercept::gl::shader::assembly::parameters;
 use crate::intercept::gl::state::shader::assembly::ParameterMatrix;
@@ -26,8 +27,9 @@ MAD result.position.z, cupola_equal.x, cupola_equal.y, cupola_place.y;
 MOV result.position.w, cupola_place.x;
 ";
 
-/// `source` with the change, and the parameters that may be its matrix. The reprojection matrix is in the local parameters
-/// from `first_local` on. `None`: the program takes the fixed-function matrices, or is not understood.
+/// `source` with the change, and the parameters that may be its matrix. The reprojection matrix is
+/// in the local parameters from `first_local` on. `None`: the program takes the fixed-function
+/// matrices, or is not understood.
 pub fn patch(source: &str, first_local: u32) -> Option<(String, Vec<ParameterMatrix>)> {
     let bare = without_comments(source);
     let body = bare.trim_start().strip_prefix(HEADER)?;

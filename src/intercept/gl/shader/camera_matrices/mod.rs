@@ -1,17 +1,17 @@
 //! Matrices of the program that are functions of its camera: each view has its own.
 //!
-//! Positions from depth, screen-space effects, deferred lights and skies of a shader hold the projection or an inverse
-//! beside what makes the position. The text of such a stage gets a choice at each use ([`text`]). Before a draw goes to a
-//! view ([`upload`]), the matrices are compared with the lenses of the frame
-//! ([`CameraFunction`](crate::geom::reprojection::CameraFunction)), and those that are functions of one are
-//! replaced by what they are in the view.
+//! Positions from depth, screen-space effects, deferred lights and skies of a shader hold the
+//! projection or an inverse beside what makes the position. The text of such a stage gets a choice
+//! at each use ([`text`]). Before a draw goes to a view ([`upload`]), the matrices are compared
+//! with the lenses of the frame ([`CameraFunction`](crate::geom::reprojection::CameraFunction)),
+//! and those that are functions of one are replaced by what they are in the view.
 //!
-//! Eye coordinates stay those of the program, in which images of its scene and places of its lights may be. A pass that
-//! samples no image of the scene gets the eye of the view, if it holds the projection and the view matrix apart
-//! ([`eye_axes`](crate::geom::reprojection::eye_axes)).
+//! Eye coordinates stay those of the program, in which images of its scene and places of its lights
+//! may be. A pass that samples no image of the scene gets the eye of the view, if it holds the
+//! projection and the view matrix apart ([`eye_axes`](crate::geom::reprojection::eye_axes)).
 //!
-//! A vertex shader keeps the matrices of its position, which is re-projected, and in draws of the scene all others, so that
-//! what it hands on fits its position.
+//! A vertex shader keeps the matrices of its position, which is re-projected, and in draws of the
+//! scene all others, so that what it hands on fits its position.
 
 pub mod text;
 pub mod upload;
@@ -25,7 +25,8 @@ use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use std::collections::HashMap;
 
-/// The matrices of a linked program whose stages have choices between these and ours, in this order.
+/// The matrices of a linked program whose stages have choices between these and ours, in this
+/// order.
 pub fn of_program(gl: &Gl, profile: &Profile, program: u32, stages: &[(MatrixStage, Vec<Named>)]) -> CameraMatrices {
     let all: Vec<String> = stages.iter().flat_map(|(_, matrices)| matrices).map(|matrix| matrix.name.clone()).collect();
     let uniforms = uniforms_called(gl, profile, program, &all);

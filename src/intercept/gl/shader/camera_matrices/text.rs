@@ -1,6 +1,8 @@
-//! The text of a stage with a choice at each use of a 4×4 matrix: the program's own, or one of ours.
+//! The text of a stage with a choice at each use of a 4×4 matrix: the program's own, or one of
+//! ours.
 //!
-//! A matrix `m` becomes `(chosen[i]>0.5?matrices[i]:m)`. The program's own uniform stays active, in all that it asks.
+//! A matrix `m` becomes `(chosen[i]>0.5?matrices[i]:m)`. The program's own uniform stays active, in
+//! all that it asks.
 
 use crate::intercept::gl::shader::source::head::Head;
 use crate::intercept::gl::shader::source::prover::declarations::behind;
@@ -11,7 +13,8 @@ use std::collections::HashMap;
 /// More matrices of a stage are not looked at.
 const MOST: usize = 8;
 
-/// Words that may stand before a use; another name there is a type, and what follows a variable of the program's.
+/// Words that may stand before a use; another name there is a type, and what follows a variable of
+/// the program's.
 const BEFORE: [&str; 2] = ["return", "else"];
 
 /// A matrix between which and ours a text chooses.

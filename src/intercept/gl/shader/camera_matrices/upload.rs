@@ -36,8 +36,8 @@ fn recognise(ctx: &Context, matrices: &mut CameraMatrices) -> bool {
     matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), &ctx.frame.cameras)
 }
 
-/// Gives what draws now the matrices of a view. In draws of a scene positions are re-projected, so that the vertex shader keeps
-/// its own.
+/// Gives what draws now the matrices of a view. In draws of a scene positions are re-projected, so
+/// that the vertex shader keeps its own.
 pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
     let scene = !matches!(class, DrawClass::Flat | DrawClass::Screen);
     for program in drawing(ctx).into_iter().flatten() {

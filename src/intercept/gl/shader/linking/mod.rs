@@ -139,9 +139,9 @@ fn link(ctx: &mut Context, program: u32) {
     }
 }
 
-/// Links with as much as can be changed. Shaders that could not be linked with their change are compiled as they were, and
-/// so are those that were `left` as they were changed for another program. Returns the shaders that were given another text,
-/// too.
+/// Links with as much as can be changed. Shaders that could not be linked with their change are
+/// compiled as they were, and so are those that were `left` as they were changed for another
+/// program. Returns the shaders that were given another text, too.
 fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>, left: HashSet<u32>) -> (Linked, HashSet<u32>) {
     let position = texts.position().is_some();
     let frag_coord = texts.asking().next().is_some();
@@ -294,9 +294,9 @@ fn read_program(
     }
 }
 
-/// A program of ours of one vertex shader, which draws with the fixed-function matrices: `patched` is what is linked,
-/// `own` the same without what projects. `flat`: a primitive has the colour of its last vertex. `None` where the driver
-/// does not link it.
+/// A program of ours of one vertex shader, which draws with the fixed-function matrices: `patched`
+/// is what is linked, `own` the same without what projects. `flat`: a primitive has the colour of
+/// its last vertex. `None` where the driver does not link it.
 pub fn of_own_text(driver: &Driver, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
     let gl = driver.gl;
     // SAFETY: objects of ours.
@@ -330,7 +330,8 @@ hooks! {
         note_compiled(ctx, shader);
     };
     "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
-        // Its source stays known: it may still be attached, and its name comes back only with a new source.
+        // Its source stays known: it may still be attached, and its name comes back only with a new
+        // source.
         gl.delete_shader(shader)
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);

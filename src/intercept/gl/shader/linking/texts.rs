@@ -60,8 +60,8 @@ impl Texts<'_> {
         shaders.filter_map(|(shader, _)| Some((*shader, self.sources.get(shader)?)))
     }
 
-    /// The shader object with the `main` of the last stage that makes positions. A geometry shader that only passes them on
-    /// may compute with them what belongs to the pixels of the view.
+    /// The shader object with the `main` of the last stage that makes positions. A geometry shader
+    /// that only passes them on may compute with them what belongs to the pixels of the view.
     pub fn position(&self) -> Option<(u32, Stage)> {
         let stages = [
             (api::GL_GEOMETRY_SHADER, Stage::Geometry),

@@ -5,7 +5,8 @@ use crate::intercept::gl::shader::source::prover::tokens;
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
 use std::ffi::{CStr, c_char};
 
-/// That of a linked program with this text, if it has one. `loses_cameras`: its matrices are not chosen.
+/// That of a linked program with this text, if it has one. `loses_cameras`: its matrices are not
+/// chosen.
 pub fn of_program(gl: &Gl, program: u32, source: &str, loses_cameras: bool) -> ComputeStage {
     let bare = tokens::bare(source);
     let words = all_words(&bare);
@@ -32,7 +33,8 @@ pub fn has_matrices(source: &str) -> bool {
 /// Kinds of images that are pictures.
 const PICTURES: [u32; 3] = [api::GL_IMAGE_2D, api::GL_INT_IMAGE_2D, api::GL_UNSIGNED_INT_IMAGE_2D];
 
-/// Locations of the uniforms that are images of two dimensions, and of the others that the text may write.
+/// Locations of the uniforms that are images of two dimensions, and of the others that the text may
+/// write.
 fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     let mut count = 0;
     // SAFETY: writes one integer.
@@ -41,7 +43,8 @@ fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     for index in 0..u32::try_from(count).unwrap_or(0) {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked by.
+        // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked
+        // by.
         let (location, name) = unsafe {
             gl.get_active_uniform(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
             let name = CStr::from_ptr(text.as_ptr());
@@ -98,7 +101,8 @@ fn writes(bare: &str, words: &[&str]) -> BufferWrites {
     }
 }
 
-/// Adds the names that members of a block have in the text, which begins with `buffer`: that of the block's instance, or their own.
+/// Adds the names that members of a block have in the text, which begins with `buffer`: that of the
+/// block's instance, or their own.
 fn block_members<'a>(words: &[&'a str], members: &mut Vec<&'a str>) {
     let Some(open) = words.iter().position(|word| matches!(*word, "{" | ";")).filter(|at| words[*at] == "{") else {
         return;
@@ -124,7 +128,8 @@ fn shared_names<'a>(words: &[&'a str]) -> Vec<&'a str> {
     declared.flat_map(|(at, _)| words[at..].iter().take_while(|word| **word != ";").copied()).collect()
 }
 
-/// Whether a text may give one of `names`, or a part of it, a value other than by an atomic function.
+/// Whether a text may give one of `names`, or a part of it, a value other than by an atomic
+/// function.
 fn assigns(words: &[&str], names: &[&str]) -> bool {
     const ASSIGNMENTS: [&str; 13] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>=", "++", "--"];
     let gives_back = words.iter().any(|word| matches!(*word, "out" | "inout"));

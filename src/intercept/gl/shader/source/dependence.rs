@@ -1,9 +1,10 @@
 //! What flows into `gl_Position`: only a matrix among it can be the lens.
 //!
-//! Engines give every shader a block with all matrices of the camera, also those of a full-screen pass, and such a pass
-//! is no scene. The names that may flow into the position are collected from the text, with everything that is in
-//! doubt: all branches of conditional compilation, variables of one name as one variable, all words of a statement into
-//! each variable that it writes, all words of a function's body into its value, and all conditions into every variable.
+//! Engines give every shader a block with all matrices of the camera, also those of a full-screen
+//! pass, and such a pass is no scene. The names that may flow into the position are collected from
+//! the text, with everything that is in doubt: all branches of conditional compilation, variables
+//! of one name as one variable, all words of a statement into each variable that it writes, all
+//! words of a function's body into its value, and all conditions into every variable.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::source::elements::{self, Usage};
@@ -20,8 +21,8 @@ const WRITING: [&str; 6] = ["frexp", "imulExtended", "modf", "uaddCarry", "umulE
 const GEOMETRY_STAGES: [u32; 4] =
     [api::GL_GEOMETRY_SHADER, api::GL_TESS_EVALUATION_SHADER, api::GL_TESS_CONTROL_SHADER, api::GL_VERTEX_SHADER];
 
-/// What flows into the position of these shaders: what the last stage says, and all that is in the stages before it.
-/// `None` where that is unknown.
+/// What flows into the position of these shaders: what the last stage says, and all that is in the
+/// stages before it. `None` where that is unknown.
 pub fn position_names(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Option<PositionNames> {
     let of_kind = |kind| shaders.iter().filter(move |s| s.1 == kind).map(|s| Some(&**sources.get(&s.0)?));
     let mut names = None;
@@ -36,8 +37,8 @@ pub fn position_names(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) 
     Some(names.unwrap_or_default())
 }
 
-/// Those of a stage in `texts`, which are one shader each; `None` where a text is not understood, and any name may flow
-/// into the position.
+/// Those of a stage in `texts`, which are one shader each; `None` where a text is not understood,
+/// and any name may flow into the position.
 fn of_stage<'a>(texts: impl IntoIterator<Item = &'a str>) -> Option<PositionNames> {
     let mut whole = String::new();
     for text in texts {

@@ -1,5 +1,5 @@
-//! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one element is told from
-//! what flows from another.
+//! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one
+//! element is told from what flows from another.
 
 use crate::intercept::gl::shader::source::prover::declarations::behind;
 use crate::intercept::gl::shader::source::prover::tokens::is_name;
@@ -71,7 +71,8 @@ fn bodies(words: &[&str]) -> Vec<Range<usize>> {
     found
 }
 
-/// `words`, which are parts of `text`, with each element of one of the `arrays` that a function names as one word.
+/// `words`, which are parts of `text`, with each element of one of the `arrays` that a function
+/// names as one word.
 pub fn joined_in_bodies<'a>(text: &'a str, words: &[&'a str], arrays: &HashSet<&str>) -> Vec<&'a str> {
     let mut found = Vec::with_capacity(words.len());
     let mut copied = 0;
@@ -150,8 +151,8 @@ impl<'a> Usage<'a> {
         usage
     }
 
-    /// What is known of the elements among the names that are `reached`. `is_uniform`: nothing in the text writes to a
-    /// name.
+    /// What is known of the elements among the names that are `reached`. `is_uniform`: nothing in
+    /// the text writes to a name.
     pub fn elements(
         &self,
         arrays: &HashSet<&str>,

@@ -1,9 +1,9 @@
 //! `gl_FragCoord` of the program's fragment shaders: in the coordinates of the program's window.
 //!
 //! A view is a tile of the atlas, with another place and size than the window. The text of a
-//! fragment shader that names `gl_FragCoord` gets an expression in its place, which moves the tile to
-//! the window's origin and scales it to the window's size. What the program computes from it is then
-//! what it would be in a window that shows the view.
+//! fragment shader that names `gl_FragCoord` gets an expression in its place, which moves the tile
+//! to the window's origin and scales it to the window's size. What the program computes from it is
+//! then what it would be in a window that shows the view.
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::shader::programs;
@@ -25,8 +25,8 @@ pub struct Convention {
     pub integer: bool,
 }
 
-/// `source` with coordinates of the program's window. `None` where it names none, or declares them only under a condition.
-/// `es_context`: as for [`patch`](super::patch::patch).
+/// `source` with coordinates of the program's window. `None` where it names none, or declares them
+/// only under a condition. `es_context`: as for [`patch`](super::patch::patch).
 pub fn patch(source: &str, es_context: bool) -> Option<(String, Convention)> {
     let bare = strip_comments(source);
     let mut places = words(&bare, NAME).peekable();
@@ -86,7 +86,8 @@ fn condition_depth(bare: &str) -> usize {
     })
 }
 
-/// Sends to the fragment shader that draws where its fragments are in the program's window, unless it knows.
+/// Sends to the fragment shader that draws where its fragments are in the program's window, unless
+/// it knows.
 pub fn upload(ctx: &Context) {
     let pipelines = &ctx.shaders.pipelines;
     if pipelines.used != 0 {

@@ -2,7 +2,8 @@
 
 use crate::intercept::gl::shader::source::patch::{end_of_version_line, version};
 
-/// What stands before all declarations: `#version`, the last `#extension`, and conditions around it.
+/// What stands before all declarations: `#version`, the last `#extension`, and conditions around
+/// it.
 pub struct Head<'a> {
     text: &'a str,
     rest: &'a str,
@@ -11,8 +12,9 @@ pub struct Head<'a> {
 }
 
 impl<'a> Head<'a> {
-    /// That of `source`; `bare` is the same without comments, byte for byte. `None` where a declaration would have no line of its
-    /// own. `es_context`: as for [`patch`](super::patch::patch).
+    /// That of `source`; `bare` is the same without comments, byte for byte. `None` where a
+    /// declaration would have no line of its own. `es_context`: as for
+    /// [`patch`](super::patch::patch).
     pub fn of(source: &'a str, bare: &str, es_context: bool) -> Option<Self> {
         let (version, es) = version(bare, es_context);
         let (text, rest) = source.split_at(after_extensions(bare).max(end_of_version_line(source, bare)));
@@ -29,10 +31,12 @@ impl<'a> Head<'a> {
         self.rest
     }
 
-    /// The declaration of a uniform, with the highest precision. `value`: what it is at first, where the language can say that.
+    /// The declaration of a uniform, with the highest precision. `value`: what it is at first,
+    /// where the language can say that.
     pub fn uniform(&self, kind: &str, name: &str, value: Option<&str>) -> String {
         match (self.es, self.version, value) {
-            // The precision of the stage's floats may not be set yet, and a fragment shader may not have this one.
+            // The precision of the stage's floats may not be set yet, and a fragment shader may not
+            // have this one.
             (true, 100, _) => format!(
                 "#ifdef GL_FRAGMENT_PRECISION_HIGH\nuniform highp {kind} {name};\n#else\nuniform mediump {kind} {name};\n\
                  #endif\n"

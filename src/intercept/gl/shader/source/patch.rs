@@ -18,9 +18,9 @@ pub enum Stage {
     Geometry,
 }
 
-/// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it). `es_context`: the
-/// context is OpenGL ES, which says what a text without `#version` is. `curved`: there are views to whose lens vertices
-/// are projected.
+/// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it).
+/// `es_context`: the context is OpenGL ES, which says what a text without `#version` is. `curved`:
+/// there are views to whose lens vertices are projected.
 pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Option<String> {
     let bare = strip_comments(source);
     if !defines_main(&bare) {
@@ -45,7 +45,8 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
              void main() {{ cupola_main(); gl_Position = cupola_fix(gl_Position); }}\n"
         ),
         Stage::Geometry => {
-            // A function declaration may not stand before `#extension`, so it goes after the last one.
+            // A function declaration may not stand before `#extension`, so it goes after the last
+            // one.
             let split = after_last_extension(&bare).max(head_end);
             let (before, after) = source.split_at(split);
             if ends_within(before) {

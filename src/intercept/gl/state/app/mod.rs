@@ -1,6 +1,7 @@
 //! The app state: what the program has set, as it would read it.
 //!
-//! [`attribute_stack`] keeps what `glPushAttrib` keeps of it; [`window_arrays`], viewports and scissors by index.
+//! [`attribute_stack`] keeps what `glPushAttrib` keeps of it; [`window_arrays`], viewports and
+//! scissors by index.
 
 pub mod attribute_stack;
 pub mod window_arrays;
@@ -38,7 +39,8 @@ pub struct AppState {
     pub(in crate::intercept::gl) discard: bool,
     /// Transform feedback is recording.
     pub(in crate::intercept::gl) feedback: bool,
-    /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
+    /// A vertex program in assembly language was switched on: the fixed-function matrices may say
+    /// nothing.
     pub(in crate::intercept::gl) assembly: bool,
 }
 

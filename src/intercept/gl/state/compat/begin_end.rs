@@ -12,7 +12,8 @@ pub enum Phase {
     Outside,
     /// Commands are recorded, and the driver is between Begin and End without vertices.
     Recording,
-    /// Elements of arrays go into a list of ours, for the program may change its arrays before the End.
+    /// Elements of arrays go into a list of ours, for the program may change its arrays before the
+    /// End.
     Elements,
 }
 
@@ -88,8 +89,9 @@ impl Immediate {
     }
 }
 
-/// The mode of separate primitives that has the same errors as `mode`. The driver is between Begin and End in it, without
-/// vertices: of strips, fans and polygons Mesa drops what follows an empty one of the same mode.
+/// The mode of separate primitives that has the same errors as `mode`. The driver is between Begin
+/// and End in it, without vertices: of strips, fans and polygons Mesa drops what follows an empty
+/// one of the same mode.
 pub(in crate::intercept::gl) fn list_of(mode: u32) -> u32 {
     match mode {
         api::GL_LINE_LOOP | api::GL_LINE_STRIP => api::GL_LINES,

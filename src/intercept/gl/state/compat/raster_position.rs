@@ -4,7 +4,8 @@
 #[derive(Clone, Default)]
 pub struct RasterPosition {
     pub(in crate::intercept::gl) scene: Option<ScenePosition>,
-    /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
+    /// The origin of the tile in whose pixels the driver has it; the program has it in its
+    /// window's.
     pub(in crate::intercept::gl) origin: [i32; 2],
     /// Each view's projection when the position was set.
     pub(in crate::intercept::gl) projections: Vec<[f64; 16]>,

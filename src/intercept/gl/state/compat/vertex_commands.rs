@@ -27,8 +27,8 @@ macro_rules! attribute_commands {
             |gl, words| unsafe { gl.materialiv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
         ];
 
-        /// By the number of a command: whether its components are numbers as they are, neither packed nor of 16 bits nor
-        /// for integers of shaders.
+        /// By the number of a command: whether its components are numbers as they are, neither
+        /// packed nor of 16 bits nor for integers of shaders.
         static PLAIN: &[bool] = &[$( $plain, )* true, true];
     };
 }
@@ -38,7 +38,8 @@ include!(concat!(env!("OUT_DIR"), "/gl_attributes.rs"));
 /// Calls the driver with a command that was recorded.
 ///
 /// # Safety
-/// The context of `gl` must be current; `words` must be what was recorded for the command of this number.
+/// The context of `gl` must be current; `words` must be what was recorded for the command of this
+/// number.
 pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
     if let Some(command) = PLAY.get(usize::from(number)) {
         // SAFETY: as promised.

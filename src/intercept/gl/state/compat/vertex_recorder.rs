@@ -1,8 +1,8 @@
 //! The commands of one Begin/End, kept as they came and played back once per view.
 //!
-//! Values are not converted: each command is played back by the driver's own entry point that takes the same
-//! components as an array, so that OpenGL's rules for integers, packed numbers and generic attributes are the
-//! driver's. The memory is used again for the next Begin/End.
+//! Values are not converted: each command is played back by the driver's own entry point that takes
+//! the same components as an array, so that OpenGL's rules for integers, packed numbers and generic
+//! attributes are the driver's. The memory is used again for the next Begin/End.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_commands::{self, Command};
@@ -109,7 +109,8 @@ pub trait Number: Copy {
     fn value(self) -> f64;
 }
 
-/// By the number of a type: reads one of it, and says which part of 1 it stands for where it is an integer.
+/// By the number of a type: reads one of it, and says which part of 1 it stands for where it is an
+/// integer.
 ///
 /// # Safety
 /// The address must be that of a number of this type.
@@ -160,8 +161,9 @@ pub fn add_vertex<T: Number>(bounds: &mut Bounds, sets: Sets, values: &[T]) {
     }
 }
 
-/// A command's head is one word: which command, how many words follow, whether it makes a vertex, the type of its
-/// components, what it sets, how many components there are and how many words before them.
+/// A command's head is one word: which command, how many words follow, whether it makes a vertex,
+/// the type of its components, what it sets, how many components there are and how many words
+/// before them.
 const LENGTH: u32 = 16;
 const VERTEX: u64 = 1 << 32;
 const KIND: u32 = 33;
@@ -177,7 +179,8 @@ const LIST: u64 = 1 << 48;
 pub struct Recorded<'a> {
     /// What it sets.
     pub sets: Sets,
-    /// Its first parameter before the components: a unit, the number of an attribute. 0 where there is none.
+    /// Its first parameter before the components: a unit, the number of an attribute. 0 where there
+    /// is none.
     pub prefix: u64,
     /// How many components.
     pub count: usize,
@@ -211,7 +214,8 @@ impl Recorded<'_> {
 /// What came since `glBegin`.
 #[derive(Default)]
 pub struct Recorder {
-    /// Of each command its head, its parameters before the components (a word each), and the components.
+    /// Of each command its head, its parameters before the components (a word each), and the
+    /// components.
     words: Vec<u64>,
     /// What was set since `glBegin`, a bit each.
     set: u64,
@@ -275,8 +279,8 @@ impl Recorder {
         self.lists
     }
 
-    /// Whether colour, normal and texture coordinate were set only after a vertex: playing back again would
-    /// give them to the first vertices.
+    /// Whether colour, normal and texture coordinate were set only after a vertex: playing back
+    /// again would give them to the first vertices.
     pub fn sets_late(&self) -> [bool; 3] {
         [COLOR, NORMAL, TEXTURE].map(|bit| self.late & bit != 0)
     }
@@ -382,7 +386,8 @@ mod tests {
         }
     }
 
-    /// Numbers of all types come back as they were given, and integers as parts of 1 where they stand for these.
+    /// Numbers of all types come back as they were given, and integers as parts of 1 where they
+    /// stand for these.
     #[test]
     fn commands_can_be_read() {
         let mut recorder = Recorder::default();

@@ -15,7 +15,8 @@ impl Bounds {
     /// Around something somewhere.
     pub const UNKNOWN: Self = Self { unknown: true, ..Self::EMPTY };
 
-    /// Grows to hold a vertex. One that is not finite, or has a fourth coordinate other than 1, is nowhere.
+    /// Grows to hold a vertex. One that is not finite, or has a fourth coordinate other than 1, is
+    /// nowhere.
     pub fn add(&mut self, [x, y, z, w]: [f64; 4]) {
         if w != 1.0 || !(x + y + z).is_finite() {
             self.unknown = true;
@@ -40,8 +41,8 @@ impl Bounds {
         self.unknown = true;
     }
 
-    /// Lowest and highest corner. `None`: not known; so it is without any vertex, which may have come
-    /// by a way that is not seen.
+    /// Lowest and highest corner. `None`: not known; so it is without any vertex, which may have
+    /// come by a way that is not seen.
     pub fn known(&self) -> Option<([f64; 3], [f64; 3])> {
         (!self.unknown && self.low[0] <= self.high[0]).then_some((self.low, self.high))
     }

@@ -24,7 +24,7 @@ pub enum DrawClass {
     Flat,
     /// Flat, behind the scene.
     Background,
-    /// A pass over the picture whose shader computes places of the scene from pixels: into each view as it is, with the
-    /// matrices of the view.
+    /// A pass over the picture whose shader computes places of the scene from pixels: into each
+    /// view as it is, with the matrices of the view.
     Screen,
 }

@@ -48,7 +48,8 @@ pub struct WidePrimitives {
     pub patch: Option<Patch>,
     /// It is issued as these now.
     pub as_patches: bool,
-    /// `glPolygonMode` was another than `GL_FILL`. It counts for good: a list or a pop may bring it back.
+    /// `glPolygonMode` was another than `GL_FILL`. It counts for good: a list or a pop may bring it
+    /// back.
     pub(in crate::intercept::gl) polygons: bool,
     /// The draw that is being issued may leave its tile.
     pub cut: bool,

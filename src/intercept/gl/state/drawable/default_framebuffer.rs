@@ -31,10 +31,12 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) surface: Surface,
     /// The surface's picture with one sample per pixel, where it has several.
     pub(in crate::intercept::gl) resolved: Option<Surface>,
-    /// The atlas that the views are collected in, where they are drawn in turn; elsewhere `surface` is the atlas.
+    /// The atlas that the views are collected in, where they are drawn in turn; elsewhere `surface`
+    /// is the atlas.
     pub(in crate::intercept::gl) collected: Option<Surface>,
     pub(in crate::intercept::gl) backend: GlBackend,
-    /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
+    /// For each view the lens to which vertices are projected; empty where all views are
+    /// perspective ones.
     pub lenses: Vec<LensConstants>,
     /// What the views hold.
     pub content: Content,
@@ -92,7 +94,8 @@ impl DefaultFramebuffer {
         [own.map(|tile| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
     }
 
-    /// What the program takes for its window: the tile with its own lens, or the view that is drawn in turn.
+    /// What the program takes for its window: the tile with its own lens, or the view that is drawn
+    /// in turn.
     fn own_tile(&self) -> Option<LowerLeftRect> {
         let mut tiles = (0..self.session.views().len()).map(|i| self.session.tile(i));
         tiles.find(|(_, own)| *own).map(|(tile, _)| tile)
@@ -131,7 +134,8 @@ impl DefaultFramebuffer {
         self.issued.iter().copied().zip(self.culled.iter().copied())
     }
 
-    /// Texels of each view that are closed for drawing, because no output samples them; empty where none are.
+    /// Texels of each view that are closed for drawing, because no output samples them; empty where
+    /// none are.
     pub fn closed(&self) -> &[u64] {
         &self.closed
     }

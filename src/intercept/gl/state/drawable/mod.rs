@@ -21,8 +21,8 @@ pub struct Drawable {
     pub(in crate::intercept::gl) window: Option<Window>,
     /// What stands in for the window's framebuffer; `None` = the window's own.
     target: Option<Box<DefaultFramebuffer>>,
-    /// The plan of a window that another context of the group draws, for a context without one: what it draws off
-    /// screen may be shown there.
+    /// The plan of a window that another context of the group draws, for a context without one:
+    /// what it draws off screen may be shown there.
     pub(in crate::intercept::gl) borrowed_session: Option<Arc<Session>>,
     /// What stands in for other windows that it drew to lately.
     pub(in crate::intercept::gl) other_windows: Vec<(Window, Box<DefaultFramebuffer>)>,

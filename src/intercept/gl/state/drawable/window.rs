@@ -43,7 +43,8 @@ pub enum Window {
 pub struct Look {
     /// Its size in pixels, at least 1 × 1.
     pub size: (u32, u32),
-    /// Nothing of it can be seen: it, or a window that it lies in, is not mapped. Known of X11 windows only.
+    /// Nothing of it can be seen: it, or a window that it lies in, is not mapped. Known of X11
+    /// windows only.
     pub occluded: bool,
 }
 
@@ -61,8 +62,8 @@ impl Window {
         }
     }
 
-    /// How it is now. One question to the X server where there is one: the window systems' own would be two for the size
-    /// alone.
+    /// How it is now. One question to the X server where there is one: the window systems' own
+    /// would be two for the size alone.
     pub fn look(&self) -> Look {
         let x11 = match *self {
             Self::Glx { display, x11, .. } => x11_attributes(display, x11),
@@ -87,8 +88,8 @@ impl Window {
         match *self {
             Self::Glx { display, drawable, query, .. } => {
                 let (mut width, mut height) = (0, 0);
-                // SAFETY: the address is the driver's glXQueryDrawable; display and drawable are those
-                // that the program made current.
+                // SAFETY: the address is the driver's glXQueryDrawable; display and drawable are
+                // those that the program made current.
                 unsafe {
                     let query: QueryDrawable = std::mem::transmute(query);
                     query(display as *mut c_void, drawable, GLX_WIDTH, &mut width);
@@ -171,14 +172,16 @@ fn x11_attributes(display: usize, window: c_ulong) -> Option<Attributes> {
     }
     let get = x11()?.get_window_attributes;
     let mut attributes = std::mem::MaybeUninit::<Attributes>::zeroed();
-    // SAFETY: display and window are live objects of the program; the answer has its place, of which zeros are valid, too.
+    // SAFETY: display and window are live objects of the program; the answer has its place, of
+    // which zeros are valid, too.
     unsafe {
         let ok = get(display as *mut c_void, window, attributes.as_mut_ptr());
         (ok != 0).then(|| attributes.assume_init())
     }
 }
 
-/// The few calls of Xlib that look at a window and place it. The program has it loaded; we link nothing.
+/// The few calls of Xlib that look at a window and place it. The program has it loaded; we link
+/// nothing.
 struct X11 {
     query_tree:
         unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
@@ -192,7 +195,8 @@ fn x11() -> Option<&'static X11> {
     static LIBRARY: OnceLock<Option<X11>> = OnceLock::new();
     LIBRARY
         .get_or_init(|| {
-            // SAFETY: Xlib has no initialisers that could misbehave, and the signatures are its own.
+            // SAFETY: Xlib has no initialisers that could misbehave, and the signatures are its
+            // own.
             unsafe {
                 let library = Box::leak(Box::new(libloading::Library::new("libX11.so.6").ok()?));
                 Some(X11 {
@@ -212,7 +216,8 @@ impl X11 {
         // SAFETY: display and window are live objects of the program; XQueryTree's list is freed.
         unsafe {
             let mut top = window;
-            // Toolkits put the GL window into others; the outermost one below the root sets the size.
+            // Toolkits put the GL window into others; the outermost one below the root sets the
+            // size.
             for _ in 0..16 {
                 let (mut root, mut parent, mut children, mut count) = (0, 0, std::ptr::null_mut(), 0);
                 if (self.query_tree)(display, top, &mut root, &mut parent, &mut children, &mut count) == 0 {

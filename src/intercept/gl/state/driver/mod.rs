@@ -46,7 +46,8 @@ impl Driver {
         }
     }
 
-    /// Notes an error of the program's for its `glGetError`, unless there is an earlier one, noted or in the driver.
+    /// Notes an error of the program's for its `glGetError`, unless there is an earlier one, noted
+    /// or in the driver.
     pub fn note_error(&mut self, error: u32) {
         self.take_errors();
         self.keep_first(error);
@@ -99,8 +100,8 @@ impl Driver {
     pub fn set_arrays(&mut self, arrays: &WindowArrays) {
         let count = window_arrays::COUNT as i32;
         let (viewports, scissors) = (arrays.viewports.as_ptr().cast(), arrays.scissors.as_ptr().cast());
-        // SAFETY: four numbers for each index; the program has set some of them by their index, so the driver has these
-        // functions.
+        // SAFETY: four numbers for each index; the program has set some of them by their index, so
+        // the driver has these functions.
         unsafe {
             self.gl.viewport_arrayv(0, count, viewports);
             self.gl.scissor_arrayv(0, count, scissors);
@@ -153,7 +154,8 @@ impl Driver {
         self.window_space.scissor.filter(|_| self.window_space.scissor_test == Some(true))
     }
 
-    /// Viewport and scissor may be others now, as far as they are in the groups of `mask` (of `glPopAttrib`).
+    /// Viewport and scissor may be others now, as far as they are in the groups of `mask` (of
+    /// `glPopAttrib`).
     pub fn forget_window_space(&mut self, mask: u32) {
         self.window_space.forget(mask);
     }

@@ -43,7 +43,8 @@ impl DrawCount {
         self.draws
     }
 
-    /// `extras` with the number of draws, once it is known: views that did not depend on it may do so for another rig.
+    /// `extras` with the number of draws, once it is known: views that did not depend on it may do
+    /// so for another rig.
     pub fn extras(&self, extras: Extras) -> Extras {
         Extras { draws: self.draws.or(extras.draws), ..extras }
     }

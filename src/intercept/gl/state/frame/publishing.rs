@@ -1,4 +1,5 @@
-//! Read-back of the pictures that are published, by buffers that are read when the device has filled them.
+//! Read-back of the pictures that are published, by buffers that are read when the device has
+//! filled them.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -34,7 +35,8 @@ pub struct Publishing {
     shapes: Vec<Shape>,
     /// Where each picture is read.
     places: Vec<Target>,
-    /// For outputs that are drawn beside the window: the place of each output of the plan, empty where it is not drawn.
+    /// For outputs that are drawn beside the window: the place of each output of the plan, empty
+    /// where it is not drawn.
     pub(in crate::intercept::gl) targets: Vec<Target>,
     canvases: Vec<OwnFramebuffer>,
     /// First byte of each picture.
@@ -49,8 +51,8 @@ pub struct Publishing {
 }
 
 impl Publishing {
-    /// `pictures`: name and place of each in the window; `beside`: name, index in the plan, and size of each that is drawn
-    /// elsewhere. `later`: the context has buffers and fences.
+    /// `pictures`: name and place of each in the window; `beside`: name, index in the plan, and
+    /// size of each that is drawn elsewhere. `later`: the context has buffers and fences.
     pub fn new(
         gl: &Gl,
         (session, window): (Option<Arc<Session>>, (u32, u32)),
@@ -120,8 +122,8 @@ impl Publishing {
         self.shapes.is_empty()
     }
 
-    /// Reads the pictures of a frame; they are published when the device has copied them. Pixel storage must be without
-    /// gaps; leaves bindings of pixel buffer and read framebuffer changed.
+    /// Reads the pictures of a frame; they are published when the device has copied them. Pixel
+    /// storage must be without gaps; leaves bindings of pixel buffer and read framebuffer changed.
     pub fn read(&mut self, gl: &Gl, stamp: Stamp) {
         if let Some(mut memory) = self.memory.take() {
             self.read_to(gl, 0, memory.as_mut_ptr().cast());
@@ -177,7 +179,8 @@ impl Publishing {
     fn publish_buffer(&self, gl: &Gl, buffer: u32, stamp: Stamp) {
         bound(gl, buffer, || {
             let size = self.bytes as isize;
-            // SAFETY: a buffer of ours of that size is bound, and stays mapped while its bytes are borrowed.
+            // SAFETY: a buffer of ours of that size is bound, and stays mapped while its bytes are
+            // borrowed.
             unsafe {
                 let at = gl.map_buffer_range(api::GL_PIXEL_PACK_BUFFER, 0, size, api::GL_MAP_READ_BIT);
                 if at.is_null() {

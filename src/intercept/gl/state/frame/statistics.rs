@@ -36,7 +36,8 @@ pub struct Counts {
 pub struct Found([(&'static str, u64); 8]);
 
 impl Found {
-    /// Counts one draw whose projection was found in this way; more than eight ways are counted as one.
+    /// Counts one draw whose projection was found in this way; more than eight ways are counted as
+    /// one.
     pub fn count(&mut self, how: &'static str) {
         if let Some(entry) = self.0.iter_mut().find(|e| e.1 == 0 || e.0 == how) {
             *entry = (how, entry.1 + 1);

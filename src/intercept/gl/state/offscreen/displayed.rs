@@ -15,8 +15,8 @@ pub enum Shows {
     Nothing,
 }
 
-/// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program
-/// samples has its pixel, and `gl_FragCoord` is what it would be in the window.
+/// Pictures of the window's size, one for each view, into which it is shown: there each texel that
+/// the program samples has its pixel, and `gl_FragCoord` is what it would be in the window.
 #[derive(Default)]
 pub struct DisplayedPictures {
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,

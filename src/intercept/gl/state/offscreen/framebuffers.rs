@@ -1,4 +1,5 @@
-//! The program's framebuffers that it draws into, what is attached to them, and what stands for them.
+//! The program's framebuffers that it draws into, what is attached to them, and what stands for
+//! them.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -56,8 +57,8 @@ impl Framebuffer {
         self.attachments[..COLOURS].iter().flatten().copied()
     }
 
-    /// Asks the driver what is attached, while the framebuffer is bound for drawing, and adds images that
-    /// are new to `images`. Errors may be left.
+    /// Asks the driver what is attached, while the framebuffer is bound for drawing, and adds
+    /// images that are new to `images`. Errors may be left.
     pub fn examine(&mut self, gl: &Gl, images: &mut Vec<Image>) {
         self.known = true;
         self.obstacle = None;
@@ -85,7 +86,8 @@ impl Framebuffer {
         }
     }
 
-    /// Makes the framebuffer of ours, of images that all have view copies. Bindings are put back; errors may be left.
+    /// Makes the framebuffer of ours, of images that all have view copies. Bindings are put back;
+    /// errors may be left.
     pub fn make_view_copy(&mut self, gl: &Gl, view_copy_of: impl Fn(Name) -> Option<u32>) -> bool {
         let mut buffers = [api::GL_NONE; COLOURS];
         // SAFETY: makes an object of ours; the bindings are put back.

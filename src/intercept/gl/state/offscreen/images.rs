@@ -1,5 +1,5 @@
-//! What a program draws into off screen: levels of textures, and renderbuffers. A *view copy* of such an image has
-//! a tile of the image's size for each view.
+//! What a program draws into off screen: levels of textures, and renderbuffers. A *view copy* of
+//! such an image has a tile of the image's size for each view.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -46,7 +46,8 @@ pub struct Image {
     pub reads: Vec<Name>,
     /// The program reads it back.
     pub read_back: bool,
-    /// Compute shaders make something of it that would have to be there for each view, and cannot be.
+    /// Compute shaders make something of it that would have to be there for each view, and cannot
+    /// be.
     pub lost: bool,
     /// The program makes smaller pictures of it (`glGenerateMipmap`).
     pub mipmapped: bool,
@@ -111,8 +112,9 @@ impl TileGrid {
 }
 
 impl Image {
-    /// An image of which nothing is known but what the driver says. `None` if it is none that can have a view copy:
-    /// a layer, a face of a cube, no image at all. Bindings are put back; errors may be left.
+    /// An image of which nothing is known but what the driver says. `None` if it is none that can
+    /// have a view copy: a layer, a face of a cube, no image at all. Bindings are put back; errors
+    /// may be left.
     pub fn examine_texture(gl: &Gl, texture: u32, level: i32) -> Option<Self> {
         let targets = [
             (api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D),
@@ -165,7 +167,8 @@ impl Image {
         Self::new(Name::Renderbuffer(renderbuffer), answers)
     }
 
-    /// An image of which nothing is known yet but the answers: width, height, samples, format, bits of red, depth and stencil.
+    /// An image of which nothing is known yet but the answers: width, height, samples, format, bits
+    /// of red, depth and stencil.
     pub(in crate::intercept::gl) fn new(name: Name, answers: [i32; 7]) -> Option<Self> {
         let [width, height, samples, format, red, depth, stencil] = answers;
         let mut mask = 0;
@@ -217,8 +220,8 @@ impl Image {
         }
     }
 
-    /// Makes the view copy with `count` grid, in the context `context`, which is current. All bindings are put back; errors may
-    /// be left. `false` if the driver gives none.
+    /// Makes the view copy with `count` grid, in the context `context`, which is current. All
+    /// bindings are put back; errors may be left. `false` if the driver gives none.
     pub fn make_view_copy(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
         let grid = TileGrid::new(self.size, count);
         let [width, height] = grid.extent(count);
@@ -253,8 +256,8 @@ impl Image {
         true
     }
 
-    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`: there is no view copy, or
-    /// the driver gives none.
+    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`:
+    /// there is no view copy, or the driver gives none.
     fn pair(&mut self, gl: &Gl, context: u64) -> Option<Pair> {
         let view_copy = self.view_copy.as_ref()?;
         if let Some(pair) = view_copy.pairs.iter().find(|pair| pair.context == context) {
@@ -279,7 +282,8 @@ impl Image {
         Some(pair)
     }
 
-    /// The framebuffer with the view copy alone, in `context`, which is current; 0 where there is none.
+    /// The framebuffer with the view copy alone, in `context`, which is current; 0 where there is
+    /// none.
     pub fn view_copy_framebuffer(&mut self, gl: &Gl, context: u64) -> u32 {
         self.pair(gl, context).map_or(0, |pair| pair.ours)
     }
@@ -306,8 +310,8 @@ impl Image {
         }
     }
 
-    /// Copies tile `index` into the program's own image, with the smaller pictures that the program asked for.
-    /// The scissor test must be off; bindings are put back.
+    /// Copies tile `index` into the program's own image, with the smaller pictures that the program
+    /// asked for. The scissor test must be off; bindings are put back.
     pub fn supply(&mut self, gl: &Gl, context: u64, index: usize) {
         if self.view_copy.as_ref().is_none_or(|view_copy| view_copy.holds == Some(index)) {
             return;
@@ -336,7 +340,8 @@ impl Image {
         view_copy.holds = Some(index);
     }
 
-    /// Deletes the view copy in `context`, which is current; what is left to be deleted in other contexts.
+    /// Deletes the view copy in `context`, which is current; what is left to be deleted in other
+    /// contexts.
     pub fn destroy_view_copy(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
         let Some(mut view_copy) = self.view_copy.take() else { return Vec::new() };
         // SAFETY: an object of ours; the name 0 is ignored.
@@ -418,8 +423,8 @@ impl Bindings {
     }
 }
 
-/// Runs `run` with a texture bound; `false`, and nothing is run, if it is none of `target`. The program's binding
-/// is put back.
+/// Runs `run` with a texture bound; `false`, and nothing is run, if it is none of `target`. The
+/// program's binding is put back.
 pub(super) fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run: impl FnOnce()) -> bool {
     let (mut before, mut bound) = (0, 0);
     // SAFETY: the binding is put back.
@@ -436,7 +441,8 @@ pub(super) fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run
     }
 }
 
-/// The sized format for one that leaves its size to the driver, by the bits of red and of depth that it chose.
+/// The sized format for one that leaves its size to the driver, by the bits of red and of depth
+/// that it chose.
 fn sized(format: u32, red: i32, depth: i32) -> u32 {
     match (format, red, depth) {
         (4 | api::GL_RGBA | api::GL_BGRA, 16, _) => api::GL_RGBA16F,

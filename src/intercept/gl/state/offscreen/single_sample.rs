@@ -1,4 +1,5 @@
-//! Pictures of our own, with one sample per pixel: for what cannot be done in a view of another size.
+//! Pictures of our own, with one sample per pixel: for what cannot be done in a view of another
+//! size.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -13,8 +14,8 @@ pub struct SingleSampleImage {
 }
 
 impl SingleSampleImage {
-    /// A canvas of this size (width, height) and sized format. Bindings are put back; errors may be left. `None` where
-    /// the driver gives none.
+    /// A canvas of this size (width, height) and sized format. Bindings are put back; errors may be
+    /// left. `None` where the driver gives none.
     pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
         let mut canvas = Self { framebuffer: 0, renderbuffer: 0, size, format };
         // SAFETY: makes objects of ours; the bindings are put back.

@@ -20,11 +20,13 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) bound: bool,
     /// Something was learnt in this frame.
     pub(in crate::intercept::gl) learnt: bool,
-    /// View copies have one more tile, which is drawn with the program's own lens: it reads its pictures back.
+    /// View copies have one more tile, which is drawn with the program's own lens: it reads its
+    /// pictures back.
     pub(in crate::intercept::gl) own_picture: bool,
     /// Compute shaders make some of its images.
     pub(in crate::intercept::gl) computes: bool,
-    /// Textures and their levels that compute shaders write and that cannot be followed: with layers, of three dimensions.
+    /// Textures and their levels that compute shaders write and that cannot be followed: with
+    /// layers, of three dimensions.
     pub(in crate::intercept::gl) not_followed: Vec<(u32, i32)>,
     /// Canvases for copies to another size, each of another size or format.
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
@@ -40,7 +42,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) deleted: u64,
     /// Framebuffers of other contexts that they are to delete.
     pub(in crate::intercept::gl) left: Vec<Pair>,
-    /// It has what the group knows together; otherwise another thread does, and the images are its own.
+    /// It has what the group knows together; otherwise another thread does, and the images are its
+    /// own.
     pub(in crate::intercept::gl) shared: bool,
 }
 
@@ -54,8 +57,8 @@ pub struct InspectedPass {
     pub(in crate::intercept::gl) target: String,
 }
 
-/// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
-/// the window in another.
+/// What contexts of a group know together of the images that they share. Toolkits draw a scene in
+/// one context and compose the window in another.
 #[derive(Default)]
 pub struct SharedViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,

@@ -50,7 +50,8 @@ pub struct Lighting {
     pub followed: Option<Followed>,
 }
 
-/// The switches of the vertex stage; what has a value (lights, materials, matrices, planes) shaders read themselves.
+/// The switches of the vertex stage; what has a value (lights, materials, matrices, planes) shaders
+/// read themselves.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Pipeline {
     /// Lighting, if it is on.

@@ -38,14 +38,15 @@ impl MatrixStage {
     }
 }
 
-/// 4×4 matrices that do not flow into the position of a program, or are named by its fragment shader.
+/// 4×4 matrices that do not flow into the position of a program, or are named by its fragment
+/// shader.
 #[derive(Default)]
 pub struct CameraMatrices {
     /// Their values.
     pub(in crate::intercept::gl) uniforms: Uniforms,
     pub(in crate::intercept::gl) substitutes: Vec<Substitute>,
-    /// The lens of a projection alone, or of its inverse, that shaders use beside a view matrix, and whether these are
-    /// written for row vectors.
+    /// The lens of a projection alone, or of its inverse, that shaders use beside a view matrix,
+    /// and whether these are written for row vectors.
     pub(in crate::intercept::gl) eye: Option<(Intrinsics, bool)>,
     /// The changes of the values and of the cameras when functions were last looked for.
     pub(in crate::intercept::gl) seen: Option<(u64, u64)>,
@@ -73,8 +74,8 @@ pub(in crate::intercept::gl) struct Substitute {
 }
 
 impl CameraMatrices {
-    /// Looks which matrices are functions of the frame's cameras now, or, where there is none, of one that they tell
-    /// themselves. Whether one leads from clip coordinates, or its inverse does.
+    /// Looks which matrices are functions of the frame's cameras now, or, where there is none, of
+    /// one that they tell themselves. Whether one leads from clip coordinates, or its inverse does.
     pub fn recognise(&mut self, gl: &Gl, generation: u64, buffers: &Buffers, cameras: &Cameras) -> bool {
         self.uniforms.refresh(gl, generation, buffers);
         let now = (self.uniforms.changes(), cameras.changes());

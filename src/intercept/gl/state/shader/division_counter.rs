@@ -67,7 +67,8 @@ impl Counter {
     pub fn read(&self, gl: &Gl) -> u32 {
         let mut count = 0u32;
         let before = self.begin(gl);
-        // SAFETY: reads the four bytes of the buffer that `begin` bound, what draws counted included.
+        // SAFETY: reads the four bytes of the buffer that `begin` bound, what draws counted
+        // included.
         unsafe {
             if gl.has_memory_barrier() {
                 gl.memory_barrier(api::GL_BUFFER_UPDATE_BARRIER_BIT);

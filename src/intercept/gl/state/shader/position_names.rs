@@ -55,7 +55,8 @@ impl Uses {
 }
 
 impl Elements {
-    /// Groups of four elements that are named by their numbers and follow each other, by the first one's number.
+    /// Groups of four elements that are named by their numbers and follow each other, by the first
+    /// one's number.
     pub fn fours(&self) -> impl Iterator<Item = (u32, Order)> + '_ {
         let numbers: Vec<u32> = self.numbers.keys().copied().collect();
         let uses =
@@ -78,8 +79,8 @@ impl PositionNames {
         }
     }
 
-    /// Whether the uniform that OpenGL calls `name` (`block.member`, `array[0]`, `array[2].member`) may flow into the
-    /// position.
+    /// Whether the uniform that OpenGL calls `name` (`block.member`, `array[0]`, `array[2].member`)
+    /// may flow into the position.
     pub fn contain(&self, name: &str) -> bool {
         let (before, member) = name.rsplit_once('.').unwrap_or(("", name));
         let part = |part: &str| match part.split_once('[') {
@@ -92,7 +93,8 @@ impl PositionNames {
         self.names.contains(member.split('[').next().unwrap_or(member)) && before.split('.').all(part)
     }
 
-    /// What is known of the elements of the array that OpenGL calls `name`; `None`: any may flow into the position.
+    /// What is known of the elements of the array that OpenGL calls `name`; `None`: any may flow
+    /// into the position.
     pub fn elements(&self, name: &str) -> Option<&Elements> {
         let member = name.rsplit('.').next().unwrap_or(name);
         self.elements.get(member.split('[').next().unwrap_or(member))

@@ -30,8 +30,9 @@ pub struct Programs {
     pub(in crate::intercept::gl) assembly: HashMap<u32, Arc<AssemblyProgram>>,
 }
 
-/// Which programs are in use, by their names. A program that is deleted while it is in use lives until it is not; where
-/// others are put in use in between, for what we draw, the driver must not be told earlier.
+/// Which programs are in use, by their names. A program that is deleted while it is in use lives
+/// until it is not; where others are put in use in between, for what we draw, the driver must not
+/// be told earlier.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uses {
     /// Number of contexts that have it in use.
@@ -96,7 +97,8 @@ pub struct Program {
     pub position: Option<Position>,
     /// Subroutines can be chosen, which is lost when another program is put in use.
     pub(in crate::intercept::gl) subroutines: bool,
-    /// Its fragments ask where on the screen they are, and are told as of the framebuffer that is drawn to.
+    /// Its fragments ask where on the screen they are, and are told as of the framebuffer that is
+    /// drawn to.
     pub reads_frag_coord: bool,
     /// They are told as of the program's window.
     pub frag_coord: Option<FragCoord>,
@@ -141,7 +143,8 @@ pub enum BufferWrites {
 pub struct ComputeStage {
     /// Locations of its images of two dimensions.
     pub images: Vec<i32>,
-    /// Locations of other images that it may write: with layers, of one or three dimensions, of buffers.
+    /// Locations of other images that it may write: with layers, of one or three dimensions, of
+    /// buffers.
     pub other_images: Vec<i32>,
     /// It has atomic functions on images.
     pub image_atomics: bool,
@@ -170,7 +173,8 @@ pub struct FragCoord {
 }
 
 impl FragCoord {
-    /// Our uniform: what is subtracted from the driver's coordinates, and what they are then multiplied by.
+    /// Our uniform: what is subtracted from the driver's coordinates, and what they are then
+    /// multiplied by.
     pub const UNIFORM: &str = "cupola_to_window";
 }
 

@@ -68,7 +68,8 @@ impl Mirror {
     /// Copies all values from program `from` to program `to`, which is in use. Allocates nothing.
     pub fn copy(&self, gl: &Gl, from: u32, to: u32) {
         for uniform in &self.uniforms {
-            // SAFETY: both programs have a uniform of this kind there, and the room is for the largest, a 4×4 matrix.
+            // SAFETY: both programs have a uniform of this kind there, and the room is for the
+            // largest, a 4×4 matrix.
             unsafe { uniform.copy(gl, from) };
         }
         for [own, other] in &self.blocks {
@@ -84,7 +85,8 @@ impl Mirror {
 
 impl Uniform {
     /// # Safety
-    /// The program to copy to must be in use, and both must have a uniform of this kind at the two places.
+    /// The program to copy to must be in use, and both must have a uniform of this kind at the two
+    /// places.
     unsafe fn copy(&self, gl: &Gl, from: u32) {
         // SAFETY: as promised.
         unsafe {

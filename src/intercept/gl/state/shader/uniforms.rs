@@ -17,7 +17,8 @@ pub struct Uniforms {
     pub(in crate::intercept::gl) program: u32,
     pub(in crate::intercept::gl) lens: Option<Lens>,
     pub(in crate::intercept::gl) generation: u64,
-    /// A block's buffer is mapped for good: the program may write to it at any time, and no call tells.
+    /// A block's buffer is mapped for good: the program may write to it at any time, and no call
+    /// tells.
     pub(in crate::intercept::gl) live: bool,
     /// Nothing tells which of several lenses is the one that is drawn with.
     pub(in crate::intercept::gl) unclear: bool,
@@ -32,7 +33,8 @@ pub(in crate::intercept::gl) struct Matrix {
     pub(in crate::intercept::gl) order: Order,
     pub(in crate::intercept::gl) value: [f64; 16],
     pub(in crate::intercept::gl) name: Box<str>,
-    /// The buffer that a block's value was read from, and its version then; `None` where it may change unseen.
+    /// The buffer that a block's value was read from, and its version then; `None` where it may
+    /// change unseen.
     pub(in crate::intercept::gl) read: Option<(u32, u64)>,
     /// Its array among those that a shader chooses an element of, and its number there.
     pub(in crate::intercept::gl) element: Option<(usize, u32)>,
@@ -44,7 +46,8 @@ pub(in crate::intercept::gl) enum MatrixLocation {
     Uniform(i32),
     /// The first location of four vectors.
     Vectors(i32),
-    /// Its block, offset in bytes, distance between columns in bytes, row by row, of 64-bit numbers.
+    /// Its block, offset in bytes, distance between columns in bytes, row by row, of 64-bit
+    /// numbers.
     Block { block: Block, offset: usize, stride: usize, row_major: bool, double: bool },
 }
 
@@ -150,7 +153,8 @@ impl Uniforms {
         self.matrices.iter().position(|matrix| *matrix.name == *name)
     }
 
-    /// The matrix of this number, as [`Uniforms::lens`] saw it; `None` where it may have changed since.
+    /// The matrix of this number, as [`Uniforms::lens`] saw it; `None` where it may have changed
+    /// since.
     pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<[f64; 16]> {
         let matrix = self.matrices.get(number)?;
         match (&matrix.place, matrix.read) {
@@ -190,7 +194,8 @@ impl Uniforms {
         Lens::Perspective(told, told.how())
     }
 
-    /// Reads the matrices in blocks again, and the numbers that choose among them; whether any changed.
+    /// Reads the matrices in blocks again, and the numbers that choose among them; whether any
+    /// changed.
     fn read_blocks(&mut self, gl: &Gl, buffers: &Buffers) -> bool {
         let mut changed = false;
         self.live = false;
@@ -254,8 +259,8 @@ impl Uniforms {
     }
 }
 
-/// Sixteen numbers at `offset` of the buffer bound to a block's binding point, whether it is mapped for good, and
-/// its name.
+/// Sixteen numbers at `offset` of the buffer bound to a block's binding point, whether it is mapped
+/// for good, and its name.
 fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: bool) -> Option<([f64; 16], bool, u32)> {
     let width = if double { size_of::<f64>() } else { size_of::<f32>() };
     let matrix = |bytes: &[u8]| {
@@ -271,8 +276,8 @@ fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: boo
     block_bytes(gl, block, offset, 3 * stride + 4 * width, matrix)
 }
 
-/// What `read` makes of `length` bytes at `offset` of the buffer bound to a block's binding point, whether it is
-/// mapped for good, and its name.
+/// What `read` makes of `length` bytes at `offset` of the buffer bound to a block's binding point,
+/// whether it is mapped for good, and its name.
 fn block_bytes<T>(
     gl: &Gl,
     block: Block,
@@ -280,8 +285,8 @@ fn block_bytes<T>(
     length: usize,
     read: impl FnOnce(&[u8]) -> T,
 ) -> Option<(T, bool, u32)> {
-    // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that is borrowed
-    // for it is put back.
+    // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that
+    // is borrowed for it is put back.
     unsafe {
         let [name, first] = if block.storage {
             [api::GL_SHADER_STORAGE_BUFFER_BINDING, api::GL_SHADER_STORAGE_BUFFER_START]

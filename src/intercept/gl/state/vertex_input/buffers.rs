@@ -29,8 +29,8 @@ pub(in crate::intercept::gl) struct Buffer {
 pub(in crate::intercept::gl) const MOST: usize = 1 << 16;
 
 impl Buffers {
-    /// The version of a buffer's content, another one after each change, and whether it has outlasted a frame. `None`:
-    /// it may change unseen.
+    /// The version of a buffer's content, another one after each change, and whether it has
+    /// outlasted a frame. `None`: it may change unseen.
     pub fn content(&self, name: u32) -> Option<(u64, bool)> {
         let buffer = self.list.get(&name).filter(|buffer| buffer.known && !self.lost)?;
         Some((buffer.version, buffer.changed < self.frame))

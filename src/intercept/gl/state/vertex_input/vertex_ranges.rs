@@ -31,7 +31,8 @@ pub enum Vertices {
 #[derive(Default)]
 pub struct Ranges {
     pub(in crate::intercept::gl) known: HashMap<Key, Known>,
-    /// The frame of what follows; those of the group count, since a context without a window swaps nothing.
+    /// The frame of what follows; those of the group count, since a context without a window swaps
+    /// nothing.
     frame: u64,
     /// Bytes read in this frame.
     spent: usize,

@@ -88,9 +88,9 @@ pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
     }
 }
 
-/// Issues a draw that cannot be followed once, by the program's own pipeline, where its picture is shown flat. The pass draws
-/// to the atlas already, and may have been recorded for many frames. A viewport that belongs to the pipeline cannot be
-/// moved there.
+/// Issues a draw that cannot be followed once, by the program's own pipeline, where its picture is
+/// shown flat. The pass draws to the atlas already, and may have been recorded for many frames. A
+/// viewport that belongs to the pipeline cannot be moved there.
 ///
 /// # Safety
 /// As for [`draw_to_views`].
@@ -116,15 +116,17 @@ unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: 
 
 /// Finds out what can be known of a draw while it is recorded; `None` where it cannot be followed.
 ///
-/// What its matrices contain is known only at submission, where `submit` chooses the draw class. Here a draw is issued
-/// wherever a class that is still possible needs it:
+/// What its matrices contain is known only at submission, where `submit` chooses the draw class.
+/// Here a draw is issued wherever a class that is still possible needs it:
 ///
 /// * With matrices (`sources`) it may be the scene, in all views, or flat, on the panel.
-/// * Without matrices it is flat, unless it covers the window with a picture of the scene (`screen`) or its shaders take
-///   the lens that the rig gives (`deep`).
-/// * A flat draw before the first draw of the scene may have to go behind the scene, so that it needs the views, too.
+/// * Without matrices it is flat, unless it covers the window with a picture of the scene
+///   (`screen`) or its shaders take the lens that the rig gives (`deep`).
+/// * A flat draw before the first draw of the scene may have to go behind the scene, so that it
+///   needs the views, too.
 ///
-/// Matrices count only in the viewport of the whole picture (`main`); elsewhere they may be those of another camera.
+/// Matrices count only in the viewport of the whole picture (`main`); elsewhere they may be those
+/// of another camera.
 fn classify(
     draw: &ProgramDraw<'_>,
     recording: &mut Recording,

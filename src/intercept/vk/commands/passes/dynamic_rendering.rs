@@ -47,8 +47,8 @@ impl<'a> Given<'a> {
         deep.map(|attachment| attachment.image_view).filter(|view| *view != vk::ImageView::null()).collect()
     }
 
-    /// Views of depth and stencil, if there are no colours. Secondary command buffers do not name them, so that those
-    /// stay the program's own.
+    /// Views of depth and stencil, if there are no colours. Secondary command buffers do not name
+    /// them, so that those stay the program's own.
     fn depth_alone(&self) -> Vec<vk::ImageView> {
         let inline = !self.has(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
         if inline && self.views().is_empty() { self.depths() } else { Vec::new() }

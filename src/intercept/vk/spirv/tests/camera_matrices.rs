@@ -6,8 +6,9 @@ use crate::intercept::vk::spirv::{Memory, camera_matrices};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 
-/// A stage whose function does `body`. 15 is a block in set 1 at binding 2: a vector, a matrix by rows, and two by columns.
-/// Constants 12 and 13 are 1 and 2; pointers to a matrix of it are 16, to a column 17, to a vector of output 18.
+/// A stage whose function does `body`. 15 is a block in set 1 at binding 2: a vector, a matrix by
+/// rows, and two by columns. Constants 12 and 13 are 1 and 2; pointers to a matrix of it are 16, to
+/// a column 17, to a vector of output 18.
 fn stage(model: ExecutionModel, body: &[(u32, &[u32])]) -> Vec<u32> {
     let (uniform, output) = (StorageClass::Uniform as u32, StorageClass::Output as u32);
     let point = [model as u32, 7, u32::from_le_bytes(*b"go\0\0"), 19];

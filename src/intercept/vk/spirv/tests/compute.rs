@@ -5,9 +5,9 @@ use crate::intercept::vk::spirv::{BufferWrites, ComputeUse, compute_use};
 use crate::testing::random::Random;
 use spirv::{Decoration, Dim, ExecutionModel, Op, StorageClass};
 
-/// A compute stage whose function does `body`. A sampled image of type 5 at binding 1 is 20; stored ones of type 6 at
-/// bindings 2 and 3, the latter never read, are 21 and 22; a word of a buffer at binding 4, by a pointer of type 13, is what a
-/// chain from 23 leads to.
+/// A compute stage whose function does `body`. A sampled image of type 5 at binding 1 is 20; stored
+/// ones of type 6 at bindings 2 and 3, the latter never read, are 21 and 22; a word of a buffer at
+/// binding 4, by a pointer of type 13, is what a chain from 23 leads to.
 fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
     let (constant, buffer) = (StorageClass::UniformConstant as u32, StorageClass::StorageBuffer as u32);
     let point = [ExecutionModel::GLCompute as u32, 30, u32::from_le_bytes(*b"go\0\0")];

@@ -6,7 +6,8 @@ use crate::intercept::vk::spirv::module::instructions;
 use crate::testing::random::Random;
 use spirv::{BuiltIn, Decoration, ExecutionModel, Op, StorageClass};
 
-/// A fragment stage whose function does `body`; its FragCoord is 5, a pointer to input floats 9, a number 10.
+/// A fragment stage whose function does `body`; its FragCoord is 5, a pointer to input floats 9, a
+/// number 10.
 fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
     let input = StorageClass::Input as u32;
     let builtin = [5, Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];

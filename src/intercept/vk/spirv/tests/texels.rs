@@ -6,8 +6,8 @@ use crate::intercept::vk::spirv::texels;
 use crate::testing::random::Random;
 use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, ImageOperands, Op, StorageClass};
 
-/// A fragment stage whose function does `body`. Its FragCoord is 5, an image in set 1 at binding 6 is 16, a pair of
-/// numbers 13, of unsigned ones 18, a constant pair 14.
+/// A fragment stage whose function does `body`. Its FragCoord is 5, an image in set 1 at binding 6
+/// is 16, a pair of numbers 13, of unsigned ones 18, a constant pair 14.
 fn stage(body: &[(u32, &[u32])], fetched_from: Dim) -> Vec<u32> {
     let (input, constant) = (StorageClass::Input as u32, StorageClass::UniformConstant as u32);
     let builtin = [5, Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];

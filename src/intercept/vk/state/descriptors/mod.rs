@@ -33,7 +33,8 @@ pub(in crate::intercept::vk) fn is_buffer(kind: vk::DescriptorType) -> bool {
 }
 
 impl SetLayout {
-    /// The descriptor that `place` names: updates of more elements than a binding has go on in the next one.
+    /// The descriptor that `place` names: updates of more elements than a binding has go on in the
+    /// next one.
     fn slot(&self, (binding, element): DescriptorSlot) -> DescriptorSlot {
         let mut rest = element;
         for (binding, (_, count)) in self.bindings.range(binding..) {

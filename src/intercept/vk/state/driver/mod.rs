@@ -1,7 +1,7 @@
 //! A device as the driver has it: its functions, limits, memory and queues.
 //!
-//! [`instance`] holds the next layer's functions for an instance, [`entry_points`] those of a device
-//! that hooks call. [`structures`] reads the structures that the program passes to Vulkan;
+//! [`instance`] holds the next layer's functions for an instance, [`entry_points`] those of a
+//! device that hooks call. [`structures`] reads the structures that the program passes to Vulkan;
 //! [`own_image`] makes images of ours. Nothing here knows of views.
 
 pub mod entry_points;

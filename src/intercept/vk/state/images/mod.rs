@@ -1,7 +1,7 @@
 //! Images of the program, and what stands for them while views are drawn.
 //!
-//! [`scene_graph`] notes which of them hold a scene on its way to the window, [`framebuffers`] which
-//! of them a render pass draws to.
+//! [`scene_graph`] notes which of them hold a scene on its way to the window, [`framebuffers`]
+//! which of them a render pass draws to.
 
 pub mod framebuffers;
 pub mod scene_graph;
@@ -29,7 +29,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
     /// The layout that was recorded last.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
-    /// That in which the commands leave it that were submitted last: they need not have been recorded last.
+    /// That in which the commands leave it that were submitted last: they need not have been
+    /// recorded last.
     pub(in crate::intercept::vk) submitted_layout: vk::ImageLayout,
     /// Shaders read it.
     pub(in crate::intercept::vk) described: bool,
@@ -107,13 +108,15 @@ pub struct Images {
     pub(in crate::intercept::vk) candidates: AtomicBool,
     /// The size of the latest window.
     pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
-    /// Images that were found to hold a scene: after a change of size, others like these are known at once.
+    /// Images that were found to hold a scene: after a change of size, others like these are known
+    /// at once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
     /// Former targets of scenes, as long as recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
     /// What compute shaders write in the place of a window's images.
     pub(in crate::intercept::vk) of_window: Mutex<Option<Arc<ViewTarget>>>,
-    /// Compute shaders make pictures of a scene: each view of an off-screen scene is as large as the program's image.
+    /// Compute shaders make pictures of a scene: each view of an off-screen scene is as large as
+    /// the program's image.
     pub(in crate::intercept::vk) even: AtomicBool,
     /// They make numbers of it, too: there is the program's own picture of an off-screen scene.
     pub(in crate::intercept::vk) own_read: AtomicBool,
@@ -290,8 +293,8 @@ impl Images {
         self.candidates.load(Ordering::Relaxed)
     }
 
-    /// Whether an image may hold a scene on its way to the window: it has the window's shape, and can be shown. Depths are
-    /// shown by shaders that read them.
+    /// Whether an image may hold a scene on its way to the window: it has the window's shape, and
+    /// can be shown. Depths are shown by shaders that read them.
     pub fn is_candidate(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
         let images = self.images.locked();
@@ -302,8 +305,8 @@ impl Images {
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
-    /// Whether an image is as large as perspective draws for the window need it, not one of a chain for light around
-    /// what is bright.
+    /// Whether an image is as large as perspective draws for the window need it, not one of a chain
+    /// for light around what is bright.
     pub fn is_large(&self, image: vk::Image) -> bool {
         let (size, window) = (self.size(image), *self.window.locked());
         let wide = |((width, height), window)| viewport::has_shape_of_window(width, height, window);
@@ -318,7 +321,8 @@ impl Images {
         }
     }
 
-    /// Whether passes draw to this image, and the program's own picture cannot be copied from their atlas.
+    /// Whether passes draw to this image, and the program's own picture cannot be copied from their
+    /// atlas.
     pub fn lacks_own_picture(&self, image: vk::Image) -> bool {
         let to = vk::ImageUsageFlags::TRANSFER_DST;
         self.images.locked().get(&image).is_some_and(|state| state.attached && !state.usage.contains(to))

@@ -66,8 +66,8 @@ impl SceneGraph {
         seen.news |= news;
     }
 
-    /// Whether compute shaders make, or make something of, one of these images; and whether that is numbers that all views
-    /// share.
+    /// Whether compute shaders make, or make something of, one of these images; and whether that is
+    /// numbers that all views share.
     pub(in crate::intercept::vk) fn is_computed(&self, images: &HashSet<vk::Image>) -> (bool, bool) {
         let seen = self.seen.locked();
         (!seen.computed.is_disjoint(images), !seen.measured.is_disjoint(images))

@@ -103,7 +103,8 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) pictures: Vec<Option<ShownLayout>>,
     /// Matrices that may be functions of the camera, those of each stage in their order.
     pub(in crate::intercept::vk) cameras: Vec<CameraSource>,
-    /// If they are flat and have the inverse of a camera's matrix, they compute all of the picture from its pixels.
+    /// If they are flat and have the inverse of a camera's matrix, they compute all of the picture
+    /// from its pixels.
     pub(in crate::intercept::vk) sky: bool,
     /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,

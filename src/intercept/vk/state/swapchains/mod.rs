@@ -1,6 +1,7 @@
 //! Swapchains of the program and what stands in for their images.
 //!
-//! [`formats`] lists the formats that can be corrected, [`publishing`] reads pictures back for other processes.
+//! [`formats`] lists the formats that can be corrected, [`publishing`] reads pictures back for
+//! other processes.
 
 pub mod formats;
 pub mod publishing;
@@ -103,7 +104,8 @@ pub struct Swapchains {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
     /// The image of a swapchain that was made last, with its format.
     latest: Mutex<Option<(vk::Format, Arc<ViewTarget>)>>,
-    /// Not even the program's own picture could be brought to a window: new swapchains are left alone.
+    /// Not even the program's own picture could be brought to a window: new swapchains are left
+    /// alone.
     pub(in crate::intercept::vk) given_up: AtomicBool,
 }
 

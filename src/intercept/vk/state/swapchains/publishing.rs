@@ -140,16 +140,16 @@ impl Publishing {
         Ok(())
     }
 
-    /// Copies the pictures of a frame, from image `index` of the swapchain and from those `beside` it, after `waits`; they
-    /// are published when the device has done so. Returns what the presentation has to wait for; `None` if the device has
-    /// not done the frames before.
+    /// Copies the pictures of a frame, from image `index` of the swapchain and from those `beside`
+    /// it, after `waits`; they are published when the device has done so. Returns what the
+    /// presentation has to wait for; `None` if the device has not done the frames before.
     ///
     /// # Errors
     /// The driver's; nothing was submitted then.
     ///
     /// # Safety
-    /// No other thread may use the queue; the image can be copied from, and what was submitted to the queue before leaves
-    /// it ready to be presented, and the others ready to be copied from.
+    /// No other thread may use the queue; the image can be copied from, and what was submitted to
+    /// the queue before leaves it ready to be presented, and the others ready to be copied from.
     pub(in crate::intercept::vk) unsafe fn read(
         &mut self,
         driver: &Driver,
@@ -215,7 +215,8 @@ impl Publishing {
             if !done {
                 return;
             }
-            // SAFETY: memory of that size that stays mapped; the device has written it, and writes no more.
+            // SAFETY: memory of that size that stays mapped; the device has written it, and writes
+            // no more.
             let bytes = unsafe {
                 std::slice::from_raw_parts(std::ptr::with_exposed_provenance::<u8>(transfer.bytes), self.bytes)
             };

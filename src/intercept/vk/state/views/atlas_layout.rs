@@ -172,8 +172,8 @@ impl AtlasLayout {
         })
     }
 
-    /// The layout for an image of `size` on its way to this window. Tiles are as much larger or smaller, as far as images
-    /// of `most` texels across and down have room for them.
+    /// The layout for an image of `size` on its way to this window. Tiles are as much larger or
+    /// smaller, as far as images of `most` texels across and down have room for them.
     pub fn of_image(self: &Arc<Self>, size: (u32, u32), most: u32) -> Arc<Self> {
         if size == self.window {
             return Arc::clone(self);
@@ -253,8 +253,8 @@ impl AtlasLayout {
         self.primary.or(own)
     }
 
-    /// Where the program's picture is shown flat: the panel, or, where the program's own lens shows everything
-    /// and the panel nothing, the view with that lens.
+    /// Where the program's picture is shown flat: the panel, or, where the program's own lens shows
+    /// everything and the panel nothing, the view with that lens.
     pub fn flat_place(&self) -> AtlasRect {
         self.own().filter(|_| self.shows_own_lens()).unwrap_or(self.panel)
     }

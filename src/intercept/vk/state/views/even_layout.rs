@@ -1,4 +1,5 @@
-//! Layouts whose tiles are all as large as the program's picture, for images that compute shaders read or write.
+//! Layouts whose tiles are all as large as the program's picture, for images that compute shaders
+//! read or write.
 
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::lock::Lock;
@@ -8,8 +9,8 @@ use std::sync::{Arc, Mutex};
 const GAP: u32 = 1;
 
 impl AtlasLayout {
-    /// The layout for an image of `size` on its way to this window in which each view is as large as the image.
-    /// `own_picture`: the program's own picture is there in any case.
+    /// The layout for an image of `size` on its way to this window in which each view is as large
+    /// as the image. `own_picture`: the program's own picture is there in any case.
     pub fn even(self: &Arc<Self>, size: (u32, u32), own_picture: bool) -> Arc<Self> {
         let mut known = self.of_images.locked();
         let fits = |known: &&Arc<Self>| known.window == size && known.even && (!own_picture || known.own().is_some());

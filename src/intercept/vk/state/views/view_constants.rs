@@ -1,9 +1,9 @@
 //! Memory for view constants: one slot for each view, for the panel and for the primary view.
 //!
 //! Shaders read it when a recorded command buffer runs, so that command buffers stay valid when the
-//! program's lens changes. A slot holds the reprojection matrix, the lens constants where
-//! vertices are projected to outputs, what takes fragments to the program's window, and the factors of images that they
-//! read by numbers; a counter of the dividing stage may lie beside it. The
+//! program's lens changes. A slot holds the reprojection matrix, the lens constants where vertices
+//! are projected to outputs, what takes fragments to the program's window, and the factors of
+//! images that they read by numbers; a counter of the dividing stage may lie beside it. The
 //! parameters of large draws lie in the same chunks.
 
 use crate::intercept::scene::to_window::ToWindow;
@@ -90,12 +90,14 @@ impl ConstantPool {
         self.lenses
     }
 
-    /// Where in a slot the offset and the scale are that take fragments to the program's window, bytes.
+    /// Where in a slot the offset and the scale are that take fragments to the program's window,
+    /// bytes.
     pub fn to_window_offset(&self) -> u32 {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u32
     }
 
-    /// Where in a slot the matrices of the camera are, bytes: those of fragments, behind them those of vertices.
+    /// Where in a slot the matrices of the camera are, bytes: those of fragments, behind them those
+    /// of vertices.
     pub fn cameras_offset(&self) -> u32 {
         self.to_window_offset() + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u32
     }
@@ -287,7 +289,8 @@ impl ConstantChunk {
         self.write_words(offset, &to_window.vector(false).map(f32::to_bits));
     }
 
-    /// Writes the factors of images that fragments read by numbers, behind what takes them to the program's window.
+    /// Writes the factors of images that fragments read by numbers, behind what takes them to the
+    /// program's window.
     pub fn write_factors(&self, offset: u32, factors: &[[f32; 4]]) {
         let place = offset + size_of::<[f32; 4]>() as u32;
         self.write_words(place, &factors.as_flattened().iter().map(|factor| factor.to_bits()).collect::<Vec<_>>());

@@ -46,7 +46,8 @@ pub struct ViewTarget {
     pub(in crate::intercept::vk) view_copies: Vec<OwnImage>,
     /// The layout in which these are kept.
     pub(in crate::intercept::vk) kept: vk::ImageLayout,
-    /// Compute shaders may write the view copies: they are newer than the atlas. With a texel that is clear, for the panel.
+    /// Compute shaders may write the view copies: they are newer than the atlas. With a texel that
+    /// is clear, for the panel.
     pub(in crate::intercept::vk) nothing: Option<OwnImage>,
     /// Number of times that the program's own image was drawn to since the views are.
     pub(in crate::intercept::vk) missed: AtomicU32,

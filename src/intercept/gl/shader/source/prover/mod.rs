@@ -1,9 +1,10 @@
-//! Proves from a vertex shader's text where its vertices are: `gl_Position` is a product of matrices that the
-//! program sets and of one attribute.
+//! Proves from a vertex shader's text where its vertices are: `gl_Position` is a product of
+//! matrices that the program sets and of one attribute.
 //!
-//! What is not of this form, or not understood, is not proven; a program that is cut too narrowly by mistake would lose
-//! a part of its picture. The names on the way from the attribute to `gl_Position` must be declared once, written
-//! once, unconditionally and in `main`; of conditional compilation all branches are looked at.
+//! What is not of this form, or not understood, is not proven; a program that is cut too narrowly
+//! by mistake would lose a part of its picture. The names on the way from the attribute to
+//! `gl_Position` must be declared once, written once, unconditionally and in `main`; of conditional
+//! compilation all branches are looked at.
 
 pub(in crate::intercept::gl::shader) mod declarations;
 pub(in crate::intercept::gl::shader) mod tokens;
@@ -120,7 +121,8 @@ impl<'a> Text<'a> {
         ranges.flatten().filter(move |at| self.words[*at] == name && self.word(at.wrapping_sub(1)) != ".")
     }
 
-    /// Whether the word at `at` is declared there: it follows a type, or a comma outside of parentheses.
+    /// Whether the word at `at` is declared there: it follows a type, or a comma outside of
+    /// parentheses.
     fn declares(&self, at: usize) -> bool {
         let before = self.word(at - 1);
         if before == "," {
@@ -150,13 +152,14 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// A name that nothing but its declaration outside of functions makes: it is neither hidden nor written.
+    /// A name that nothing but its declaration outside of functions makes: it is neither hidden nor
+    /// written.
     fn is_constant(&self, name: &'a str) -> bool {
         !self.macros.contains(&name) && self.uses(name).all(|at| !self.declares(at) && !self.writes(at))
     }
 
-    /// The only expression that `name` ever gets, at the outermost level of `main`: its first word, and the semicolon
-    /// behind it. `local`: a variable of `main` itself.
+    /// The only expression that `name` ever gets, at the outermost level of `main`: its first word,
+    /// and the semicolon behind it. `local`: a variable of `main` itself.
     fn written(&self, name: &'a str, local: bool) -> Option<(usize, usize)> {
         if self.macros.contains(&name) {
             return None;
@@ -276,8 +279,8 @@ impl<'a> Text<'a> {
         !own && self.is_constant(word)
     }
 
-    /// What `vec4(…)` of the words `start..end` makes of an attribute: `(a, 1.0)`, `(a.xyz, 1.0)`, `(a.xy, 0.0, 1.0)`,
-    /// `(a.x, a.y, a.z, 1.0)`.
+    /// What `vec4(…)` of the words `start..end` makes of an attribute: `(a, 1.0)`, `(a.xyz, 1.0)`,
+    /// `(a.xy, 0.0, 1.0)`, `(a.x, a.y, a.z, 1.0)`.
     fn point(&self, start: usize, end: usize) -> Option<(Attribute, usize)> {
         let mut name = None;
         let (mut components, mut constants) = (0, Vec::new());

@@ -49,8 +49,9 @@ pub fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
 
-/// Splits a text without comments into words. Of conditional compilation all branches are taken. `None`: the text has
-/// what is not followed (continued lines, directives that are not known, names made by macros).
+/// Splits a text without comments into words. Of conditional compilation all branches are taken.
+/// `None`: the text has what is not followed (continued lines, directives that are not known, names
+/// made by macros).
 pub fn split(bare: &str) -> Option<Tokens<'_>> {
     if bare.contains('\\') || !bare.is_ascii() {
         return None;
