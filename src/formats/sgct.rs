@@ -155,39 +155,11 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
         let address = node.optional("address").map(|address| address.text()).transpose()?.unwrap_or_default();
         let mut viewports = Vec::new();
         for window in node.list("windows")? {
+            let of_window = viewports_of(&window, viewer, viewports.len(), &mut pixels)?;
             let flag = |name| window.optional(name).map_or(Ok(false), |flag| flag.truth());
-            let mirrored = [flag("mirrorx")?, flag("mirrory")?];
-            let position = window.optional("pos").map_or(Ok([0.0; 2]), |position| position.pair())?;
-            let size = window.required("size")?.pair()?;
-            let mut of_window = Vec::new();
-            for viewport in window.list("viewports")? {
-                let part = part(&viewport)?;
-                of_window.push((part, self::viewport(&viewport, part, position, size, viewer)?));
-                let [_, _, width, height] = of_window[of_window.len() - 1].1.place;
-                pixels += width.unsigned_abs() * height.unsigned_abs();
-                if viewports.len() + of_window.len() > MOST || pixels > MOST_PIXELS_TOGETHER {
-                    let most = format!("at most {MOST} for a computer, with {MOST_PIXELS_TOGETHER} pixels altogether");
-                    return Err(viewport.wrong(format!("is one viewport too many; expected {most}")));
-                }
-            }
-            if mirrored == [false; 2] {
-                viewports.extend(of_window.into_iter().map(|(_, viewport)| viewport));
-                continue;
-            }
-            for (number, (part, viewport)) in of_window.iter().enumerate() {
-                let there = part.mirrored(mirrored);
-                match of_window.iter().find(|(other, _)| other.is_at(&there)) {
-                    Some((_, shown)) => viewports.push(Viewport {
-                        projection: shown.projection.clone(),
-                        eye: shown.eye,
-                        mirrored,
-                        ..viewport.clone()
-                    }),
-                    None => notes.push(format!(
-                        "{name}: {}.viewports[{number}] is left out: no viewport lies at its place in the mirrored window",
-                        window.path
-                    )),
-                }
+            match [flag("mirrorx")?, flag("mirrory")?] {
+                [false, false] => viewports.extend(of_window.into_iter().map(|(_, viewport)| viewport)),
+                mirrored => viewports.extend(mirrored_viewports(&window, &of_window, mirrored, &mut notes)),
             }
         }
         nodes.push(Node { address, viewports });
@@ -199,6 +171,52 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
         });
     }
     Ok(Noted { value: Config { viewer, nodes }, notes })
+}
+
+/// The viewports of a window with their parts of it, after `before` others of the computer;
+/// `pixels` counts those of all.
+fn viewports_of(window: &Key, viewer: DVec3, before: usize, pixels: &mut u64) -> Result<Vec<(Part, Viewport)>> {
+    let position = window.optional("pos").map_or(Ok([0.0; 2]), |position| position.pair())?;
+    let size = window.required("size")?.pair()?;
+    let mut viewports = Vec::new();
+    for key in window.list("viewports")? {
+        let part = part(&key)?;
+        let viewport = viewport(&key, part, position, size, viewer)?;
+        let [_, _, width, height] = viewport.place;
+        viewports.push((part, viewport));
+        *pixels += width.unsigned_abs() * height.unsigned_abs();
+        if before + viewports.len() > MOST || *pixels > MOST_PIXELS_TOGETHER {
+            let most = format!("at most {MOST} for a computer, with {MOST_PIXELS_TOGETHER} pixels altogether");
+            return Err(key.wrong(format!("is one viewport too many; expected {most}")));
+        }
+    }
+    Ok(viewports)
+}
+
+/// The viewports of a mirrored window: each shows what lies at its place in the mirror.
+fn mirrored_viewports(
+    window: &Key,
+    of_window: &[(Part, Viewport)],
+    mirrored: [bool; 2],
+    notes: &mut Vec<String>,
+) -> Vec<Viewport> {
+    let mut viewports = Vec::new();
+    for (number, (part, viewport)) in of_window.iter().enumerate() {
+        let there = part.mirrored(mirrored);
+        match of_window.iter().find(|(other, _)| other.is_at(&there)) {
+            Some((_, shown)) => viewports.push(Viewport {
+                projection: shown.projection.clone(),
+                eye: shown.eye,
+                mirrored,
+                ..viewport.clone()
+            }),
+            None => notes.push(format!(
+                "{}: {}.viewports[{number}] is left out: no viewport lies at its place in the mirrored window",
+                window.name, window.path
+            )),
+        }
+    }
+    viewports
 }
 
 /// A part of a window, 0…1 from its bottom left.

@@ -143,7 +143,6 @@ impl Accumulation {
             Operation::Multiply => Some((api::GL_ZERO, api::GL_SRC_COLOR)),
             _ => None,
         };
-        let (mut functions, mut equations) = ([0; 4], [0; 2]);
         // SAFETY: a context is current; what `saved` does not hold is put back below.
         unsafe {
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, if returns { framebuffer } else { self.framebuffer });
@@ -158,27 +157,13 @@ impl Accumulation {
                 let [red, green, blue, alpha] = saved.color_mask();
                 gl.color_maski(0, red, green, blue, alpha);
             }
-            if let Some((source, destination)) = blend {
-                for (value, name) in functions.iter_mut().zip(FUNCTIONS) {
-                    gl.get_integerv(name, value);
-                }
-                for (value, name) in equations.iter_mut().zip(EQUATIONS) {
-                    gl.get_integerv(name, value);
-                }
-                gl.enablei(api::GL_BLEND, 0);
-                gl.blend_equation(api::GL_FUNC_ADD);
-                gl.blend_func(source, destination);
-            }
+            let blended = blend.map(|(source, destination)| SavedBlend::replace(gl, source, destination));
             for part in parts {
                 state::set_viewport(gl, &self.caps, *part);
                 gl.draw_arrays(api::GL_TRIANGLES, 0, 3);
             }
-            if blend.is_some() {
-                let [source, destination, source_alpha, destination_alpha] = functions.map(|v: i32| v as u32);
-                gl.blend_func_separate(source, destination, source_alpha, destination_alpha);
-                let [colour, alpha] = equations.map(|v: i32| v as u32);
-                gl.blend_equation_separate(colour, alpha);
-                gl.disablei(api::GL_BLEND, 0);
+            if let Some(saved) = blended {
+                saved.put_back(gl);
             }
             if returns {
                 gl.color_maski(0, 1, 1, 1, 1);
@@ -219,6 +204,51 @@ impl Accumulation {
     }
 }
 
+/// Blending of the first draw buffer, which is switched on for a moment with other factors.
+struct SavedBlend {
+    /// Factors and equations, as in [`FUNCTIONS`] and [`EQUATIONS`].
+    functions: [i32; 4],
+    equations: [i32; 2],
+}
+
 const FUNCTIONS: [u32; 4] =
     [api::GL_BLEND_SRC_RGB, api::GL_BLEND_DST_RGB, api::GL_BLEND_SRC_ALPHA, api::GL_BLEND_DST_ALPHA];
 const EQUATIONS: [u32; 2] = [api::GL_BLEND_EQUATION_RGB, api::GL_BLEND_EQUATION_ALPHA];
+
+impl SavedBlend {
+    /// Adds up with these factors from now on.
+    ///
+    /// # Safety
+    /// A context is current.
+    unsafe fn replace(gl: &Gl, source: u32, destination: u32) -> Self {
+        let mut saved = Self { functions: [0; 4], equations: [0; 2] };
+        // SAFETY: as promised; each question writes one integer.
+        unsafe {
+            for (value, name) in saved.functions.iter_mut().zip(FUNCTIONS) {
+                gl.get_integerv(name, value);
+            }
+            for (value, name) in saved.equations.iter_mut().zip(EQUATIONS) {
+                gl.get_integerv(name, value);
+            }
+            gl.enablei(api::GL_BLEND, 0);
+            gl.blend_equation(api::GL_FUNC_ADD);
+            gl.blend_func(source, destination);
+        }
+        saved
+    }
+
+    /// Switches blending off, with the factors and equations that it had.
+    ///
+    /// # Safety
+    /// As for [`replace`](Self::replace).
+    unsafe fn put_back(self, gl: &Gl) {
+        let [source, destination, source_alpha, destination_alpha] = self.functions.map(|value| value as u32);
+        let [colour, alpha] = self.equations.map(|value| value as u32);
+        // SAFETY: as promised.
+        unsafe {
+            gl.blend_func_separate(source, destination, source_alpha, destination_alpha);
+            gl.blend_equation_separate(colour, alpha);
+            gl.disablei(api::GL_BLEND, 0);
+        }
+    }
+}

@@ -90,53 +90,60 @@ pub(in crate::correct) fn batches(
     if let Some(mask) = darkening {
         needs_of_masked(&mut needs, mask, size);
     }
-    let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
-    let classes = with_fewer_overlaps(classes);
-
     // Where a mask is white it is not looked at.
     let faded = |index: usize| mask.is_some_and(|mask| !mask.is_white(block_at(index, size), size));
-    let mut distinct: Vec<(Class, bool)> = Vec::new();
-    let mut united: Vec<Needs> = Vec::new();
-    let numbered: Vec<Option<usize>> = needs
-        .iter()
-        .zip(&classes)
-        .enumerate()
-        .map(|(index, (needs, class))| {
-            let class = ((*class)?, faded(index));
-            let index = distinct.iter().position(|other| *other == class).unwrap_or_else(|| {
-                distinct.push(class);
-                united.push(Needs::default());
-                distinct.len() - 1
-            });
-            united[index] = united[index].and(needs);
-            Some(index)
-        })
-        .collect();
-    let mut rects = rectangles::merge(&numbered, BLOCK, size, distinct.len());
+    let (kinds, numbers) = kinds_of_blocks(&needs, faded);
+    let mut rects = rectangles::merge(&numbers, BLOCK, size, kinds.len());
     if let Some(mask) = darkening {
-        let faded = rects.iter_mut().zip(&distinct).filter(|(_, (_, faded))| *faded);
+        let faded = rects.iter_mut().zip(&kinds).filter(|(_, kind)| kind.faded);
         faded.flat_map(|(rects, _)| rects).for_each(|rect| *rect = mask.trimmed(*rect, size));
     }
     let neighbours = match source {
         Source::Projector(projector) => projector.neighbours.len(),
         _ => 0,
     };
-    united
+    kinds
         .into_iter()
-        .zip(&distinct)
         .zip(rects)
-        .map(|((needs, (_, masked)), rects)| Batch {
+        .map(|(BlockKind { needs, faded, .. }, rects)| Batch {
             views: (0..output_views.len())
                 .filter(|&bit| needs.views >> bit.min(63) & 1 == 1)
                 .map(|bit| output_views[bit])
                 .collect(),
             neighbours: (0..neighbours).filter(|&bit| needs.neighbours >> bit.min(127) & 1 == 1).collect(),
             edge: needs.dark,
-            masked: *masked,
+            masked: faded,
             rects,
             facets: None,
         })
         .collect()
+}
+
+/// Blocks that one batch draws.
+struct BlockKind {
+    class: Class,
+    /// A mask is not white there.
+    faded: bool,
+    /// What they need together.
+    needs: Needs,
+}
+
+/// The kinds of blocks that show something, and the number of each block's kind; `faded` tells by a
+/// block's number.
+fn kinds_of_blocks(needs: &[Needs], faded: impl Fn(usize) -> bool) -> (Vec<BlockKind>, Vec<Option<usize>>) {
+    let classes = with_fewer_overlaps(needs.iter().map(classify).collect());
+    let mut kinds: Vec<BlockKind> = Vec::new();
+    let numbers = needs.iter().zip(classes).enumerate().map(|(index, (needs, class))| {
+        let (class, faded) = (class?, faded(index));
+        let number = kinds.iter().position(|kind| (kind.class, kind.faded) == (class, faded)).unwrap_or_else(|| {
+            kinds.push(BlockKind { class, faded, needs: Needs::default() });
+            kinds.len() - 1
+        });
+        kinds[number].needs = kinds[number].needs.and(needs);
+        Some(number)
+    });
+    let numbers = numbers.collect();
+    (kinds, numbers)
 }
 
 /// The block with this number, row by row.

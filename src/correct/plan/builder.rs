@@ -68,56 +68,75 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
         views = planning.place()?;
         examined = examine(&views);
     }
-    let mut passes = Vec::new();
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
         true => Weights::new(rig, sizes)?.greatest_black(),
         false => 0.0,
     };
+    let mut passes = Vec::new();
     for (index, (picture, examined)) in pictures.into_iter().zip(examined).enumerate() {
-        let output = &rig.outputs[index];
         let batches = match request.output_sizes[index] {
             (0, 0) => Vec::new(),
             _ => blocks::batches(rig, index, &picture, &views, examined),
         };
-        let Picture { source, size, mask, flip, content } = picture;
-        // A table has them in its weights.
-        let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
-        let batches = match output.method {
-            Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
-            Method::Table { .. } => match &source {
-                Source::Table(table) if table.step() > 1 => only_lit(batches, &source, size),
-                _ => batches,
-            },
-            Method::Mesh { max_error } => {
-                meshed(only_lit(batches, &source, size), &SurfaceSampler::new(rig, index, sizes)?, max_error)
-            }
-            Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
-        };
-        // Meshes and coarse tables do not know how many pictures meet at their pixels.
-        let knows_black = match &source {
-            Source::Table(table) => table.step() == 1,
-            _ => output.method == Method::Fragment || output.method.projects_vertices(),
-        };
-        passes.push(OutputPass {
-            name: output.name.clone(),
-            size,
-            batches,
-            lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
-            source,
-            mask: mask.map(|mask| mask.flipped(flip)),
-            ramps,
-            dome_rotation: output_source::dome_axes(rig),
-            filter: rig.views.filter,
-            gamma: output.blend.gamma,
-            transfer: output.blend.transfer.clone(),
-            black_level: output.blend.black_level,
-            black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
-            dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
-            flip,
-            content,
-        });
+        let batches = by_method(rig, index, sizes, batches, &picture, &views, &domes)?;
+        passes.push(pass(rig, index, picture, batches, lift));
     }
     Ok(Plan { views, passes })
+}
+
+/// The batches of an output as its method makes them.
+fn by_method(
+    rig: &Rig,
+    index: usize,
+    sizes: &[(u32, u32)],
+    batches: Vec<Batch>,
+    picture: &Picture,
+    views: &ViewPlan,
+    domes: &[Option<Arc<Facets>>],
+) -> Result<Vec<Batch>> {
+    let &Picture { ref source, size, .. } = picture;
+    Ok(match rig.outputs[index].method {
+        Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
+        Method::Table { .. } => match source {
+            Source::Table(table) if table.step() > 1 => only_lit(batches, source, size),
+            _ => batches,
+        },
+        Method::Mesh { max_error } => {
+            meshed(only_lit(batches, source, size), &SurfaceSampler::new(rig, index, sizes)?, max_error)
+        }
+        Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
+    })
+}
+
+/// The pass of an output. `lift`: greatest black of the light that overlaps, which outputs that
+/// know where it does are lifted to.
+fn pass(rig: &Rig, index: usize, picture: Picture, batches: Vec<Batch>, lift: f64) -> OutputPass {
+    let output = &rig.outputs[index];
+    let Picture { source, size, mask, flip, content } = picture;
+    // Meshes and coarse tables do not know how many pictures meet at their pixels.
+    let knows_black = match &source {
+        Source::Table(table) => table.step() == 1,
+        _ => output.method == Method::Fragment || output.method.projects_vertices(),
+    };
+    OutputPass {
+        name: output.name.clone(),
+        size,
+        batches,
+        lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
+        // A table has them in its weights.
+        ramps: if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() },
+        source,
+        mask: mask.map(|mask| mask.flipped(flip)),
+        dome_rotation: output_source::dome_axes(rig),
+        filter: rig.views.filter,
+        gamma: output.blend.gamma,
+        transfer: output.blend.transfer.clone(),
+        black_level: output.blend.black_level,
+        black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
+        dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
+        flip,
+        content,
+    }
 }
 
 /// What is known of each output's picture before there are views; nothing of a rig that corrects

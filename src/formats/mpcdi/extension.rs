@@ -74,31 +74,18 @@ pub(super) fn lens(
     // Only archives of our own say it, in radians.
     let known = reader.text(fisheye, "aperture").is_some();
     let aperture = number(fisheye, "aperture", 180.0, 1e-3..=360.0)?.to_radians();
-    let half = 0.5 * aperture;
-    let units = [("radians", 1.0), ("degrees", 180.0 / PI)];
-    let found = units.iter().find_map(|(word, unit)| {
-        let mut power = *unit;
-        let scaled = factors.map(|factor| {
-            let scaled = factor * power;
-            power *= unit * unit;
-            scaled
-        });
-        let rim = radius(&scaled, half);
-        let lens = FisheyeLens { projection: Projection::Polynomial(scaled), aperture };
-        (lens.is_monotone() && (known && *unit == 1.0 || RIM.contains(&rim))).then_some((*word, lens, rim))
-    });
-    let Some((word, lens, rim)) = found else {
+    let Some(Understood { lens, rim, unit }) = understood(factors, aperture, known) else {
         notes.push(format!(
             "{title}: its fisheye is not taken over: whether the angle is in radians or in degrees, 90° from its axis would lie {:.4} or \
              {:.4} half widths from it, or the radius does not grow up to there",
-            radius(&factors, half),
-            radius(&factors, half.to_degrees())
+            radius(&factors, 0.5 * aperture),
+            radius(&factors, (0.5 * aperture).to_degrees())
         ));
         return Ok(Described::Unclear);
     };
     if !known {
         notes.push(format!(
-            "{title}: the angle of its fisheye is taken as {word}, which puts 90° from the axis at {rim:.4} half widths; the aperture, \
+            "{title}: the angle of its fisheye is taken as {unit}, which puts 90° from the axis at {rim:.4} half widths; the aperture, \
              which is not said, as 180°"
         ));
     }
@@ -114,6 +101,33 @@ pub(super) fn lens(
     let aspect = f64::from(size.0) / f64::from(size.1);
     let circle = Circle::Placed { center, half: DVec2::new(rim, rim * aspect / ratio) };
     Ok(Described::Fisheye(lens, circle))
+}
+
+/// A fisheye whose unit is found.
+struct Understood {
+    lens: FisheyeLens,
+    /// Radius of the rim, half widths of the picture.
+    rim: f64,
+    /// The unit of the angle in the file.
+    unit: &'static str,
+}
+
+/// The fisheye of these factors, whichever unit of the angle fits; `known`: the file says its
+/// aperture, and the unit is the radian.
+fn understood(factors: [f64; 4], aperture: f64, known: bool) -> Option<Understood> {
+    let units = [("radians", 1.0), ("degrees", 180.0 / PI)];
+    units.iter().find_map(|(word, unit)| {
+        let mut power = *unit;
+        let scaled = factors.map(|factor| {
+            let scaled = factor * power;
+            power *= unit * unit;
+            scaled
+        });
+        let rim = radius(&scaled, 0.5 * aperture);
+        let lens = FisheyeLens { projection: Projection::Polynomial(scaled), aperture };
+        let fits = lens.is_monotone() && (known && *unit == 1.0 || RIM.contains(&rim));
+        fits.then_some(Understood { lens, rim, unit: word })
+    })
 }
 
 /// The radius at an angle.

@@ -127,7 +127,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
 
 /// As [`read`], of at most so many pixels altogether.
 fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
-    let (mut files, text) = match description_alone(bytes) {
+    let (files, text) = match description_alone(bytes) {
         Some(text) => (None, text.to_owned()),
         None => {
             let mut files = Files::open(name, bytes)?;
@@ -136,53 +136,14 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
         }
     };
     let document::Description { profile, regions: described, notes } = document::read(name, &text)?;
-    let mut take = |path: &str, longest: u64| match &mut files {
-        Some(files) => files.take(path, longest),
-        None => Err(invalid(&format!("{name}/{path}"), "is missing: this is a description without its archive")),
-    };
-    // Many regions may name the same file, which is unpacked for each.
-    let mut left = most;
-    let mut count = |name: &str, (width, height): (u32, u32)| {
-        let too_many = || invalid(name, format!("is too much: all maps and pictures have more than {most} pixels"));
-        left = left.checked_sub(u64::from(width) * u64::from(height)).ok_or_else(too_many)?;
-        Ok::<_, crate::Error>(())
-    };
+    let mut parts = Parts { name, files, left: most, most };
     let mut regions = Vec::new();
     for region in described {
         // A map may be finer than the region, but not without bound: four values for each pixel.
         let longest = 48 * u64::from(region.size.0) * u64::from(region.size.1) + (1 << 16);
-        let warp = match &region.warp {
-            Some(path) => {
-                let inner = format!("{name}/{path}");
-                let warp = pfm::read(&inner, &take(path, longest)?)?;
-                count(&inner, warp.size())?;
-                Some(match profile {
-                    Profile::Flat => placed(&inner, &warp, region.place)?,
-                    Profile::ShaderLamps => turned(&inner, warp, &region.axes)?,
-                    _ => warp,
-                })
-            }
-            None => None,
-        };
-        let alpha = match &region.alpha {
-            Some((path, gamma)) => {
-                let inner = format!("{name}/{path}");
-                let (size, weights) = png_luma(&inner, &take(path, longest)?)?;
-                count(&inner, size)?;
-                let weights = weights.iter().map(|value| f32::from(*value) / 65535.0).collect();
-                Some(Alpha { size, weights, gamma: *gamma })
-            }
-            None => None,
-        };
-        let beta = match &region.beta {
-            Some(path) => {
-                let inner = format!("{name}/{path}");
-                let levels = levels::read_png(&inner, &take(path, longest)?)?;
-                count(&inner, levels.size)?;
-                Some(levels)
-            }
-            None => None,
-        };
+        let warp = region.warp.as_ref().map(|path| parts.warp(path, longest, profile, &region)).transpose()?;
+        let alpha = region.alpha.as_ref().map(|(path, gamma)| parts.alpha(path, longest, *gamma)).transpose()?;
+        let beta = region.beta.as_ref().map(|path| parts.beta(path, longest)).transpose()?;
         let (camera, fisheye) = (region.camera, region.fisheye);
         // A fisheye that is not understood leaves the points.
         if camera.is_none() && fisheye.is_none() && profile.has_cameras() && !region.unclear {
@@ -192,6 +153,67 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
         regions.push(Region { id: region.id, size: region.size, warp, alpha, beta, camera, fisheye });
     }
     Ok(Noted { value: Archive { profile, regions }, notes })
+}
+
+/// The files in an archive, which are read as its regions name them.
+struct Parts<'a> {
+    /// The archive's.
+    name: &'a str,
+    /// `None`: a description without its archive.
+    files: Option<Files<'a>>,
+    /// Pixels that may still be unpacked: many regions may name the same file, which is unpacked
+    /// for each.
+    left: u64,
+    most: u64,
+}
+
+impl Parts<'_> {
+    /// A file's name for messages, and its bytes.
+    fn take(&mut self, path: &str, longest: u64) -> Result<(String, Vec<u8>)> {
+        let inner = format!("{}/{path}", self.name);
+        match &mut self.files {
+            Some(files) => Ok((inner, files.take(path, longest)?)),
+            None => Err(invalid(&inner, "is missing: this is a description without its archive")),
+        }
+    }
+
+    fn count(&mut self, name: &str, (width, height): (u32, u32)) -> Result<()> {
+        let most = self.most;
+        let too_many = || invalid(name, format!("is too much: all maps and pictures have more than {most} pixels"));
+        self.left = self.left.checked_sub(u64::from(width) * u64::from(height)).ok_or_else(too_many)?;
+        Ok(())
+    }
+
+    fn warp(
+        &mut self,
+        path: &str,
+        longest: u64,
+        profile: Profile,
+        region: &document::DescribedRegion,
+    ) -> Result<Raster> {
+        let (inner, bytes) = self.take(path, longest)?;
+        let warp = pfm::read(&inner, &bytes)?;
+        self.count(&inner, warp.size())?;
+        match profile {
+            Profile::Flat => placed(&inner, &warp, region.place),
+            Profile::ShaderLamps => turned(&inner, warp, &region.axes),
+            _ => Ok(warp),
+        }
+    }
+
+    fn alpha(&mut self, path: &str, longest: u64, gamma: f64) -> Result<Alpha> {
+        let (inner, bytes) = self.take(path, longest)?;
+        let (size, weights) = png_luma(&inner, &bytes)?;
+        self.count(&inner, size)?;
+        Ok(Alpha { size, weights: weights.iter().map(|value| f32::from(*value) / 65535.0).collect(), gamma })
+    }
+
+    fn beta(&mut self, path: &str, longest: u64) -> Result<Levels> {
+        let (inner, bytes) = self.take(path, longest)?;
+        let levels = levels::read_png(&inner, &bytes)?;
+        self.count(&inner, levels.size)?;
+        Ok(levels)
+    }
 }
 
 /// The text of a description that is no archive, if the file is one.

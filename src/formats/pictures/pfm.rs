@@ -29,28 +29,11 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
         Some(b"Pf") => 1,
         _ => return Err(invalid(name, "is no PFM file; expected it to begin with PF or Pf")),
     };
-    let mut at = 2;
-    let mut word = |what: &str| {
-        let header = &bytes[..bytes.len().min(LONGEST_HEADER)];
-        let start = at + header[at.min(header.len())..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let length = header[start..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-        let text = std::str::from_utf8(&header[start..start + length]).unwrap_or_default();
-        at = start + length;
-        if text.is_empty() || at == header.len() {
-            return Err(invalid(name, format!("at byte {start}: the header ends; expected {what}")));
-        }
-        Ok((text, start))
-    };
-    let count = |(text, start): (&str, usize), what: &str| {
-        text.parse::<u64>()
-            .map_err(|_| invalid(name, format!("at byte {start}: {} is no {what} in pixels", shown(text))))
-    };
-    let width = count(word("the width in pixels")?, "width")?;
-    let height = count(word("the height in pixels")?, "height")?;
-    let (text, start) = word("the scale, -1.0 for little-endian values")?;
-    let scale = text.parse::<f64>().ok().filter(|scale| scale.is_finite() && *scale != 0.0);
-    let scale = scale
-        .ok_or_else(|| invalid(name, format!("at byte {start}: {} is no scale; expected -1.0 or 1.0", shown(text))))?;
+    let mut header = Header { name, bytes: &bytes[..bytes.len().min(LONGEST_HEADER)], at: 2 };
+    let width = header.count("width")?;
+    let height = header.count("height")?;
+    let scale = header.scale()?;
+    let at = header.at;
     let size = checked_size(name, width, height)?;
     let needed = width as usize * height as usize * channels * 4;
     // One byte ends the header; two where the text's lines end as on Windows.
@@ -85,6 +68,44 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
         ));
     }
     Raster::new(size, values).ok_or_else(|| invalid(name, "has no pixels"))
+}
+
+/// The words after the first of a file's header.
+struct Header<'a> {
+    /// The file's.
+    name: &'a str,
+    bytes: &'a [u8],
+    /// Where the next word is looked for.
+    at: usize,
+}
+
+impl<'a> Header<'a> {
+    /// The next word and its place; `what` says what it is.
+    fn word(&mut self, what: &str) -> Result<(&'a str, usize)> {
+        let rest = &self.bytes[self.at.min(self.bytes.len())..];
+        let start = self.at + rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let length = self.bytes[start..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
+        let text = std::str::from_utf8(&self.bytes[start..start + length]).unwrap_or_default();
+        self.at = start + length;
+        if text.is_empty() || self.at == self.bytes.len() {
+            return Err(invalid(self.name, format!("at byte {start}: the header ends; expected {what}")));
+        }
+        Ok((text, start))
+    }
+
+    /// A number of pixels.
+    fn count(&mut self, what: &str) -> Result<u64> {
+        let (text, start) = self.word(&format!("the {what} in pixels"))?;
+        let wrong = |_| invalid(self.name, format!("at byte {start}: {} is no {what} in pixels", shown(text)));
+        text.parse().map_err(wrong)
+    }
+
+    fn scale(&mut self) -> Result<f64> {
+        let (text, start) = self.word("the scale, -1.0 for little-endian values")?;
+        let scale = text.parse::<f64>().ok().filter(|scale| scale.is_finite() && *scale != 0.0);
+        let message = format!("at byte {start}: {} is no scale; expected -1.0 or 1.0", shown(text));
+        scale.ok_or_else(|| invalid(self.name, message))
+    }
 }
 
 /// The bytes of a PFM file with three channels, little-endian, of values row by row from the top.

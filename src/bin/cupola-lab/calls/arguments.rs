@@ -304,15 +304,8 @@ impl<'a> Caller<'a> {
                 format!("[n{}", self.slots(letter))
             }
             (_, false, 1) if parameter.base == "void" => {
-                if of.starts_with("glGetTex")
-                    || of.starts_with("glReadPixels")
-                    || of.starts_with("glGetCompressed")
-                    || of.contains("PolygonStipple")
-                {
-                    "@p0".to_owned()
-                } else {
-                    "&u".to_owned()
-                }
+                let reads = ["glGetTex", "glReadPixels", "glGetCompressed"].iter().any(|begin| of.starts_with(begin));
+                if reads || of.contains("PolygonStipple") { "@p0".to_owned() } else { "&u".to_owned() }
             }
             (_, false, _) => self.output(of, name),
             (base, true, count) if count > 1 || matches!(base, "GLchar" | "GLcharARB") => {
@@ -324,20 +317,7 @@ impl<'a> Caller<'a> {
             }
             ("GLfloat" | "GLclampf", true, 1) => self.short_reals('f', parameter),
             ("GLdouble" | "GLclampd", true, 1) => self.short_reals('d', parameter),
-            ("GLenum", true, 1) => {
-                let group = if of.contains("DrawBuffers") {
-                    "DrawBufferMode"
-                } else if of.contains("Invalidate") || of.contains("Discard") {
-                    "FramebufferAttachment"
-                } else {
-                    "ProgramResourceProperty"
-                };
-                let own = [0x8CE0, 0x8CE1, 0, 0x8CE2, 0x0405, 0x1800, 0x1801];
-                let list: Vec<String> = (0..LIST)
-                    .map(|_| if self.one_in(2) { self.pick(&own) } else { self.value(group, of) }.to_string())
-                    .collect();
-                format!("[i{}", list.join(","))
-            }
+            ("GLenum", true, 1) => self.enums(of),
             ("GLint" | "GLuint", true, 1)
                 if parameter.length.is_empty() || parameter.length.starts_with("COMPSIZE") =>
             {
@@ -360,6 +340,22 @@ impl<'a> Caller<'a> {
             }
             _ => format!("~{}", self.pick(&[0, 4, 16, 64])),
         }
+    }
+
+    /// A list of enums for a command.
+    fn enums(&mut self, of: &str) -> String {
+        let group = if of.contains("DrawBuffers") {
+            "DrawBufferMode"
+        } else if of.contains("Invalidate") || of.contains("Discard") {
+            "FramebufferAttachment"
+        } else {
+            "ProgramResourceProperty"
+        };
+        let own = [0x8CE0, 0x8CE1, 0, 0x8CE2, 0x0405, 0x1800, 0x1801];
+        let list: Vec<String> = (0..LIST)
+            .map(|_| if self.one_in(2) { self.pick(&own) } else { self.value(group, of) }.to_string())
+            .collect();
+        format!("[i{}", list.join(","))
     }
 
     fn short_reals(&mut self, letter: char, parameter: &Parameter) -> String {

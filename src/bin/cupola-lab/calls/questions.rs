@@ -54,6 +54,67 @@ pub fn names_in(state: &[String]) -> Option<char> {
     })
 }
 
+/// Commands that are asked for every value, what stands before the value, each in turn, and what
+/// stands behind it.
+const QUESTIONS: [(&[&str], &[&str], &str); 16] = [
+    (&["glGetIntegerv", "glGetDoublev"], &[""], "&s"),
+    // Of several viewports the first one counts.
+    (&["glGetIntegeri_v", "glGetInteger64i_v"], &[""], "0 &s"),
+    (&["glGetTexParameterfv"], &["0xde1 "], "&s"),
+    (&["glGetTexLevelParameteriv"], &["0xde1 0 "], "&s"),
+    (&["glGetTexParameteriv"], &["0x8513 "], "&s"),
+    (&["glGetTexEnvfv"], &["0x2300 "], "&s"),
+    (&["glGetTexEnviv"], &["0x8500 ", "0x8861 "], "&s"),
+    (&["glGetTexGendv"], &["0x2000 ", "0x2001 ", "0x2002 ", "0x2003 "], "&s"),
+    (
+        &["glGetBufferParameteriv"],
+        &["0x8892 ", "0x8893 ", "0x88eb ", "0x88ec ", "0x8a11 ", "0x8f36 ", "0x8f37 ", "0x8c8e "],
+        "&s",
+    ),
+    (&["glGetFramebufferAttachmentParameteriv"], &ATTACHMENTS, "&s"),
+    (&["glGetFramebufferParameteriv"], &["0x8ca9 "], "&s"),
+    (&["glGetRenderbufferParameteriv"], &["0x8d41 "], "&s"),
+    (&["glGetQueryiv"], &["0x8914 ", "0x8c2f ", "0x8c87 ", "0x8c88 ", "0x8d6a "], "&s"),
+    (&["glGetVertexAttribiv", "glGetVertexAttribdv"], &["0 ", "1 ", "2 "], "&s"),
+    (&["glGetLightfv"], &["0x4000 ", "0x4001 "], "&s"),
+    (&["glGetMaterialfv"], &["0x404 ", "0x405 "], "&s"),
+];
+
+/// Attachments of the framebuffers that are read from and drawn to.
+const ATTACHMENTS: [&str; 16] = [
+    "0x8ca8 0x8ce0 ",
+    "0x8ca9 0x8ce0 ",
+    "0x8ca8 0x8ce1 ",
+    "0x8ca9 0x8ce1 ",
+    "0x8ca8 0x8d00 ",
+    "0x8ca9 0x8d00 ",
+    "0x8ca8 0x8d20 ",
+    "0x8ca9 0x8d20 ",
+    "0x8ca8 0x402 ",
+    "0x8ca9 0x402 ",
+    "0x8ca8 0x405 ",
+    "0x8ca9 0x405 ",
+    "0x8ca8 0x1801 ",
+    "0x8ca9 0x1801 ",
+    "0x8ca8 0x1802 ",
+    "0x8ca9 0x1802 ",
+];
+
+/// Commands that ask an object for every value: the letter of the object's kind, and what stands
+/// before the value.
+const OF_OBJECTS: [(&str, char, &str); 10] = [
+    ("glGetSamplerParameterfv", 'a', ""),
+    ("glGetProgramiv", 'p', ""),
+    ("glGetShaderiv", 's', ""),
+    ("glGetProgramPipelineiv", 'g', ""),
+    ("glGetNamedBufferParameteriv", 'b', ""),
+    ("glGetTextureParameterfv", 't', ""),
+    ("glGetNamedRenderbufferParameteriv", 'r', ""),
+    ("glGetNamedFramebufferParameteriv", 'f', ""),
+    ("glGetNamedFramebufferAttachmentParameteriv", 'f', "0x8ce0 "),
+    ("glGetVertexArrayiv", 'v', ""),
+];
+
 /// A question for each value there is; most of them OpenGL refuses.
 pub fn candidates(registry: &Registry) -> Vec<String> {
     let mut lines = Vec::new();
@@ -68,56 +129,15 @@ pub fn candidates(registry: &Registry) -> Vec<String> {
             }
         }
     };
-    each("glGetIntegerv", "", "&s");
-    each("glGetDoublev", "", "&s");
-    // Of several viewports the first one counts.
-    for index in 0..1 {
-        each("glGetIntegeri_v", "", &format!("{index} &s"));
-        each("glGetInteger64i_v", "", &format!("{index} &s"));
-    }
-    each("glGetTexParameterfv", "0xde1 ", "&s");
-    each("glGetTexLevelParameteriv", "0xde1 0 ", "&s");
-    each("glGetTexParameteriv", "0x8513 ", "&s");
-    each("glGetTexEnvfv", "0x2300 ", "&s");
-    each("glGetTexEnviv", "0x8500 ", "&s");
-    each("glGetTexEnviv", "0x8861 ", "&s");
-    for coordinate in 0x2000..0x2004 {
-        each("glGetTexGendv", &format!("{coordinate:#x} "), "&s");
-    }
-    for target in [0x8892, 0x8893, 0x88EB, 0x88EC, 0x8A11, 0x8F36, 0x8F37, 0x8C8E] {
-        each("glGetBufferParameteriv", &format!("{target:#x} "), "&s");
-    }
-    for attachment in [0x8CE0, 0x8CE1, 0x8D00, 0x8D20, 0x0402, 0x0405, 0x1801, 0x1802] {
-        for target in [0x8CA8, 0x8CA9] {
-            each("glGetFramebufferAttachmentParameteriv", &format!("{target:#x} {attachment:#x} "), "&s");
+    for (commands, places, after) in QUESTIONS {
+        for (place, command) in places.iter().flat_map(|place| commands.iter().map(move |command| (place, command))) {
+            each(command, place, after);
         }
     }
-    each("glGetFramebufferParameteriv", "0x8ca9 ", "&s");
-    each("glGetRenderbufferParameteriv", "0x8d41 ", "&s");
-    for target in [0x8914, 0x8C2F, 0x8C87, 0x8C88, 0x8D6A] {
-        each("glGetQueryiv", &format!("{target:#x} "), "&s");
-    }
-    for index in 0..3 {
-        each("glGetVertexAttribiv", &format!("{index} "), "&s");
-        each("glGetVertexAttribdv", &format!("{index} "), "&s");
-    }
-    for light in [0x4000, 0x4001] {
-        each("glGetLightfv", &format!("{light:#x} "), "&s");
-    }
-    for face in [0x404, 0x405] {
-        each("glGetMaterialfv", &format!("{face:#x} "), "&s");
-    }
     for slot in 0..2 {
-        each("glGetSamplerParameterfv", &format!("%a{slot} "), "&s");
-        each("glGetProgramiv", &format!("%p{slot} "), "&s");
-        each("glGetShaderiv", &format!("%s{slot} "), "&s");
-        each("glGetProgramPipelineiv", &format!("%g{slot} "), "&s");
-        each("glGetNamedBufferParameteriv", &format!("%b{slot} "), "&s");
-        each("glGetTextureParameterfv", &format!("%t{slot} "), "&s");
-        each("glGetNamedRenderbufferParameteriv", &format!("%r{slot} "), "&s");
-        each("glGetNamedFramebufferParameteriv", &format!("%f{slot} "), "&s");
-        each("glGetNamedFramebufferAttachmentParameteriv", &format!("%f{slot} 0x8ce0 "), "&s");
-        each("glGetVertexArrayiv", &format!("%v{slot} "), "&s");
+        for (command, letter, place) in OF_OBJECTS {
+            each(command, &format!("%{letter}{slot} {place}"), "&s");
+        }
     }
     for (value, _) in values() {
         lines.push(format!("b glIsEnabled {value:#x}"));

@@ -10,7 +10,7 @@ use crate::random::Random;
 use cupola::correct::{Plan, Source};
 use cupola::rig::Rig;
 use cupola::views::Surveyor;
-use cupola::warp::{WarpMap, compare_each, displacement};
+use cupola::warp::{MapError, WarpMap, compare_each, displacement};
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_4;
 
@@ -137,6 +137,19 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
             false => near.add(part, found.pixel),
         }
     });
+    Ok(findings(case, size, names, all_far, [&near, &far], &error))
+}
+
+/// What was found in one picture: its greatest errors `near` and `far`, and the pixels that are
+/// wrong altogether.
+fn findings(
+    case: &Case,
+    size: (u32, u32),
+    names: &Quantities,
+    all_far: bool,
+    [near, far]: [&Worst; 2],
+    error: &MapError,
+) -> Vec<Finding> {
     let input = |pixel: (u32, u32)| format!("size {}x{}, pixel {pixel:?}\n{}", size.0, size.1, case.text);
     let finding = |quantity, value, bound, compared, pixels| Finding {
         quantity,
@@ -160,7 +173,7 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
         count(names.ghosts, error.ghosts),
         count(names.uncovered, error.uncovered),
     ]);
-    Ok(findings)
+    findings
 }
 
 /// The greatest error of a map, as a part of its bound.

@@ -42,23 +42,8 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
             each(path, channels, |channel| Ok((pfm::write(channel.size.0, raster(channel)?.0.values()), None)))
         }
         Format::Vwf => {
-            let map = |channel: &Channel| {
-                let (raster, weights) = raster(channel)?;
-                let size = raster.size();
-                let picture = |values| vwf::Picture { size, values };
-                // Pixels that show nothing have no weight.
-                let weighed =
-                    raster.values().iter().zip(&weights).any(|(value, weight)| !value[0].is_nan() && *weight < 1.0);
-                Ok(vwf::VwfMap {
-                    name: channel.name.clone(),
-                    points: values == Values::Points,
-                    black: channel.levels().map(|levels| levels.resized(size)),
-                    blend: weighed.then(|| picture(weights)),
-                    white: None,
-                    raster,
-                })
-            };
-            let maps: Vec<_> = channels.iter().map(map).collect::<Result<_, Failure>>()?;
+            let maps: Vec<_> =
+                channels.iter().map(|channel| vwf_map(channel, values)).collect::<Result<_, Failure>>()?;
             together(vwf::write(&maps)?)
         }
         Format::Mpcdi => {
@@ -76,6 +61,22 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
             together(mpcdi::write(&mpcdi::Archive { profile, regions }, version)?)
         }
     }
+}
+
+/// A channel as a map of a VWF file.
+fn vwf_map(channel: &Channel, values: Values) -> Result<vwf::VwfMap, Failure> {
+    let (raster, weights) = raster(channel)?;
+    let size = raster.size();
+    // Pixels that show nothing have no weight.
+    let weighed = raster.values().iter().zip(&weights).any(|(value, weight)| !value[0].is_nan() && *weight < 1.0);
+    Ok(vwf::VwfMap {
+        name: channel.name.clone(),
+        points: values == Values::Points,
+        black: channel.levels().map(|levels| levels.resized(size)),
+        blend: weighed.then_some(vwf::Picture { size, values: weights }),
+        white: None,
+        raster,
+    })
 }
 
 /// A channel as a region of an MPCDI archive.

@@ -74,22 +74,34 @@ pub fn draw(
     };
     if in_framebuffer && sampled != 0 {
         draw_through(ctx, attached, class, sampled, (changes, shown), issue);
-    } else {
-        ctx.view_copies.changed(index);
-        let first = ctx.view_copies.framebuffers[index].images().next();
-        let Some(grid) = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid)) else {
-            return false;
-        };
-        let count = copy_count(ctx);
-        each_view(ctx, changes, count, shown, issue, |ctx, view| {
-            supply(ctx, sampled, view);
-            own_window_space(ctx, grid.tile(view));
-            ctx.draw.to_window = ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]);
-            class
-        });
-        if sampled != 0 {
-            supply_last(ctx, sampled, count, shown);
-        }
+        return true;
+    }
+    draw_in_tiles(ctx, index, (class, sampled), (changes, shown), issue)
+}
+
+/// Draws into the tile of each view in framebuffer `index`; each samples its own of the images
+/// `sampled`. `false`: there are no tiles.
+fn draw_in_tiles(
+    ctx: &mut Context,
+    index: usize,
+    (class, sampled): (DrawClass, Set),
+    (changes, shown): (Changes, Views),
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) -> bool {
+    ctx.view_copies.changed(index);
+    let first = ctx.view_copies.framebuffers[index].images().next();
+    let Some(grid) = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid)) else {
+        return false;
+    };
+    let count = copy_count(ctx);
+    each_view(ctx, changes, count, shown, issue, |ctx, view| {
+        supply(ctx, sampled, view);
+        own_window_space(ctx, grid.tile(view));
+        ctx.draw.to_window = ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]);
+        class
+    });
+    if sampled != 0 {
+        supply_last(ctx, sampled, count, shown);
     }
     true
 }

@@ -37,17 +37,23 @@ fn end_of(device: &Device, image: vk::Image) -> Made {
     }
 }
 
-/// Plans a copy. If it cannot be followed, the program is shown flat.
-fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
-    let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
+/// Whether a copy takes all of an image to all of another one, which has an atlas if it is a
+/// `target`.
+fn is_of_everything(device: &Device, (from, src): End, (to, dst): End, target: Option<&ViewTarget>) -> bool {
     let whole = |image: vk::Image, corners: [vk::Offset3D; 2]| {
         let (width, height) = device.images.size(image).unwrap_or_default();
         let [first, last] = corners;
         (first.x, first.y, last.x, last.y) == (0, 0, width as i32, height as i32)
     };
     // Nothing is copied to an image of several levels that only compute shaders write.
-    let has_atlas = written.as_ref().is_none_or(|target| target.atlas != vk::Image::null());
-    let everything = whole(from, src) && whole(to, dst) && has_atlas;
+    let has_atlas = target.is_none_or(|target| target.atlas != vk::Image::null());
+    whole(from, src) && whole(to, dst) && has_atlas
+}
+
+/// Plans a copy. If it cannot be followed, the program is shown flat.
+fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
+    let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
+    let everything = is_of_everything(device, (from, src), (to, dst), written.as_deref());
     if device.images.is_candidate(from) {
         let made = if everything { end_of(device, to) } else { Made::Elsewhere };
         // What leaves the window's way is the program's own picture, where there is one.

@@ -16,7 +16,7 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::pipelines::{CameraMatrix, ComputePipeline, ComputeVariant};
-use crate::intercept::vk::state::recording::bindings::Write;
+use crate::intercept::vk::state::recording::bindings::{Pushed, Write};
 use crate::intercept::vk::state::recording::draw_groups::{CameraSource, DrawFacts, DrawGroup};
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
@@ -212,38 +212,12 @@ unsafe fn follow(
         recording.events.extend((!images.is_empty()).then_some(Event::Computed(images)));
         return Ok(None);
     };
-    let (mut sets, mut pushes) = (Vec::new(), Vec::new());
-    for (number, handle, bound) in recording.compute.sets() {
-        if let Some(pushed) = &bound.pushed {
-            pushes.extend(pushed.of_views(device, &layout)?.map(|of_views| (*handle, *number, of_views)));
-        } else if let Some(copies) = device.descriptors.of_views(device, bound.set, &layout)? {
-            let set = PerViewSet { number: *number, sets: copies, dynamic: bound.dynamic.clone(), attachments: false };
-            sets.push((*handle, set));
-        }
-    }
-    let constants =
-        pipeline.variant.as_ref().map(|variant| cameras(device, recording, &layout, variant)).transpose()?;
-    let (functions, point) = (&device.driver.functions, vk::PipelineBindPoint::COMPUTE);
+    let bindings = Bindings::of_views(device, recording, pipeline, &layout)?;
     // SAFETY: as promised; the sets are like the program's, which it bound for these places.
     unsafe {
         view_copies::wait(device, buffer);
-        if let Some(variant) = &pipeline.variant {
-            functions.cmd_bind_pipeline(buffer, point, variant.pipeline);
-        }
         for view in 0..layout.views.len() {
-            if let Some((variant, (set, constants))) = pipeline.variant.as_ref().zip(constants) {
-                let (layout, offsets) = (&variant.layout, [constants.slot(view as u32)]);
-                functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, layout.ours, &[set], &offsets);
-            }
-            for (handle, PerViewSet { number, sets, dynamic, .. }) in &sets {
-                let Some(set) = sets.get(view) else { continue };
-                functions.cmd_bind_descriptor_sets(buffer, point, *handle, *number, &[*set], dynamic);
-            }
-            for (handle, number, of_views) in &pushes {
-                if let Some(pushed) = of_views.get(view) {
-                    pushed.repeat(&device.next, buffer, point, *handle, *number);
-                }
-            }
+            bindings.bind(device, buffer, view);
             issue();
         }
         view_copies::wait(device, buffer);
@@ -254,6 +228,68 @@ unsafe fn follow(
     }
     read.into_iter().chain(written).for_each(|target| recording.samples(target));
     Ok(window)
+}
+
+/// What a dispatch reads and writes in each view.
+struct Bindings<'a> {
+    /// The pipeline of ours with its view constants, if it has matrices of the camera.
+    variant: Option<(&'a ComputeVariant, vk::DescriptorSet, ChunkOffset)>,
+    sets: Vec<(vk::PipelineLayout, PerViewSet)>,
+    /// Pushed descriptors of each view, by layout and number of their set.
+    pushes: Vec<(vk::PipelineLayout, u32, Vec<Pushed>)>,
+}
+
+impl<'a> Bindings<'a> {
+    /// # Errors
+    /// Why there are none.
+    fn of_views(
+        device: &Device,
+        recording: &mut Recording,
+        pipeline: &'a ComputePipeline,
+        layout: &Arc<AtlasLayout>,
+    ) -> Result<Self, Obstacle> {
+        let (mut sets, mut pushes) = (Vec::new(), Vec::new());
+        for (number, handle, bound) in recording.compute.sets() {
+            if let Some(pushed) = &bound.pushed {
+                pushes.extend(pushed.of_views(device, layout)?.map(|of_views| (*handle, *number, of_views)));
+            } else if let Some(copies) = device.descriptors.of_views(device, bound.set, layout)? {
+                let dynamic = bound.dynamic.clone();
+                sets.push((*handle, PerViewSet { number: *number, sets: copies, dynamic, attachments: false }));
+            }
+        }
+        let with_constants = |variant: &'a ComputeVariant| {
+            let (set, constants) = cameras(device, recording, layout, variant)?;
+            Ok::<_, Obstacle>((variant, set, constants))
+        };
+        Ok(Self { variant: pipeline.variant.as_ref().map(with_constants).transpose()?, sets, pushes })
+    }
+
+    /// Binds what a view has; the pipeline, once.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, with the program's pipeline and layouts.
+    unsafe fn bind(&self, device: &Device, buffer: vk::CommandBuffer, view: usize) {
+        let (functions, point) = (&device.driver.functions, vk::PipelineBindPoint::COMPUTE);
+        // SAFETY: as promised.
+        unsafe {
+            if let Some((variant, set, constants)) = &self.variant {
+                if view == 0 {
+                    functions.cmd_bind_pipeline(buffer, point, variant.pipeline);
+                }
+                let (layout, offsets) = (&variant.layout, [constants.slot(view as u32)]);
+                functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, layout.ours, &[*set], &offsets);
+            }
+            for (handle, PerViewSet { number, sets, dynamic, .. }) in &self.sets {
+                let Some(set) = sets.get(view) else { continue };
+                functions.cmd_bind_descriptor_sets(buffer, point, *handle, *number, &[*set], dynamic);
+            }
+            for (handle, number, of_views) in &self.pushes {
+                if let Some(pushed) = of_views.get(view) {
+                    pushed.repeat(&device.next, buffer, point, *handle, *number);
+                }
+            }
+        }
+    }
 }
 
 /// View constants with the camera's matrices in each view: their descriptor set and place.

@@ -78,58 +78,25 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         return Err(why.into());
     }
     let (linked, layout) = linked_libraries(device, parts)?;
-    let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
-    let fragment = parts.stages.iter().position(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
-    let mut matrices: Vec<_> = libraries().flat_map(|library| library.matrices.iter().copied()).collect();
+    let mut made = inherited(parts, &linked);
+    let mut modules = Modules::new(device);
+    let mut stages = parts.stages.clone();
+    let mut divided = None;
     // SAFETY: as promised; shaders of ours are destroyed when the pipelines are made.
     unsafe {
-        let mut moves_place = libraries().any(|library| library.moves_place);
-        let mut loses_place = libraries().any(|library| library.loses_place);
-        let mut pictures: Vec<_> = libraries().flat_map(|library| library.pictures.iter().copied()).collect();
-        let mut cameras: Vec<_> = libraries().flat_map(|library| library.cameras.iter().copied()).collect();
-        let before = || parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
-        // The stages' bits are in their order.
-        let last = before().map(|stage| stage.stage).max();
-        for stage in before() {
-            let of_position = Some(stage.stage) == last;
-            matrices.extend(words_of(device, stage).iter().flat_map(|words| spirv::matrices(words, of_position)));
-        }
-        matrices.sort_by_key(|matrix| matrix.rank);
-        let mut stages = parts.stages.clone();
-        let mut divided = None;
-        let mut modules = Modules::new(device);
-        let mut follows = libraries().any(|library| library.follows);
-        if let Some((layout, index)) = layout.as_ref().zip(fragment) {
-            let changed = view_stages::fragment(device, &stages[index], layout.ours);
-            if let Some(words) = &changed.words {
-                stages[index].module = modules.make(words)?;
-                stages[index].p_next = std::ptr::null();
-            }
-            moves_place |= changed.moves_place;
-            loses_place |= changed.loses_place;
-            pictures.extend(changed.pictures);
-            cameras.extend(changed.cameras);
-        }
-        // What a draw of the scene hands on fits its position.
-        let vertex = parts.stages.iter().position(|stage| stage.stage == vk::ShaderStageFlags::VERTEX);
-        let mut vertex_words = None;
-        if let Some((layout, index)) = layout.as_ref().zip(vertex).filter(|_| matrices.is_empty())
-            && let Some((words, found)) = view_stages::vertex(device, &stages[index], layout.ours)
-        {
-            stages[index].module = modules.make(&words)?;
-            stages[index].p_next = std::ptr::null();
-            cameras.extend(found);
-            vertex_words = Some((index, words));
-        }
+        made.matrices.extend(matrices_before_rasterisation(device, &stages));
+        made.matrices.sort_by_key(|matrix| matrix.rank);
+        let vertex_words = match &layout {
+            Some(layout) => change_stages(device, &mut stages, &mut modules, layout.ours, &mut made)?,
+            None => None,
+        };
         // What divides has the program's own fragment shader, too.
         let own_stages = stages.clone();
         if let Some(layout) = layout.filter(|_| parts.places_vertices()) {
             match spliced(device, &parts.stages, vertex_words, layout.ours) {
                 Ok((index, words)) => {
-                    stages[index].module = modules.make(&words)?;
-                    // The words that may be given here are the program's.
-                    stages[index].p_next = std::ptr::null();
-                    follows = true;
+                    modules.replace(&mut stages[index], &words)?;
+                    made.follows = true;
                     match dividing_stage::stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&own_stages, modules.make(&words)?)),
@@ -139,28 +106,95 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                 Err(why) => log::once(&format!("Vulkan: what a pipeline draws is flat: {why}")),
             }
         }
-        let made = match &divided {
+        let undivided = || create_both(device, cache, parts, [&stages, &stages], &linked);
+        let pipelines = match &divided {
             Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
                 device.pipelines.divided.note_undivided(why.reason().unwrap_or_default());
-                create_both(device, cache, parts, [&stages, &stages], &linked)
+                undivided()
             }),
-            None => create_both(device, cache, parts, [&stages, &stages], &linked),
+            None => undivided(),
         };
-        let (view, panel) = made?;
-        Ok(Variants {
-            view,
-            follows,
-            panel,
-            matrices,
-            moves_place,
-            loses_place,
-            pictures,
-            cameras,
-            deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
-                || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
-                || libraries().any(|library| library.deep),
-        })
+        (made.view, made.panel) = pipelines?;
     }
+    Ok(made)
+}
+
+/// What the variants of libraries, and the pipeline's own depth test, say of variants whose
+/// pipelines are not made yet.
+fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
+    let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
+    Variants {
+        view: vk::Pipeline::null(),
+        panel: vk::Pipeline::null(),
+        follows: libraries().any(|library| library.follows),
+        matrices: libraries().flat_map(|library| library.matrices.iter().copied()).collect(),
+        moves_place: libraries().any(|library| library.moves_place),
+        loses_place: libraries().any(|library| library.loses_place),
+        pictures: libraries().flat_map(|library| library.pictures.iter().copied()).collect(),
+        cameras: libraries().flat_map(|library| library.cameras.iter().copied()).collect(),
+        deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
+            || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
+            || libraries().any(|library| library.deep),
+    }
+}
+
+/// The matrices that the stages before rasterisation read.
+///
+/// # Safety
+/// `stages` must be the program's.
+unsafe fn matrices_before_rasterisation(
+    device: &Device,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+) -> Vec<spirv::Matrix> {
+    let before = || stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
+    // The stages' bits are in their order.
+    let last = before().map(|stage| stage.stage).max();
+    let mut matrices = Vec::new();
+    for stage in before() {
+        let of_position = Some(stage.stage) == last;
+        // SAFETY: as promised.
+        let words = unsafe { words_of(device, stage) };
+        matrices.extend(words.iter().flat_map(|words| spirv::matrices(words, of_position)));
+    }
+    matrices
+}
+
+/// Changes the fragment stage and, where no matrix makes positions, the vertex stage to what they
+/// are in a view, by the view constants in set `ours`; notes in `made` what they read. Returns the
+/// vertex stage's number and words, if they are changed.
+///
+/// # Errors
+/// The driver's.
+///
+/// # Safety
+/// `stages` must be the program's.
+unsafe fn change_stages(
+    device: &Device,
+    stages: &mut [vk::PipelineShaderStageCreateInfo<'_>],
+    modules: &mut Modules<'_>,
+    ours: u32,
+    made: &mut Variants,
+) -> Result<Option<(usize, Vec<u32>)>, Obstacle> {
+    let number = |flag| stages.iter().position(|stage| stage.stage == flag);
+    let (fragment, vertex) = (number(vk::ShaderStageFlags::FRAGMENT), number(vk::ShaderStageFlags::VERTEX));
+    if let Some(index) = fragment {
+        // SAFETY: as promised.
+        let changed = unsafe { view_stages::fragment(device, &stages[index], ours) };
+        if let Some(words) = &changed.words {
+            modules.replace(&mut stages[index], words)?;
+        }
+        made.moves_place |= changed.moves_place;
+        made.loses_place |= changed.loses_place;
+        made.pictures.extend(changed.pictures);
+        made.cameras.extend(changed.cameras);
+    }
+    // What a draw of the scene hands on fits its position.
+    let Some(index) = vertex.filter(|_| made.matrices.is_empty()) else { return Ok(None) };
+    // SAFETY: as promised.
+    let Some((words, found)) = (unsafe { view_stages::vertex(device, &stages[index], ours) }) else { return Ok(None) };
+    modules.replace(&mut stages[index], &words)?;
+    made.cameras.extend(found);
+    Ok(Some((index, words)))
 }
 
 /// Shaders of ours, which are needed until the pipelines are made.
@@ -185,6 +219,16 @@ impl<'a> Modules<'a> {
         let made = unsafe { self.device.driver.functions.create_shader_module(&info, None) };
         self.made.extend(made);
         made.map_err(|error| error.to_string().into())
+    }
+
+    /// Gives a stage these words in the place of the program's, which may stand in its chain.
+    ///
+    /// # Errors
+    /// The driver's.
+    fn replace(&mut self, stage: &mut vk::PipelineShaderStageCreateInfo<'_>, words: &[u32]) -> Result<(), Obstacle> {
+        stage.module = self.make(words)?;
+        stage.p_next = std::ptr::null();
+        Ok(())
     }
 }
 

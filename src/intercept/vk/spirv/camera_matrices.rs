@@ -75,20 +75,8 @@ pub fn camera_matrices(
 ) -> Result<Option<Chosen>, &'static str> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
-    let of_position = match model {
-        ExecutionModel::Vertex => match PositionLoads::of(&all, &declared) {
-            Some(loads) => Some(loads),
-            // Any of them may make the position.
-            None => return Ok(None),
-        },
-        _ => None,
-    };
-    let (chains, mut found) = chains(&all, &declared);
-    let moves = |found: &Found| of_position.as_ref().is_some_and(|loads| loads.contain(found.variable, &found.members));
-    found.retain(|_, found| !moves(found));
-    for place in handed_on(&all, &chains) {
-        found.remove(&place);
-    }
+    let (chains, found) = chains(&all, &declared);
+    let found = to_choose(&all, &declared, model, &chains, found);
     if found.is_empty() {
         return Ok(None);
     }
@@ -101,7 +89,6 @@ pub fn camera_matrices(
     }
     let glsl = declared.imported("GLSL.std.450");
     let inverts = all.iter().any(|i| i.is(Op::ExtInst) && Some(i.operand(2)) == glsl && i.operand(3) == INVERSE);
-    let found: Vec<(Place, Found)> = found.into_iter().take(MOST_CAMERAS).collect();
     let mut additions = Additions::new(words[3], &declared);
     let variables: Vec<u32> = found.iter().map(|(_, found)| private(&mut additions, found.kind)).collect();
     let ours: HashMap<&Place, u32> = found.iter().map(|(place, _)| place).zip(variables.iter().copied()).collect();
@@ -128,6 +115,26 @@ pub fn camera_matrices(
     };
     let matrices = found.iter().map(|(_, found)| (found.matrix, found.called)).collect();
     Ok(Some(Chosen { words: put_into(additions, words, &all, &entry, change), matrices, inverts }))
+}
+
+/// Those of the matrices between which and ours a stage chooses: what is handed on as a whole is
+/// left, and what may flow into the position.
+fn to_choose(
+    all: &[Instruction<'_>],
+    declared: &Declarations<'_>,
+    model: ExecutionModel,
+    chains: &HashMap<u32, Chain>,
+    mut found: BTreeMap<Place, Found>,
+) -> Vec<(Place, Found)> {
+    if model == ExecutionModel::Vertex {
+        // Any of them may make the position.
+        let Some(loads) = PositionLoads::of(all, declared) else { return Vec::new() };
+        found.retain(|_, found| !loads.contain(found.variable, &found.members));
+    }
+    for place in handed_on(all, chains) {
+        found.remove(&place);
+    }
+    found.into_iter().take(MOST_CAMERAS).collect()
 }
 
 fn is_chain(i: &Instruction<'_>) -> bool {

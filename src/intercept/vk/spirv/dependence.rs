@@ -155,14 +155,8 @@ impl Flow<'_> {
                     self.add(i.operand(1), i.operands.get(2..4).unwrap_or_default());
                 }
                 Op::FunctionCall => {
-                    let (callee, arguments) = (i.operand(2), i.rest(3));
-                    self.add(i.operand(1), i.rest(2));
-                    for (parameter, argument) in parameters.get(&callee).into_iter().flatten().zip(arguments) {
-                        self.add(*parameter, &[*argument]);
-                        // The function may write to what it is given.
-                        let (root, _) = self.root(*argument);
-                        self.add(root, &[*parameter]);
-                    }
+                    let parameters = parameters.get(&i.operand(2)).map_or(&[][..], |parameters| parameters);
+                    self.read_call(i, parameters);
                 }
                 Op::Variable => self.add(i.operand(1), i.rest(3)),
                 Op::ExtInst => {
@@ -179,6 +173,17 @@ impl Flow<'_> {
             }
         }
         Some(())
+    }
+
+    /// A call of a function that has these parameters.
+    fn read_call(&mut self, i: &Instruction<'_>, parameters: &[u32]) {
+        self.add(i.operand(1), i.rest(2));
+        for (parameter, argument) in parameters.iter().zip(i.rest(3)) {
+            self.add(*parameter, &[*argument]);
+            // The function may write to what it is given.
+            let (root, _) = self.root(*argument);
+            self.add(root, &[*parameter]);
+        }
     }
 
     /// Follows all that flows into the position back to members of the program's blocks.

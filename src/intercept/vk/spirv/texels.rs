@@ -71,56 +71,89 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
             id
         })
         .collect();
-    let [texel, size] = [ours.texel(&mut additions), ours.size(&mut additions)];
+    let scaling =
+        Scaling { numbers, pair: ours.int_pair, texel: ours.texel(&mut additions), size: ours.size(&mut additions) };
     let inputs = given.is_none().then_some(ours.place).into_iter().collect();
     let entry = Entry { point, main, wrapper: None, variables: vec![ours.block], inputs };
-    let pair = ours.int_pair;
-    let change = |to: &mut Additions<'_>, i: &Instruction<'_>, out: &mut Vec<u32>| {
-        let mut operands = i.operands.to_vec();
-        let Some(read) = reads.places.get(&i.offset) else { return operands };
-        let as_signed = |to: &mut Additions<'_>, out: &mut Vec<u32>, id: u32| match read.kind == pair {
-            true => id,
-            false => {
-                let cast = to.id();
-                push(out, Op::Bitcast, &[pair, cast, id]);
-                cast
-            }
-        };
-        let call = |to: &mut Additions<'_>, out: &mut Vec<u32>, function: u32, given: u32, result: u32| {
-            let called = if read.kind == pair { result } else { to.id() };
-            push(out, Op::FunctionCall, &[pair, called, function, given, numbers[read.picture]]);
-            if called != result {
-                push(out, Op::Bitcast, &[read.kind, result, called]);
-            }
-        };
-        if read.is_fetch {
-            let given = match read.offset {
-                // It is in texels of the program, too.
-                Some(index) => {
-                    let sum = to.id();
-                    push(out, Op::IAdd, &[pair, sum, operands[3], operands.remove(index)]);
-                    operands[4] &= !OFFSETS.bits();
-                    sum
-                }
-                None => as_signed(to, out, operands[3]),
-            };
-            let made = to.id();
-            call(to, out, texel, given, made);
-            operands[3] = made;
-        } else {
-            let (asked, unused) = (to.id(), to.id());
-            let mut query = operands.clone();
-            query[1] = asked;
-            push_code(out, i.opcode, &query);
-            let given = as_signed(to, out, asked);
-            call(to, out, size, given, operands[1]);
-            // The program's own instruction follows, for nothing.
-            operands[1] = unused;
-        }
-        operands
+    let change = |to: &mut Additions<'_>, i: &Instruction<'_>, out: &mut Vec<u32>| match reads.places.get(&i.offset) {
+        None => i.operands.to_vec(),
+        Some(read) if read.is_fetch => scaling.of_fetch(to, i, read, out),
+        Some(read) => scaling.of_size(to, i, read, out),
     };
     let words = put_into(additions, words, &all, &entry, change);
     Ok(Some(Followed { words, pictures: reads.pictures }))
+}
+
+/// Ids for the changes of reads.
+struct Scaling {
+    /// Constants with the numbers of the images.
+    numbers: Vec<u32>,
+    /// The type of two signed numbers.
+    pair: u32,
+    /// The function from a texel of the program to one of a view.
+    texel: u32,
+    /// The function from a size of a view's image to the program's.
+    size: u32,
+}
+
+impl Scaling {
+    /// Operands of a fetch at the program's texel; what computes them goes to `out`.
+    fn of_fetch(&self, to: &mut Additions<'_>, i: &Instruction<'_>, read: &Read, out: &mut Vec<u32>) -> Vec<u32> {
+        let mut operands = i.operands.to_vec();
+        let given = match read.offset {
+            // It is in texels of the program, too.
+            Some(index) => {
+                let sum = to.id();
+                push(out, Op::IAdd, &[self.pair, sum, operands[3], operands.remove(index)]);
+                operands[4] &= !OFFSETS.bits();
+                sum
+            }
+            None => self.signed(to, read, operands[3], out),
+        };
+        let made = to.id();
+        self.call(to, read, (self.texel, given, made), out);
+        operands[3] = made;
+        operands
+    }
+
+    /// As [`of_fetch`](Self::of_fetch), of a question for the size: the answer is computed before,
+    /// and the program's own instruction follows for nothing.
+    fn of_size(&self, to: &mut Additions<'_>, i: &Instruction<'_>, read: &Read, out: &mut Vec<u32>) -> Vec<u32> {
+        let mut operands = i.operands.to_vec();
+        let (asked, unused) = (to.id(), to.id());
+        let mut query = operands.clone();
+        query[1] = asked;
+        push_code(out, i.opcode, &query);
+        let given = self.signed(to, read, asked, out);
+        self.call(to, read, (self.size, given, operands[1]), out);
+        operands[1] = unused;
+        operands
+    }
+
+    /// Two numbers of a read as signed ones.
+    fn signed(&self, to: &mut Additions<'_>, read: &Read, id: u32, out: &mut Vec<u32>) -> u32 {
+        if read.kind == self.pair {
+            return id;
+        }
+        let cast = to.id();
+        push(out, Op::Bitcast, &[self.pair, cast, id]);
+        cast
+    }
+
+    /// Makes `result`, of the read's type, by a function of two signed numbers.
+    fn call(
+        &self,
+        to: &mut Additions<'_>,
+        read: &Read,
+        (function, given, result): (u32, u32, u32),
+        out: &mut Vec<u32>,
+    ) {
+        let called = if read.kind == self.pair { result } else { to.id() };
+        push(out, Op::FunctionCall, &[self.pair, called, function, given, self.numbers[read.picture]]);
+        if called != result {
+            push(out, Op::Bitcast, &[read.kind, result, called]);
+        }
+    }
 }
 
 /// A place where an image is read by numbers.

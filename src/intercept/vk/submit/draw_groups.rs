@@ -142,17 +142,8 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.locked();
     frame.follow(&group.layout);
     let functions_changed = camera_matrices::look(device, group, &frame);
-    let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
+    find_lens(device, group);
     let facts = &group.facts;
-    let matrices: Vec<_> = facts.sources.iter().filter_map(ranked).collect();
-    if matrices != group.matrices {
-        let candidates = matrices.iter().map(|(rank, value)| Candidate::either(*rank, value));
-        group.lens = lens::find(candidates).map(|(told, _)| (told, told.how()));
-        group.matrices = matrices;
-    }
-    if group.matrices.is_empty() && facts.deep {
-        group.lens = group.layout.session.given_lens().map(|lens| (Told::sure(lens), "the rig's lens"));
-    }
     frame.counts.seen += group.draws;
     let in_views = facts.in_views && device.draws_views();
     let settled = group.lens.filter(|_| in_views).and_then(|(told, how)| {
@@ -160,30 +151,7 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
         let lens = told.settled(frame.cameras.lenses(), f64::from(width) / f64::from(height))?;
         Some((lens, how))
     });
-    let outcome = match settled {
-        Some((intrinsics, how)) => {
-            frame.order.note_scene();
-            *frame.counts.found.entry(how).or_default() += group.draws;
-            DrawClass::Scene(intrinsics)
-        }
-        None if facts.screen && in_views => {
-            frame.order.note_scene();
-            DrawClass::Screen
-        }
-        None if facts.sky && in_views && group.cameras.holds_inverse(facts) => {
-            frame.order.note_scene();
-            *frame.counts.found.entry("inverse of a camera matrix").or_default() += group.draws;
-            DrawClass::Screen
-        }
-        // What is flat in a picture of the scene has no other place than the views.
-        None if facts.off_screen => DrawClass::Behind,
-        None => {
-            frame.counts.flat += group.draws;
-            frame.order.note_flat();
-            let behind = in_views && frame.order.is_behind();
-            if behind { DrawClass::Behind } else { DrawClass::Flat }
-        }
-    };
+    let outcome = classify(group, settled, in_views, &mut frame);
     if inspection::is_recording() {
         inspected::note(group, outcome, settled.map(|(_, how)| how), in_views, |source| matrix(device, source));
     }
@@ -206,6 +174,54 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     if !group.indirect.is_empty() {
         let [issued, in_sight] = group.times();
         frame.counts.left_out += group.indirect.len() as u64 * u64::from(issued - in_sight);
+    }
+}
+
+/// Finds the lens of a group among its matrices, if they are others than before.
+fn find_lens(device: &Device, group: &mut DrawGroup) {
+    let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
+    let matrices: Vec<_> = group.facts.sources.iter().filter_map(ranked).collect();
+    if matrices != group.matrices {
+        let candidates = matrices.iter().map(|(rank, value)| Candidate::either(*rank, value));
+        group.lens = lens::find(candidates).map(|(told, _)| (told, told.how()));
+        group.matrices = matrices;
+    }
+    if group.matrices.is_empty() && group.facts.deep {
+        group.lens = group.layout.session.given_lens().map(|lens| (Told::sure(lens), "the rig's lens"));
+    }
+}
+
+/// What a group draws, by its lens and how that was found; counted in the frame.
+fn classify(
+    group: &DrawGroup,
+    settled: Option<(Intrinsics, &'static str)>,
+    in_views: bool,
+    frame: &mut Frame,
+) -> DrawClass {
+    let facts = &group.facts;
+    match settled {
+        Some((intrinsics, how)) => {
+            frame.order.note_scene();
+            *frame.counts.found.entry(how).or_default() += group.draws;
+            DrawClass::Scene(intrinsics)
+        }
+        None if facts.screen && in_views => {
+            frame.order.note_scene();
+            DrawClass::Screen
+        }
+        None if facts.sky && in_views && group.cameras.holds_inverse(facts) => {
+            frame.order.note_scene();
+            *frame.counts.found.entry("inverse of a camera matrix").or_default() += group.draws;
+            DrawClass::Screen
+        }
+        // What is flat in a picture of the scene has no other place than the views.
+        None if facts.off_screen => DrawClass::Behind,
+        None => {
+            frame.counts.flat += group.draws;
+            frame.order.note_flat();
+            let behind = in_views && frame.order.is_behind();
+            if behind { DrawClass::Behind } else { DrawClass::Flat }
+        }
     }
 }
 

@@ -161,28 +161,38 @@ pub unsafe extern "system" fn create(
         return result;
     }
     // SAFETY: the driver has just made it.
-    let made = unsafe { *swapchain };
+    unsafe { manage(&device, *swapchain, given, supported, settings) };
+    vk::Result::SUCCESS
+}
+
+/// Looks after a swapchain from now on. One that cannot be corrected is counted and captured
+/// nevertheless.
+///
+/// # Safety
+/// The driver has just made it from `given`, with usages of its images for ours.
+unsafe fn manage(
+    device: &Device,
+    made: vk::SwapchainKHR,
+    given: &vk::SwapchainCreateInfoKHR<'_>,
+    supported: vk::ImageUsageFlags,
+    settings: &Settings,
+) {
     let live = live::rig();
-    let built = crate::fence::guard(|| {
-        // SAFETY: objects of a live device.
-        unsafe {
-            build(&device, made, given, supported, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings)))
-        }
-    });
+    let corrected = live.as_ref().filter(|_| !settings.rig.passthrough).map(|live| (live, settings));
+    // SAFETY: objects of a live device.
+    let built = crate::fence::guard(|| unsafe { build(device, made, given, supported, corrected) });
     match &built {
         Some(Ok(_)) => {}
         Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
         None => log::once("Vulkan: a window keeps the program's own picture after a failure"),
     }
     let built = built.and_then(std::result::Result::ok).or_else(|| {
-        // Its frames are counted and captured nevertheless.
         // SAFETY: as above.
-        crate::fence::guard(|| unsafe { build(&device, made, given, supported, None) })?.ok()
+        crate::fence::guard(|| unsafe { build(device, made, given, supported, None) })?.ok()
     });
     if let Some(built) = built {
         device.swapchains.all.locked().insert(made, Arc::new(Mutex::new(built)));
     }
-    vk::Result::SUCCESS
 }
 
 /// What images of a new swapchain's surface can be used for: all, where the driver does not say. It

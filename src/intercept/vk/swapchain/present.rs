@@ -114,13 +114,8 @@ unsafe fn prepare(
     for (handle, &index) in swapchains.iter().zip(indices) {
         let Some(managed) = device.swapchains.managed(*handle) else { continue };
         let mut managed = managed.locked();
-        let before = timed.then(thread_time);
         // SAFETY: as above.
-        let made = unsafe { make(device, queue, &mut managed, index as usize, waits) };
-        if let Some(before) = before {
-            device.presented.times.locked().correction.add(thread_time().saturating_sub(before));
-        }
-        match made {
+        match unsafe { timed_make(device, queue, &mut managed, index as usize, waits, timed) } {
             Made::Submitted(signal) => {
                 ready.get_or_insert_default().push(signal);
                 // The first submission waits for everything; what follows on the queue comes after
@@ -159,16 +154,43 @@ unsafe fn prepare(
                 Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
             }
         }
-        if let (true, Some(stand_in)) = (last, &managed.stand_in) {
-            // What is counted in this frame is counted then.
-            // SAFETY: the device is live.
-            unsafe { stand_in.wait(device) };
+        if last {
+            wait_for_counts(device, &managed);
         }
         kept.times = timed.then(|| Arc::clone(&device.presented.times));
         kept.statistics = timed.then(|| statistics(device, &managed, &settings.rig, frames));
         device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
     complete
+}
+
+/// What is counted in the last frame is counted when this returns.
+fn wait_for_counts(device: &Device, managed: &Swapchain) {
+    if let Some(stand_in) = &managed.stand_in {
+        // SAFETY: the device is live.
+        unsafe { stand_in.wait(device) };
+    }
+}
+
+/// As [`make`], with its time among the statistics if it is `timed`.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn timed_make(
+    device: &Device,
+    queue: Queue,
+    managed: &mut Swapchain,
+    index: usize,
+    waits: &[vk::Semaphore],
+    timed: bool,
+) -> Made {
+    let before = timed.then(thread_time);
+    // SAFETY: as promised.
+    let made = unsafe { make(device, queue, managed, index, waits) };
+    if let Some(before) = before {
+        device.presented.times.locked().correction.add(thread_time().saturating_sub(before));
+    }
+    made
 }
 
 /// What the program draws to images.

@@ -48,18 +48,7 @@ pub fn with_choices(
         return None;
     }
     let head = Head::of(source, &bare, es_context)?;
-    let mut words = Vec::new();
-    let mut defined = Vec::new();
-    for line in bare.lines() {
-        match line.trim_start().strip_prefix('#').map(str::trim_start) {
-            Some(directive) => {
-                let body = directive.strip_prefix("define").unwrap_or_default();
-                tokens::words(body, &mut defined);
-                defined.push(";");
-            }
-            None => tokens::words(line, &mut words),
-        }
-    }
+    let (words, defined) = words_and_definitions(&bare);
     let mut found = Declared::default();
     found.read(&words);
     let mut matrices: Vec<(Spelling<'_>, String)> = std::mem::take(&mut found.matrices).into_iter().collect();
@@ -99,6 +88,22 @@ pub fn with_choices(
     let declarations = head.uniform("mat4", &format!("{}[{count}]", names.matrices), None)
         + &head.uniform("float", &format!("{}[{count}]", names.chosen), None);
     Some((head.declaring(&declarations, &text), used))
+}
+
+/// The words of a text, and apart from them those of its macros.
+fn words_and_definitions(bare: &str) -> (Vec<&str>, Vec<&str>) {
+    let (mut words, mut defined) = (Vec::new(), Vec::new());
+    for line in bare.lines() {
+        match line.trim_start().strip_prefix('#').map(str::trim_start) {
+            Some(directive) => {
+                let body = directive.strip_prefix("define").unwrap_or_default();
+                tokens::words(body, &mut defined);
+                defined.push(";");
+            }
+            None => tokens::words(line, &mut words),
+        }
+    }
+    (words, defined)
 }
 
 impl<'a> Spelling<'a> {

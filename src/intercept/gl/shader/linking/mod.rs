@@ -60,19 +60,38 @@ fn note_compiled(ctx: &Context, shader: u32) {
 fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.driver.gl;
     let shaders = attached(gl, program);
-    // Compiling takes long; other threads' contexts use the table meanwhile.
-    let (sources, left): (HashMap<u32, Arc<str>>, HashSet<u32>) = {
-        let mut programs = ctx.share.programs.locked();
-        forget(gl, programs.programs.remove(&program));
-        let source = |name: u32| Some((name, programs.compiled.get(&name)?.clone()));
-        let sources: HashMap<u32, Arc<str>> = shaders.iter().filter_map(|shader| source(shader.0)).collect();
-        let left = sources.keys().copied().filter(|shader| programs.changed.contains(shader)).collect();
-        (sources, left)
-    };
+    let (sources, left) = take_texts(ctx, program, &shaders);
     let position_names = dependence::position_names(&sources, &shaders);
     let (es, curved) = (ctx.driver.profile.es, methods::asked_for());
     let texts = Texts { sources: &sources, shaders: &shaders, position_names: position_names.as_ref(), es, curved };
     let (linked, touched) = link_with_changes(gl, program, &texts, left);
+    give_back_texts(ctx, &sources, &linked, touched);
+    ctx.frame.counts.linked += u64::from(texts.position().is_some());
+    if !status(gl, program) {
+        return;
+    }
+    let record = Arc::new(record(&ctx.driver, program, &texts, &linked));
+    ctx.share.programs.locked().programs.insert(program, record.clone());
+    // Linking a program that is in use puts the new one into use.
+    if ctx.shaders.program.as_ref().is_some_and(|p| p.name == program) {
+        ctx.shaders.program = Some(record);
+    }
+}
+
+/// Forgets a program that is linked anew. Returns what its shaders were compiled from, and those
+/// that were compiled with changes for another program.
+fn take_texts(ctx: &Context, program: u32, shaders: &[(u32, u32)]) -> (HashMap<u32, Arc<str>>, HashSet<u32>) {
+    // Compiling takes long; other threads' contexts use the table meanwhile.
+    let mut programs = ctx.share.programs.locked();
+    forget(ctx.driver.gl, programs.programs.remove(&program));
+    let source = |name: u32| Some((name, programs.compiled.get(&name)?.clone()));
+    let sources: HashMap<u32, Arc<str>> = shaders.iter().filter_map(|shader| source(shader.0)).collect();
+    let left = sources.keys().copied().filter(|shader| programs.changed.contains(shader)).collect();
+    (sources, left)
+}
+
+/// Gives shaders that were `touched` their own texts again, without compiling them.
+fn give_back_texts(ctx: &Context, sources: &HashMap<u32, Arc<str>>, linked: &Linked, touched: HashSet<u32>) {
     for shader in touched {
         let mut programs = ctx.share.programs.locked();
         match linked.texts.contains_key(&shader) {
@@ -82,29 +101,24 @@ fn link(ctx: &mut Context, program: u32) {
         // What the program asks for is its own text, which may not have been compiled yet.
         let own = programs.sources.get(&shader).cloned();
         drop(programs);
-        set_source(gl, shader, own.as_deref().unwrap_or(&sources[&shader]));
+        set_source(ctx.driver.gl, shader, own.as_deref().unwrap_or(&sources[&shader]));
     }
-    ctx.frame.counts.linked += u64::from(texts.position().is_some());
-    if !status(gl, program) {
-        return;
-    }
+}
+
+/// What is known of a program that was linked.
+fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> Program {
+    let (gl, profile) = (driver.gl, &driver.profile);
+    let (shaders, sources) = (texts.shaders, texts.sources);
     let stages = shaders.iter().fold(0, |bits, shader| bits | stage_bit(shader.1));
     if stages != 0 && !linked.changes.position {
         log::once("a program's shaders could not be patched; what it draws appears flat");
     }
-    let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
-    let mut before = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
-    let fixed_matrices = match &position_names {
-        Some(names) => words.iter().any(|word| names.contain(word)),
-        None => before.any(|source| words.iter().any(|word| patch::mentions(source, word))),
-    };
-    let own_texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
-    let own_texts = if methods::asked_for() { own_texts.collect() } else { Vec::new() };
-    let asks = texts.asking().next().is_some();
-    let profile = &ctx.driver.profile;
-    let mut record =
-        read_program(gl, profile, program, linked.changes.position, stages, fixed_matrices, position_names);
-    record.texts = own_texts;
+    let position_names = texts.position_names.cloned();
+    let fixed = has_fixed_matrices(texts);
+    let mut record = read_program(gl, profile, program, linked.changes.position, stages, fixed, position_names);
+    if texts.curved {
+        record.texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone()))).collect();
+    }
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.chooses_viewport = sources.values().any(|source| patch::mentions(source, "gl_ViewportIndex"));
     // The uniform of a shader that uses the coordinates nowhere has no location.
@@ -113,7 +127,7 @@ fn link(ctx: &mut Context, program: u32) {
         .frag_coord
         .then(|| location(gl, program, FragCoord::UNIFORM))
         .and_then(|location| (location >= 0).then_some(FragCoord { location, upper_left: linked.upper_left }));
-    record.reads_frag_coord = asks && !linked.changes.frag_coord;
+    record.reads_frag_coord = texts.asking().next().is_some() && !linked.changes.frag_coord;
     let matrices = camera_matrices::of_program(gl, profile, program, &linked.matrices);
     record.has_camera_matrices = !matrices.substitutes.is_empty();
     let mut computing = shaders.iter().filter(|s| s.1 == api::GL_COMPUTE_SHADER).filter_map(|s| sources.get(&s.0));
@@ -127,15 +141,20 @@ fn link(ctx: &mut Context, program: u32) {
         && let Some(source) = sources.get(shader)
     {
         let uniforms = record.uniforms.unlocked_mut();
-        record.position = Position::of_shader(gl, program, source, ctx.driver.profile.es, uniforms);
+        record.position = Position::of_shader(gl, program, source, profile.es, uniforms);
     }
-    let record = Arc::new(record);
-    let mut programs = ctx.share.programs.locked();
-    programs.programs.insert(program, record.clone());
-    drop(programs);
-    // Linking a program that is in use puts the new one into use.
-    if ctx.shaders.program.as_ref().is_some_and(|p| p.name == program) {
-        ctx.shaders.program = Some(record);
+    record
+}
+
+/// Whether matrices of the fixed-function pipeline flow into positions, as far as the texts tell.
+fn has_fixed_matrices(texts: &Texts<'_>) -> bool {
+    let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
+    match texts.position_names {
+        Some(names) => words.iter().any(|word| names.contain(word)),
+        None => {
+            let mut before = texts.shaders.iter().filter(|shader| shader.1 != api::GL_FRAGMENT_SHADER);
+            before.any(|shader| words.iter().any(|word| patch::mentions(texts.source(shader.0), word)))
+        }
     }
 }
 

@@ -112,7 +112,6 @@ unsafe fn begin(
 ) {
     // SAFETY: as promised.
     let replaced = unsafe { replace(device, info) };
-    let (given_by_pass, framebuffer) = (info.p_next, device.framebuffers.get(info.framebuffer));
     let replaced = match replaced {
         Some(Ok(replaced)) => replaced,
         other => {
@@ -120,20 +119,7 @@ unsafe fn begin(
                 device.show_flat(why);
             }
             // SAFETY: as promised.
-            let views = framebuffer.as_ref().map_or(&[][..], |framebuffer| unsafe { views_of(info, framebuffer) });
-            let pass = device.framebuffers.pass(info.render_pass);
-            let (leaves, anew) = pass.as_ref().map_or((&[][..], &[][..]), |pass| (&pass.leaves, &pass.begins_anew));
-            for ((view, layout), anew) in views.iter().zip(leaves).zip(anew) {
-                let image = device.images.of(*view);
-                image.into_iter().for_each(|image| barriers_and_clears::moved(device, buffer, image, *layout));
-                if !anew {
-                    device.images.goes_on_with(device, *view);
-                }
-            }
-            // An imageless framebuffer has no target of its own.
-            let target = framebuffer.as_ref().and_then(|framebuffer| framebuffer.target_now(&device.images));
-            let target = target.or_else(|| views.iter().find_map(|view| device.images.target(*view)));
-            plain(device, buffer, target, views);
+            unsafe { note_plain(device, buffer, info) };
             return next(info);
         }
     };
@@ -146,7 +132,7 @@ unsafe fn begin(
     let mut attachments = vk::RenderPassAttachmentBeginInfo::default();
     if let Some(atlas_copies) = &replaced.attachments {
         // SAFETY: the chain is the program's.
-        let first = unsafe { given_by_pass.cast::<vk::BaseInStructure<'_>>().as_ref() };
+        let first = unsafe { info.p_next.cast::<vk::BaseInStructure<'_>>().as_ref() };
         let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
         let Some(first) = first else {
             device.show_flat("structures in a chain that are not known");
@@ -164,6 +150,29 @@ unsafe fn begin(
             served(device, buffer, replaced.pass);
         });
     }
+}
+
+/// A pass begins that is the program's own; its images are followed.
+///
+/// # Safety
+/// `info` must be the program's.
+unsafe fn note_plain(device: &Device, buffer: vk::CommandBuffer, info: &vk::RenderPassBeginInfo<'_>) {
+    let framebuffer = device.framebuffers.get(info.framebuffer);
+    // SAFETY: as promised.
+    let views = framebuffer.as_ref().map_or(&[][..], |framebuffer| unsafe { views_of(info, framebuffer) });
+    let pass = device.framebuffers.pass(info.render_pass);
+    let (leaves, anew) = pass.as_ref().map_or((&[][..], &[][..]), |pass| (&pass.leaves, &pass.begins_anew));
+    for ((view, layout), anew) in views.iter().zip(leaves).zip(anew) {
+        let image = device.images.of(*view);
+        image.into_iter().for_each(|image| barriers_and_clears::moved(device, buffer, image, *layout));
+        if !anew {
+            device.images.goes_on_with(device, *view);
+        }
+    }
+    // An imageless framebuffer has no target of its own.
+    let target = framebuffer.as_ref().and_then(|framebuffer| framebuffer.target_now(&device.images));
+    let target = target.or_else(|| views.iter().find_map(|view| device.images.target(*view)));
+    plain(device, buffer, target, views);
 }
 
 /// A pass begins that is drawn for each view.
