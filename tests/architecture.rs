@@ -20,7 +20,7 @@ use uses::Uses;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` and `lock` are everybody's.
-const MAY_USE: [(&str, &[&str]); 21] = [
+const MAY_USE: [(&str, &[&str]); 22] = [
     ("error", &[]),
     ("system", &[]),
     ("testing", &[]),
@@ -45,16 +45,18 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ),
     ("ffi", &["cache", "fence", "message", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),
+    ("clock", &[]),
 ];
 
 /// Where `unsafe` may be. `system` wraps the few system calls that the standard library lacks.
-const MAY_BE_UNSAFE: [&str; 8] = [
+const MAY_BE_UNSAFE: [&str; 9] = [
     "src/ffi/",
     "src/intercept/",
     "src/backend/gl/",
     "src/backend/null/",
     "src/backend/vk/",
     "src/preload/",
+    "src/clock/",
     "src/system/",
     "src/bin/cupola-lab/trial/",
 ];

@@ -4,6 +4,7 @@
 //! picture, and the log says why, once.
 
 pub mod camera;
+pub mod clock;
 pub mod ending;
 pub mod file_stamp;
 pub mod gl;

@@ -4,7 +4,7 @@
 //! One window is published: the first one. Another one takes its place when it alone has been
 //! presented for a while.
 
-use super::{log, settings};
+use super::{clock, log, settings};
 use crate::lock::Lock;
 use crate::ring::{Pictures, Shape, Writer};
 use crate::runtime::report::Published;
@@ -41,7 +41,7 @@ pub struct Stamp {
 impl Stamp {
     /// For the frame that is presented now.
     pub fn now(index: u64) -> Self {
-        Self { index, time: crate::system::monotonic() }
+        Self { index, time: clock::time().unwrap_or_else(crate::system::monotonic) }
     }
 }
 

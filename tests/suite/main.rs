@@ -12,6 +12,7 @@ mod blending;
 mod cache;
 mod calls;
 mod camera_matrices;
+mod clock;
 mod compare;
 mod computed;
 mod content;
@@ -62,6 +63,7 @@ harness::tests! {
     blending,
     cache,
     calls,
+    clock,
     camera_matrices,
     content,
     computed,

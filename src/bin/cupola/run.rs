@@ -2,7 +2,7 @@
 
 use crate::display;
 use crate::failure::Failure;
-use crate::launch::{Environment, apply, loader};
+use crate::launch::{Environment, apply, clock, loader};
 use cupola::rig::{Overrides, Rig};
 use cupola::ring;
 use cupola::system::process::{self, Ended};
@@ -105,6 +105,8 @@ pub struct Options {
     /// Also write Cupola's messages to a file
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
+    #[command(flatten)]
+    pub clock: clock::Options,
 }
 
 /// What `cupola inspect` asks for beside the options of `run`.
@@ -172,6 +174,9 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     let mut command = Command::new(program);
     command.args(rest);
     apply(&mut command, &environment);
+    if options.clock.clock.is_some() && !switched_off {
+        process::with_fixed_addresses(&mut command);
+    }
     let expected = Expected::new(&options, inspection.as_ref());
     let published = environment.iter().find(|(name, _)| *name == "CUPOLA_PUBLISH").and_then(|(_, file)| file.clone());
     if let Some(file) = published.as_deref().map(Path::new) {
@@ -234,6 +239,7 @@ impl Options {
         let rig = self.rig()?;
         let mut environment = settings(self, &self.rig_name())?;
         environment.extend(self.published(&rig)?.map(|file| ("CUPOLA_PUBLISH", Some(file))));
+        environment.extend(self.clock.environment()?);
         if let Some(Inspection { output }) = inspection {
             environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));
         }

@@ -32,6 +32,21 @@ pub fn find() -> Result<PathBuf, Failure> {
     })
 }
 
+/// Finds `libcupola_clock.so`: beside `libcupola.so`, or above the folder of what cargo links for
+/// tests.
+pub fn find_clock() -> Result<PathBuf, Failure> {
+    let library = find()?;
+    let folder = library.parent().unwrap_or(Path::new("/"));
+    let places = ["", ".."].map(|below| folder.join(below).join("libcupola_clock.so"));
+    places.iter().find_map(|place| place.canonicalize().ok()).ok_or_else(|| {
+        Failure::new(format!(
+            "libcupola_clock.so, which --clock needs, was not found in {}; it is installed with libcupola.so, and built \
+             by cargo build --package cupola_clock",
+            folder.display()
+        ))
+    })
+}
+
 /// Where the library may be, for a command in `folder`: beside it, as cargo leaves both, or in the
 /// folders for libraries of the prefix, as distributions have them.
 fn places(folder: &Path) -> Vec<PathBuf> {

@@ -1,5 +1,6 @@
 //! Requirements of a program that is started with Cupola: the library and the loaders' files.
 
+pub mod clock;
 pub mod library;
 pub mod loader;
 pub mod probe;

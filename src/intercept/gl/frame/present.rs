@@ -1,6 +1,7 @@
 //! The end of a frame: correct it into the window, count, capture.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::intercept::clock;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
@@ -40,7 +41,12 @@ pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) ->
         return swap();
     }
     let ours = window.as_ref().is_some_and(is_current);
-    let answer = if ours && !before_swap() { left_out } else { swap() };
+    let complete = !ours || before_swap();
+    // The frames of a round of views in turn show one time.
+    if let Some(window) = window.as_ref().filter(|_| complete) {
+        clock::end_frame(window.handle() as u64);
+    }
+    let answer = if complete { swap() } else { left_out };
     if ours {
         after_swap();
     } else if let Some(window) = window {
@@ -83,7 +89,7 @@ pub fn show_front(ctx: &mut Context) {
         // SAFETY: state of the window's own framebuffer, which the program never sees.
         in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
     }
-    frame(ctx);
+    let complete = frame(ctx);
     in_window(ctx, |gl| {
         // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only
         // then.
@@ -94,6 +100,9 @@ pub fn show_front(ctx: &mut Context) {
             }
         }
     });
+    if let Some(window) = ctx.drawable.window.as_ref().filter(|_| complete) {
+        clock::end_frame(window.handle() as u64);
+    }
     next_frame(ctx);
 }
 

@@ -11,7 +11,7 @@ use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::driver::{Driver, SetDeviceLoaderData};
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::intercept::vk::state::views::view_constants::ConstantPool;
-use crate::intercept::{log, settings};
+use crate::intercept::{clock, log, settings};
 use crate::lock::{Lock, SharedLock};
 use crate::runtime::cache;
 use ash::{ext, khr, vk};
@@ -153,7 +153,8 @@ unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
     if settings.offscreen {
         log::once("Vulkan: outputs have the resolution of their place in the window; CUPOLA_OFFSCREEN is for OpenGL");
     }
-    !settings.rig.passthrough || settings.frames.is_some() || settings.capture.is_some() || settings.stats.is_some()
+    let is_counted = settings.frames.is_some() || clock::is_there();
+    !settings.rig.passthrough || is_counted || settings.capture.is_some() || settings.stats.is_some()
 }
 
 /// Whether the program enables an extension.

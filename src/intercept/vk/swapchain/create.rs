@@ -1,6 +1,7 @@
 //! Creation of swapchains: the program draws to stand-in images; the real ones get the correction.
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::clock;
 use crate::intercept::live::{self, Live};
 use crate::intercept::log;
 use crate::intercept::settings::{self, Settings};
@@ -13,7 +14,7 @@ use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::lock::Lock;
 use crate::rig::{Duplicate, Method, Rig};
 use ash::prelude::VkResult;
-use ash::vk;
+use ash::vk::{self, Handle};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
@@ -128,7 +129,11 @@ pub unsafe extern "system" fn create(
     let given = unsafe { &*info };
     // SAFETY: the program's own call; the structure differs in its usage and flags only.
     let next = |info: &vk::SwapchainCreateInfoKHR<'_>| unsafe {
-        (device.driver.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain)
+        let result = (device.driver.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain);
+        if result == vk::Result::SUCCESS {
+            clock::note_swapchain((*swapchain).as_raw(), info.surface.as_raw());
+        }
+        result
     };
     let looked_after = device.role.active && !device.swapchains.given_up.load(Ordering::Relaxed);
     let Some(settings) = settings::settings().filter(|_| looked_after) else { return next(given) };

@@ -2,6 +2,7 @@
 
 use crate::correct::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::clock;
 use crate::intercept::ending;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::flat_program::OffScreen;
@@ -49,6 +50,10 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     if let Some(ready) = &ready {
         // What the program's semaphores stand for, ours were signalled after.
         changed = changed.wait_semaphores(ready);
+    }
+    // SAFETY: the lengths and arrays of the program's structure.
+    if let Some(first) = unsafe { slice(changed.p_swapchains, changed.swapchain_count) }.first() {
+        clock::end_frame_of_swapchain(first.as_raw());
     }
     // SAFETY: the program's own call; the structure differs in what is waited for.
     let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };

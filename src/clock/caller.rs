@@ -1,0 +1,162 @@
+//! Who calls: the program and its libraries, which get the virtual clock, or a part of the system
+//! that waits for real devices.
+
+use super::settings;
+use std::ffi::{CStr, c_void};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Beginnings of the names of libraries that get real time: Cupola, graphics drivers and their
+/// loaders, connections to the display, sound and the system's services.
+const REAL: [&str; 37] = [
+    "libcupola",
+    "libGL.",
+    "libGLX",
+    "libGLdispatch",
+    "libOpenGL",
+    "libGLES",
+    "libEGL",
+    "libglapi",
+    "libgallium",
+    "libLLVM",
+    "libvulkan",
+    "libVkLayer",
+    "amdvlk",
+    "libnvidia",
+    "libcuda",
+    "libdrm",
+    "libgbm",
+    "libX11",
+    "libxcb",
+    "libXext",
+    "libXi.",
+    "libXrandr",
+    "libXfixes",
+    "libXdamage",
+    "libxshmfence",
+    "libwayland",
+    "libdecor",
+    "libasound",
+    "libpulse",
+    "libpipewire",
+    "libspa",
+    "libjack",
+    "libopenal",
+    "libdbus",
+    "libsystemd",
+    "libudev",
+    "libusb",
+];
+
+/// Verdicts so far: twice the address of a call, and 1 for the program. A call of another library
+/// at the same place would replace it; one that was loaded where another was unloaded gets the
+/// verdict about that one.
+static SEEN: [AtomicUsize; 1024] = [const { AtomicUsize::new(0) }; 1024];
+
+/// Whether a call that returns to `address` gets virtual time.
+pub fn is_served(address: usize) -> bool {
+    if settings::settings().is_none() {
+        return false;
+    }
+    let slot = &SEEN[(address ^ (address >> 10)) % SEEN.len()];
+    let seen = slot.load(Ordering::Relaxed);
+    if seen >> 1 == address {
+        return seen & 1 == 1;
+    }
+    let served = !is_real(address);
+    slot.store(address << 1 | usize::from(served), Ordering::Relaxed);
+    served
+}
+
+/// Whether the library at `address` gets real time. Code without a library is the program's.
+fn is_real(address: usize) -> bool {
+    // SAFETY: asks the dynamic linker about an address; the answer's text is its own.
+    let path = unsafe {
+        let mut info: libc::Dl_info = std::mem::zeroed();
+        if libc::dladdr(address as *const c_void, &mut info) == 0 || info.dli_fname.is_null() {
+            return false;
+        }
+        CStr::from_ptr(info.dli_fname).to_bytes()
+    };
+    let name = path.rsplit(|byte| *byte == b'/').next().unwrap_or(path);
+    let is_library = name.windows(3).any(|part| part == b".so");
+    let is_driver = name.ends_with(b"_dri.so") || path.windows(5).any(|part| part == b"/dri/");
+    is_library && (is_driver || REAL.iter().any(|begin| name.starts_with(begin.as_bytes())))
+}
+
+/// Exports functions of libc. Each goes on to a function here that gets one argument more: the
+/// address that the call returns to. The number in front of a name is that of its arguments.
+macro_rules! interpose {
+    ($($arguments:tt $name:ident => $to:path;)*) => {$(
+        /// As in libc.
+        ///
+        /// # Safety
+        /// As in libc.
+        #[unsafe(naked)]
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name() {
+            core::arch::naked_asm!(crate::caller::with_caller!($arguments), sym $to)
+        }
+    )*};
+}
+
+/// The code that adds the caller's address to the arguments.
+#[cfg(target_arch = "x86_64")]
+macro_rules! with_caller {
+    (0) => {
+        "mov rdi, qword ptr [rsp]\njmp {}"
+    };
+    (1) => {
+        "mov rsi, qword ptr [rsp]\njmp {}"
+    };
+    (2) => {
+        "mov rdx, qword ptr [rsp]\njmp {}"
+    };
+    (3) => {
+        "mov rcx, qword ptr [rsp]\njmp {}"
+    };
+    (4) => {
+        "mov r8, qword ptr [rsp]\njmp {}"
+    };
+    (5) => {
+        "mov r9, qword ptr [rsp]\njmp {}"
+    };
+    (6) => {
+        ".cfi_startproc\npush qword ptr [rsp]\n.cfi_adjust_cfa_offset 8\ncall {}\nadd rsp, 8\n\
+         .cfi_adjust_cfa_offset -8\nret\n.cfi_endproc"
+    };
+    (7) => {
+        ".cfi_startproc\nmov rax, qword ptr [rsp]\nmov r10, qword ptr [rsp + 8]\nsub rsp, 8\npush rax\npush r10\n\
+         .cfi_adjust_cfa_offset 24\ncall {}\nadd rsp, 24\n.cfi_adjust_cfa_offset -24\nret\n.cfi_endproc"
+    };
+}
+
+/// As above. All arguments are in registers; the last of eight is the eighth.
+#[cfg(target_arch = "aarch64")]
+macro_rules! with_caller {
+    (0) => {
+        "mov x0, x30\nb {}"
+    };
+    (1) => {
+        "mov x1, x30\nb {}"
+    };
+    (2) => {
+        "mov x2, x30\nb {}"
+    };
+    (3) => {
+        "mov x3, x30\nb {}"
+    };
+    (4) => {
+        "mov x4, x30\nb {}"
+    };
+    (5) => {
+        "mov x5, x30\nb {}"
+    };
+    (6) => {
+        "mov x6, x30\nb {}"
+    };
+    (7) => {
+        "mov x7, x30\nb {}"
+    };
+}
+
+pub(crate) use {interpose, with_caller};

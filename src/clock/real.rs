@@ -1,0 +1,120 @@
+//! The functions of libc behind the names that this library exports.
+
+use std::ffi::{CStr, c_char, c_int, c_long, c_uint, c_void};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Address of the next function of this name; 0 if there is none.
+fn next(address: &AtomicUsize, name: &CStr) -> usize {
+    let known = address.load(Ordering::Relaxed);
+    if known != 0 {
+        return known;
+    }
+    // SAFETY: asks the dynamic linker for names. Conditions have an older form of the same names,
+    // which an unversioned question may find.
+    let found = unsafe {
+        let newer = match name.to_bytes().starts_with(b"pthread_cond_") {
+            true => libc::dlvsym(libc::RTLD_NEXT, name.as_ptr(), c"GLIBC_2.3.2".as_ptr()),
+            false => std::ptr::null_mut(),
+        };
+        if newer.is_null() { libc::dlsym(libc::RTLD_NEXT, name.as_ptr()) } else { newer }
+    } as usize;
+    address.store(found, Ordering::Relaxed);
+    found
+}
+
+/// Sets `errno` and returns -1.
+pub fn fail(error: c_int) -> c_int {
+    // SAFETY: the thread's own number.
+    unsafe { *libc::__errno_location() = error };
+    -1
+}
+
+macro_rules! functions {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $missing:expr;)*) => {$(
+        /// As in libc.
+        ///
+        /// # Safety
+        /// As in libc.
+        #[allow(clippy::unused_unit, reason = "one function returns nothing")]
+        pub unsafe fn $name($($argument: $kind),*) -> $result {
+            static ADDRESS: AtomicUsize = AtomicUsize::new(0);
+            let name = concat!(stringify!($name), "\0");
+            let Ok(name) = CStr::from_bytes_with_nul(name.as_bytes()) else { return $missing };
+            match next(&ADDRESS, name) {
+                0 => $missing,
+                // SAFETY: libc's function has this type; the caller promises the rest.
+                address => unsafe {
+                    let function: unsafe extern "C-unwind" fn($($kind),*) -> $result = std::mem::transmute(address);
+                    function($($argument),*)
+                },
+            }
+        }
+    )*};
+}
+
+functions! {
+    clock_gettime(clock: libc::clockid_t, time: *mut libc::timespec) -> c_int = fail(libc::ENOSYS);
+    gettimeofday(time: *mut libc::timeval, zone: *mut c_void) -> c_int = fail(libc::ENOSYS);
+    time(time: *mut libc::time_t) -> libc::time_t = -1;
+    timespec_get(time: *mut libc::timespec, base: c_int) -> c_int = 0;
+    clock() -> libc::clock_t = -1;
+    times(times: *mut libc::tms) -> libc::clock_t = -1;
+    getpid() -> libc::pid_t = -1;
+    kill(process: libc::pid_t, signal: c_int) -> c_int = fail(libc::ENOSYS);
+    nanosleep(time: *const libc::timespec, left: *mut libc::timespec) -> c_int = fail(libc::ENOSYS);
+    clock_nanosleep(clock: libc::clockid_t, flags: c_int, time: *const libc::timespec, left: *mut libc::timespec)
+        -> c_int = libc::ENOSYS;
+    usleep(time: c_uint) -> c_int = fail(libc::ENOSYS);
+    sleep(time: c_uint) -> c_uint = time;
+    ppoll(files: *mut libc::pollfd, count: libc::nfds_t, limit: *const libc::timespec, mask: *const libc::sigset_t)
+        -> c_int = fail(libc::ENOSYS);
+    poll(files: *mut libc::pollfd, count: libc::nfds_t, limit: c_int) -> c_int = fail(libc::ENOSYS);
+    pselect(count: c_int, read: *mut libc::fd_set, write: *mut libc::fd_set, other: *mut libc::fd_set,
+        limit: *const libc::timespec, mask: *const libc::sigset_t) -> c_int = fail(libc::ENOSYS);
+    select(count: c_int, read: *mut libc::fd_set, write: *mut libc::fd_set, other: *mut libc::fd_set,
+        limit: *mut libc::timeval) -> c_int = fail(libc::ENOSYS);
+    epoll_pwait(file: c_int, events: *mut libc::epoll_event, count: c_int, limit: c_int, mask: *const libc::sigset_t)
+        -> c_int = fail(libc::ENOSYS);
+    epoll_pwait2(file: c_int, events: *mut libc::epoll_event, count: c_int, limit: *const libc::timespec,
+        mask: *const libc::sigset_t) -> c_int = fail(libc::ENOSYS);
+    getrandom(bytes: *mut c_void, length: usize, flags: c_uint) -> isize = fail(libc::ENOSYS) as isize;
+    getentropy(bytes: *mut c_void, length: usize) -> c_int = fail(libc::ENOSYS);
+    arc4random() -> u32 = 0;
+    arc4random_buf(bytes: *mut c_void, length: usize) -> () = ();
+    arc4random_uniform(bound: u32) -> u32 = 0;
+    open(path: *const c_char, flags: c_int, mode: c_uint) -> c_int = fail(libc::ENOSYS);
+    openat(folder: c_int, path: *const c_char, flags: c_int, mode: c_uint) -> c_int = fail(libc::ENOSYS);
+    fopen(path: *const c_char, mode: *const c_char) -> *mut libc::FILE = std::ptr::null_mut();
+    timerfd_create(clock: c_int, flags: c_int) -> c_int = fail(libc::ENOSYS);
+    timerfd_settime(file: c_int, flags: c_int, new: *const libc::itimerspec, old: *mut libc::itimerspec)
+        -> c_int = fail(libc::ENOSYS);
+    pthread_cond_wait(condition: *mut libc::pthread_cond_t, mutex: *mut libc::pthread_mutex_t) -> c_int = libc::ENOSYS;
+    pthread_cond_timedwait(condition: *mut libc::pthread_cond_t, mutex: *mut libc::pthread_mutex_t,
+        time: *const libc::timespec) -> c_int = libc::ENOSYS;
+    pthread_cond_clockwait(condition: *mut libc::pthread_cond_t, mutex: *mut libc::pthread_mutex_t, clock: c_int,
+        time: *const libc::timespec) -> c_int = libc::ENOSYS;
+    sem_wait(semaphore: *mut libc::sem_t) -> c_int = fail(libc::ENOSYS);
+    sem_clockwait(semaphore: *mut libc::sem_t, clock: c_int, time: *const libc::timespec) -> c_int = fail(libc::ENOSYS);
+    pthread_mutex_clocklock(mutex: *mut libc::pthread_mutex_t, clock: c_int, time: *const libc::timespec)
+        -> c_int = libc::ENOSYS;
+    pthread_rwlock_clockrdlock(lock: *mut libc::pthread_rwlock_t, clock: c_int, time: *const libc::timespec)
+        -> c_int = libc::ENOSYS;
+    pthread_rwlock_clockwrlock(lock: *mut libc::pthread_rwlock_t, clock: c_int, time: *const libc::timespec)
+        -> c_int = libc::ENOSYS;
+    pthread_join(thread: libc::pthread_t, answer: *mut *mut c_void) -> c_int = libc::ENOSYS;
+    pthread_timedjoin_np(thread: libc::pthread_t, answer: *mut *mut c_void, time: *const libc::timespec)
+        -> c_int = libc::ENOSYS;
+    pthread_clockjoin_np(thread: libc::pthread_t, answer: *mut *mut c_void, clock: c_int, time: *const libc::timespec)
+        -> c_int = libc::ENOSYS;
+    syscall(number: c_long, a: usize, b: usize, c: usize, d: usize, e: usize, f: usize) -> c_long
+        = c_long::from(fail(libc::ENOSYS));
+    timerfd_gettime(file: c_int, time: *mut libc::itimerspec) -> c_int = fail(libc::ENOSYS);
+}
+
+/// A time of the real monotonic clock, in nanoseconds.
+pub fn now() -> u64 {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: writes one structure.
+    unsafe { clock_gettime(libc::CLOCK_MONOTONIC, &mut time) };
+    super::timeline::nanoseconds(&time).unwrap_or(0)
+}

@@ -1,0 +1,306 @@
+//! Waits of threads for each other, with limits in the program's time.
+//!
+//! A wait of the drawing thread without a limit is seen too: meanwhile the others' sleeps last
+//! their real time, for it may wait for them.
+
+use super::caller::{interpose, is_served};
+use super::timeline::{self, moment, nanoseconds, seen, timespec, wait};
+use super::{random, reads, real, sleeps};
+use std::ffi::{c_int, c_long, c_void};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+interpose! {
+    2 pthread_cond_wait => cond_wait_for;
+    3 pthread_cond_timedwait => cond_timedwait_for;
+    4 pthread_cond_clockwait => cond_clockwait_for;
+    3 cnd_timedwait => cnd_timedwait_for;
+    1 sem_wait => sem_wait_for;
+    2 sem_timedwait => sem_timedwait_for;
+    3 sem_clockwait => sem_clockwait_for;
+    2 pthread_mutex_timedlock => mutex_timedlock_for;
+    3 pthread_mutex_clocklock => mutex_clocklock_for;
+    2 mtx_timedlock => mtx_timedlock_for;
+    2 pthread_rwlock_timedrdlock => rwlock_timedrdlock_for;
+    3 pthread_rwlock_clockrdlock => rwlock_clockrdlock_for;
+    2 pthread_rwlock_timedwrlock => rwlock_timedwrlock_for;
+    3 pthread_rwlock_clockwrlock => rwlock_clockwrlock_for;
+    2 pthread_join => join_for;
+    3 pthread_timedjoin_np => timedjoin_for;
+    7 syscall => syscall_for;
+}
+
+/// The drawing thread waits so long in real time for another thread, before it is late.
+const PATIENCE: Duration = Duration::from_millis(250);
+
+type Time = *const libc::timespec;
+
+/// The moment that a call's last argument names, if the call is served.
+unsafe fn limit(time: Time, caller: usize) -> Option<u64> {
+    // SAFETY: the program's structure, or null.
+    unsafe { time.as_ref() }.and_then(nanoseconds).filter(|_| is_served(caller)).map(moment)
+}
+
+/// A moment of the real monotonic clock, so long from now.
+fn real_end(limit: Duration) -> libc::timespec {
+    timespec(real::now().saturating_add(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)))
+}
+
+/// Waits until `deadline`. `attempt` waits until a real moment; it returns ETIMEDOUT if nothing
+/// came.
+fn wait_for_thread(deadline: u64, attempt: impl Fn(Time) -> c_int) -> c_int {
+    let attempt = |limit: Option<Duration>| {
+        Some(attempt(&real_end(limit.unwrap_or(PATIENCE)))).filter(|answer| *answer != libc::ETIMEDOUT)
+    };
+    wait(Some(deadline), PATIENCE, attempt).unwrap_or(libc::ETIMEDOUT)
+}
+
+/// A thread that waits for a condition, until a moment.
+struct Waiting {
+    condition: usize,
+    deadline: u64,
+    is_late: Arc<AtomicBool>,
+}
+
+static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
+
+/// It is `time`: threads that wait for a condition no longer than that wake up.
+pub fn wake(time: u64) {
+    for waiting in WAITING.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        if waiting.deadline <= time {
+            waiting.is_late.store(true, Ordering::Release);
+            // SAFETY: its thread waits for it until it is taken from the list.
+            unsafe { libc::pthread_cond_broadcast(waiting.condition as *mut libc::pthread_cond_t) };
+        }
+    }
+}
+
+/// Waits for a condition until `deadline`. Several short waits would miss signals between them, so
+/// that other threads than the drawing one wait once: the drawing one wakes them. If it does not
+/// for long, they look by themselves, as after a wake-up without a reason, which the standard
+/// permits.
+unsafe fn wait_for_condition(
+    condition: *mut libc::pthread_cond_t,
+    mutex: *mut libc::pthread_mutex_t,
+    deadline: u64,
+) -> c_int {
+    // SAFETY: the program's own call, with its limit on another clock.
+    let attempt = |end: Time| unsafe { real::pthread_cond_clockwait(condition, mutex, libc::CLOCK_MONOTONIC, end) };
+    if timeline::draws() {
+        return wait_for_thread(deadline, attempt);
+    }
+    let left = Duration::from_nanos(deadline.saturating_sub(seen()));
+    let patience = if left.is_zero() || timeline::is_blocked() { Duration::ZERO } else { PATIENCE };
+    let is_late = Arc::new(AtomicBool::new(false));
+    let list = || WAITING.lock().unwrap_or_else(PoisonError::into_inner);
+    list().push(Waiting { condition: condition as usize, deadline, is_late: is_late.clone() });
+    let answer = attempt(&real_end(left.saturating_add(patience)));
+    list().retain(|waiting| !Arc::ptr_eq(&waiting.is_late, &is_late));
+    match answer {
+        0 if is_late.load(Ordering::Acquire) => libc::ETIMEDOUT,
+        libc::ETIMEDOUT if seen() < deadline => 0,
+        answer => answer,
+    }
+}
+
+type Condition = *mut libc::pthread_cond_t;
+type Lock = *mut libc::pthread_mutex_t;
+
+unsafe extern "C-unwind" fn cond_wait_for(condition: Condition, mutex: Lock, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    let attempt = || unsafe { real::pthread_cond_wait(condition, mutex) };
+    without_limit(caller, attempt)
+}
+
+/// A wait without a limit.
+fn without_limit(caller: usize, attempt: impl Fn() -> c_int) -> c_int {
+    if is_served(caller) { wait(None, PATIENCE, |_| Some(attempt())).unwrap_or(0) } else { attempt() }
+}
+
+unsafe extern "C-unwind" fn cond_timedwait_for(condition: Condition, mutex: Lock, time: Time, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe {
+        match limit(time, caller) {
+            Some(deadline) => wait_for_condition(condition, mutex, deadline),
+            None => real::pthread_cond_timedwait(condition, mutex, time),
+        }
+    }
+}
+
+unsafe extern "C-unwind" fn cond_clockwait_for(
+    condition: Condition,
+    mutex: Lock,
+    clock: c_int,
+    time: Time,
+    caller: usize,
+) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe {
+        match limit(time, caller) {
+            Some(deadline) => wait_for_condition(condition, mutex, deadline),
+            None => real::pthread_cond_clockwait(condition, mutex, clock, time),
+        }
+    }
+}
+
+/// An answer of C11's threads for one of POSIX's.
+fn of_c11(answer: c_int) -> c_int {
+    match answer {
+        0 => 0,
+        libc::ETIMEDOUT => 4,
+        _ => 2,
+    }
+}
+
+unsafe extern "C-unwind" fn cnd_timedwait_for(condition: Condition, mutex: Lock, time: Time, caller: usize) -> c_int {
+    // SAFETY: the program's own call; glibc's types are those of POSIX's threads.
+    of_c11(unsafe { cond_timedwait_for(condition, mutex, time, caller) })
+}
+
+unsafe extern "C-unwind" fn mtx_timedlock_for(mutex: Lock, time: Time, caller: usize) -> c_int {
+    // SAFETY: as above.
+    of_c11(unsafe { mutex_timedlock_for(mutex, time, caller) })
+}
+
+/// The number of a call that sets `errno`.
+fn errno(answer: c_int) -> c_int {
+    // SAFETY: the thread's own number.
+    if answer == 0 { 0 } else { unsafe { *libc::__errno_location() } }
+}
+
+unsafe extern "C-unwind" fn sem_wait_for(semaphore: *mut libc::sem_t, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    without_limit(caller, || unsafe { real::sem_wait(semaphore) })
+}
+
+unsafe extern "C-unwind" fn sem_timedwait_for(semaphore: *mut libc::sem_t, time: Time, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe { sem_clockwait_for(semaphore, libc::CLOCK_REALTIME, time, caller) }
+}
+
+unsafe extern "C-unwind" fn sem_clockwait_for(
+    semaphore: *mut libc::sem_t,
+    clock: c_int,
+    time: Time,
+    caller: usize,
+) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe {
+        let Some(deadline) = limit(time, caller) else { return real::sem_clockwait(semaphore, clock, time) };
+        match wait_for_thread(deadline, |end| errno(real::sem_clockwait(semaphore, libc::CLOCK_MONOTONIC, end))) {
+            0 => 0,
+            error => real::fail(error),
+        }
+    }
+}
+
+/// Locks with a limit: the name of the function without and with a clock, and libc's with one.
+macro_rules! locks {
+    ($($kind:ty: $timed:ident, $clocked:ident => $real:ident;)*) => {$(
+        unsafe extern "C-unwind" fn $timed(lock: *mut $kind, time: Time, caller: usize) -> c_int {
+            // SAFETY: the program's own call.
+            unsafe { $clocked(lock, libc::CLOCK_REALTIME, time, caller) }
+        }
+
+        unsafe extern "C-unwind" fn $clocked(lock: *mut $kind, clock: c_int, time: Time, caller: usize) -> c_int {
+            // SAFETY: the program's own call.
+            unsafe {
+                match limit(time, caller) {
+                    Some(deadline) => wait_for_thread(deadline, |end| real::$real(lock, libc::CLOCK_MONOTONIC, end)),
+                    None => real::$real(lock, clock, time),
+                }
+            }
+        }
+    )*};
+}
+
+locks! {
+    libc::pthread_mutex_t: mutex_timedlock_for, mutex_clocklock_for => pthread_mutex_clocklock;
+    libc::pthread_rwlock_t: rwlock_timedrdlock_for, rwlock_clockrdlock_for => pthread_rwlock_clockrdlock;
+    libc::pthread_rwlock_t: rwlock_timedwrlock_for, rwlock_clockwrlock_for => pthread_rwlock_clockwrlock;
+}
+
+unsafe extern "C-unwind" fn join_for(thread: libc::pthread_t, answer: *mut *mut c_void, caller: usize) -> c_int {
+    // SAFETY: the program's own call.
+    without_limit(caller, || unsafe { real::pthread_join(thread, answer) })
+}
+
+unsafe extern "C-unwind" fn timedjoin_for(
+    thread: libc::pthread_t,
+    answer: *mut *mut c_void,
+    time: Time,
+    caller: usize,
+) -> c_int {
+    // SAFETY: the program's own call.
+    unsafe {
+        let Some(deadline) = limit(time, caller) else { return real::pthread_timedjoin_np(thread, answer, time) };
+        wait_for_thread(deadline, |end| real::pthread_clockjoin_np(thread, answer, libc::CLOCK_MONOTONIC, end))
+    }
+}
+
+/// `syscall`, by which libraries of other languages make calls that they could make by libc.
+#[allow(clippy::too_many_arguments)]
+unsafe extern "C-unwind" fn syscall_for(
+    number: c_long,
+    a: usize,
+    b: usize,
+    c: usize,
+    d: usize,
+    e: usize,
+    f: usize,
+    caller: usize,
+) -> c_long {
+    // SAFETY: the program's own call.
+    unsafe {
+        if !is_served(caller) {
+            return real::syscall(number, a, b, c, d, e, f);
+        }
+        match number {
+            libc::SYS_clock_gettime => reads::clock_gettime_for(a as libc::clockid_t, b as *mut _, caller).into(),
+            libc::SYS_gettimeofday => reads::gettimeofday_for(a as *mut _, b as *mut _, caller).into(),
+            #[cfg(target_arch = "x86_64")]
+            libc::SYS_time => reads::time_for(a as *mut _, caller),
+            libc::SYS_getpid => reads::getpid_for(caller).into(),
+            libc::SYS_getrandom => random::getrandom_for(a as *mut _, b, c as _, caller) as c_long,
+            libc::SYS_nanosleep => sleeps::nanosleep_for(a as *const _, b as *mut _, caller).into(),
+            libc::SYS_clock_nanosleep => {
+                match sleeps::clock_nanosleep_for(a as libc::clockid_t, b as c_int, c as *const _, d as *mut _, caller)
+                {
+                    0 => 0,
+                    error => real::fail(error).into(),
+                }
+            }
+            libc::SYS_futex => futex(a, b, c, d, e, f).unwrap_or_else(|| real::syscall(number, a, b, c, d, e, f)),
+            _ => real::syscall(number, a, b, c, d, e, f),
+        }
+    }
+}
+
+/// Waits for a futex; `None` for its other uses.
+unsafe fn futex(word: usize, flags: usize, value: usize, time: usize, other: usize, bits: usize) -> Option<c_long> {
+    let real_time = libc::FUTEX_CLOCK_REALTIME as usize;
+    let is_absolute = match (flags & !real_time) as c_int & libc::FUTEX_CMD_MASK {
+        libc::FUTEX_WAIT => false,
+        libc::FUTEX_WAIT_BITSET => true,
+        _ => return None,
+    };
+    // SAFETY: the program's structure, or null.
+    let length = match unsafe { (time as *const libc::timespec).as_ref() } {
+        None => None,
+        Some(time) => Some(nanoseconds(time)?),
+    };
+    let deadline = length.map(|length| if is_absolute { moment(length) } else { timeline::after(length) });
+    let came = wait(deadline, PATIENCE, |limit| {
+        let end = limit.map(|limit| match is_absolute {
+            true => real_end(limit),
+            false => timespec(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)),
+        });
+        let end = end.as_ref().map_or(std::ptr::null(), std::ptr::from_ref::<libc::timespec>) as usize;
+        // SAFETY: the program's own call, with its limit on the real monotonic clock.
+        let answer = unsafe { real::syscall(libc::SYS_futex, word, flags & !real_time, value, end, other, bits) };
+        // SAFETY: the thread's own number.
+        (answer == 0 || limit.is_none() || unsafe { *libc::__errno_location() } != libc::ETIMEDOUT).then_some(answer)
+    });
+    Some(came.unwrap_or_else(|| real::fail(libc::ETIMEDOUT).into()))
+}

@@ -1,0 +1,231 @@
+//! The program's time.
+//!
+//! It is the time of a program whose work takes no time, on a display that shows `rate` frames in a
+//! second: it grows when a frame ends and when the thread that draws the frames waits, and stands
+//! still otherwise.
+
+use super::settings::settings;
+use super::{descriptors, real, threads};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicI32, AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Nanoseconds in a second.
+const SECOND: u64 = 1_000_000_000;
+/// The monotonic clock at the program's start.
+const MONOTONIC_START: u64 = 1000 * SECOND;
+/// Reads of a clock in one frame, without a wait between them, after which each read lets the time
+/// grow.
+const READS: u32 = 1000;
+/// By so many nanoseconds.
+const CREEP: u64 = 1000;
+/// Another thread looks so often whether the time that it waits for has come.
+const SLICE: Duration = Duration::from_millis(5);
+/// So long without a frame and without a wait of the drawing thread, and other threads wait in real
+/// time.
+const STALLED: u64 = 5 * SECOND;
+/// Swaps of other windows, without one of the leading window, after which another window leads.
+const GONE: u32 = 30;
+
+/// Nanoseconds since the start.
+static NOW: AtomicU64 = AtomicU64::new(0);
+/// Number of the display's frame, as counted by the clock: time × rate at the begin of the frame.
+static FRAME: AtomicU64 = AtomicU64::new(0);
+/// The thread that draws the frames; 0 before the first one: the process's first thread.
+static THREAD: AtomicI32 = AtomicI32::new(0);
+/// Real time since when that thread waits for others without a limit; 0 if it does not.
+static BLOCKED: AtomicU64 = AtomicU64::new(0);
+/// Real time of the last growth.
+static GROWN: AtomicU64 = AtomicU64::new(0);
+/// Reads since then.
+static READ: AtomicU32 = AtomicU32::new(0);
+/// The window whose swaps count.
+static WINDOW: AtomicU64 = AtomicU64::new(0);
+/// Swaps of others since its last one.
+static OTHERS: AtomicU32 = AtomicU32::new(0);
+
+thread_local! {
+    /// This thread's number.
+    static ID: Cell<libc::pid_t> = const { Cell::new(0) };
+    /// What this thread read last: time does not run back.
+    static LAST: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Number of this thread.
+fn thread() -> libc::pid_t {
+    ID.with(|id| {
+        if id.get() == 0 {
+            // SAFETY: returns a number.
+            id.set(unsafe { libc::gettid() });
+        }
+        id.get()
+    })
+}
+
+/// Whether this thread draws the frames.
+pub fn draws() -> bool {
+    match THREAD.load(Ordering::Relaxed) {
+        // SAFETY: returns a number.
+        0 => thread() == unsafe { real::getpid() },
+        drawing => drawing == thread(),
+    }
+}
+
+/// Nanoseconds since the start, without counting a read.
+pub fn now() -> u64 {
+    NOW.load(Ordering::Acquire)
+}
+
+/// The monotonic clock.
+pub fn monotonic() -> u64 {
+    MONOTONIC_START + now()
+}
+
+/// The time as this thread sees it.
+pub fn seen() -> u64 {
+    if draws() {
+        return now();
+    }
+    let real = real::now();
+    let extra = match (BLOCKED.load(Ordering::Acquire), GROWN.load(Ordering::Acquire)) {
+        (0, 0) => 0,
+        (0, grown) => real.saturating_sub(grown).saturating_sub(STALLED),
+        (blocked, _) => real.saturating_sub(blocked),
+    };
+    LAST.with(|last| {
+        last.set(last.get().max(now() + extra));
+        last.get()
+    })
+}
+
+/// The time for a program that reads a clock.
+pub fn read() -> u64 {
+    if draws() && READ.fetch_add(1, Ordering::Relaxed) >= READS {
+        NOW.fetch_add(CREEP, Ordering::AcqRel);
+    }
+    seen()
+}
+
+/// Where a clock stands at the program's start; `None` for clocks that are not served.
+pub fn start_of(clock: libc::clockid_t) -> Option<u64> {
+    match clock {
+        libc::CLOCK_REALTIME | libc::CLOCK_REALTIME_COARSE | libc::CLOCK_TAI => Some(settings()?.start),
+        libc::CLOCK_MONOTONIC | libc::CLOCK_MONOTONIC_RAW | libc::CLOCK_MONOTONIC_COARSE | libc::CLOCK_BOOTTIME => {
+            Some(MONOTONIC_START)
+        }
+        libc::CLOCK_PROCESS_CPUTIME_ID | libc::CLOCK_THREAD_CPUTIME_ID => Some(0),
+        _ => None,
+    }
+}
+
+/// A moment of one of the two kinds of clocks, in nanoseconds since the start. Which kind is seen
+/// by the number: none runs for decades before 1986.
+pub fn moment(time: u64) -> u64 {
+    let is_date = time > 500_000_000 * SECOND;
+    time.saturating_sub(if is_date { settings().map_or(0, |settings| settings.start) } else { MONOTONIC_START })
+}
+
+/// A time in nanoseconds; `None` for one that libc refuses.
+pub fn nanoseconds(time: &libc::timespec) -> Option<u64> {
+    let (seconds, rest) = (u64::try_from(time.tv_sec).ok()?, u64::try_from(time.tv_nsec).ok()?);
+    (rest < SECOND).then(|| seconds.saturating_mul(SECOND).saturating_add(rest))
+}
+
+/// The same for libc.
+pub fn timespec(time: u64) -> libc::timespec {
+    libc::timespec { tv_sec: (time / SECOND) as libc::time_t, tv_nsec: (time % SECOND) as libc::c_long }
+}
+
+/// Lets the time grow to `time`.
+fn grow(time: u64) {
+    NOW.fetch_max(time, Ordering::AcqRel);
+    READ.store(0, Ordering::Relaxed);
+    GROWN.store(real::now(), Ordering::Release);
+    descriptors::fire(time);
+    threads::wake(time);
+}
+
+/// A frame of this window is complete: the time goes on to the next one.
+pub fn frame(window: u64) {
+    let Some(settings) = settings() else { return };
+    if !leads(window) {
+        return;
+    }
+    THREAD.store(thread(), Ordering::Relaxed);
+    let (frames, seconds) = settings.rate;
+    let (length, frames) = (u128::from(seconds) * u128::from(SECOND), u128::from(frames));
+    // A program that waited longer than a frame lasts has let frames of the display pass: the
+    // nearest is the next.
+    let nearest = (u128::from(now()) * frames + length / 2) / length;
+    let next = u64::try_from(nearest).unwrap_or(u64::MAX).max(FRAME.load(Ordering::Relaxed) + 1);
+    FRAME.store(next, Ordering::Relaxed);
+    grow(u64::try_from(u128::from(next) * length / frames).unwrap_or(u64::MAX));
+}
+
+/// Whether the swaps of this window count: those of the first one, until only others are swapped.
+fn leads(window: u64) -> bool {
+    let leading = WINDOW.load(Ordering::Relaxed);
+    if leading != window && leading != 0 && OTHERS.fetch_add(1, Ordering::Relaxed) < GONE {
+        return false;
+    }
+    WINDOW.store(window, Ordering::Relaxed);
+    OTHERS.store(0, Ordering::Relaxed);
+    true
+}
+
+/// The drawing thread waits for others without a limit. They may need time for what it waits for.
+struct Blocked;
+
+impl Blocked {
+    fn begin() -> Self {
+        BLOCKED.store(real::now(), Ordering::Release);
+        Self
+    }
+}
+
+/// Whether the drawing thread waits so.
+pub fn is_blocked() -> bool {
+    BLOCKED.load(Ordering::Acquire) != 0
+}
+
+impl Drop for Blocked {
+    fn drop(&mut self) {
+        BLOCKED.store(0, Ordering::Release);
+    }
+}
+
+/// Waits until the time is `deadline` (`None`: without a limit), or until something comes.
+/// `attempt` waits for it in real time, for no longer than its argument, and returns `None` if
+/// nothing came. The drawing thread makes one attempt, no longer than `patience`, and lets the time
+/// grow; on others it stands still meanwhile.
+pub fn wait<R>(
+    deadline: Option<u64>,
+    patience: Duration,
+    mut attempt: impl FnMut(Option<Duration>) -> Option<R>,
+) -> Option<R> {
+    let draws = draws();
+    let Some(deadline) = deadline else {
+        let _blocked = draws.then(Blocked::begin);
+        return attempt(None);
+    };
+    if draws {
+        let left = Duration::from_nanos(deadline.saturating_sub(now()));
+        let came = attempt(Some(left.min(patience)));
+        if came.is_none() {
+            grow(deadline);
+        }
+        return came;
+    }
+    loop {
+        let left = Duration::from_nanos(deadline.saturating_sub(seen()));
+        let came = attempt(Some(left.min(SLICE)));
+        if came.is_some() || left.is_zero() {
+            return came;
+        }
+    }
+}
+
+/// The moment `time` nanoseconds from now.
+pub fn after(time: u64) -> u64 {
+    seen().saturating_add(time)
+}

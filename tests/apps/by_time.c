@@ -1,0 +1,81 @@
+/* Moves by time and by random numbers, as programs do. Writes down what it reads in each frame. */
+#define _GNU_SOURCE
+#include "common/fixed.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+
+static double start, next;
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec + time.tv_nsec * 1e-9;
+}
+
+static void setup(app *a)
+{
+    (void)a;
+    srand((unsigned)(time(NULL) ^ getpid()));
+    start = next = now();
+}
+
+/* Ways to wait for the next frame. */
+static void limit(const char *mode)
+{
+    if (mode && strcmp(mode, "sleep") == 0) {
+        usleep(10000);
+    } else if (mode && strcmp(mode, "limit") == 0) {
+        next += 1.0 / 30;
+        while (now() < next)
+            usleep(1000);
+    } else if (mode && strcmp(mode, "spin") == 0) {
+        next += 1.0 / 30;
+        while (now() < next)
+            ;
+    }
+}
+
+static void write_down(app *a, double read)
+{
+    FILE *file = a->answers ? fopen(a->answers, "a") : NULL;
+    if (!file)
+        return;
+    struct timeval date;
+    gettimeofday(&date, NULL);
+    unsigned numbers[3] = {0, 0, 0};
+    int device = open("/dev/urandom", O_RDONLY);
+    if (device < 0 || getrandom(&numbers[0], 4, 0) != 4 || getentropy(&numbers[1], 4) != 0 || read == 0)
+        app_check(a, false, "random numbers cannot be read");
+    if (device >= 0 && pread(device, &numbers[2], 4, 0) != 4)
+        app_check(a, false, "the device of random numbers cannot be read");
+    close(device);
+    fprintf(file, "%d %.9f %ld.%06ld %ld %ld %d %u %u %u\n", a->frame, read - start, (long)date.tv_sec,
+            (long)date.tv_usec, (long)time(NULL), (long)clock(), rand(), numbers[0], numbers[1], numbers[2]);
+    fclose(file);
+}
+
+static void draw(app *a)
+{
+    double read = now();
+    write_down(a, read);
+    a->yaw = fmod((read - start) * 50, 360);
+    a->pitch = rand() % 20 - 10;
+    app_update_matrices(a);
+    fixed_cube(a);
+    limit(a->mode);
+}
+
+int main(int argc, char **argv)
+{
+    static const app_program self = {"by_time", API_GL_COMPATIBILITY, 0, 0, setup, draw, NULL};
+    return app_main(argc, argv, &self);
+}

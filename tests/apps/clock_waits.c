@@ -1,0 +1,209 @@
+/* Waits in all ways that libc knows, under the virtual clock, and judges the time that passed. Draws nothing: it tells the
+   clock itself of its frames. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/select.h>
+#include <sys/syscall.h>
+#include <sys/timerfd.h>
+#include <threads.h>
+#include <time.h>
+#include <unistd.h>
+
+static int complaints;
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t condition = PTHREAD_COND_INITIALIZER;
+static bool ready;
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec + time.tv_nsec * 1e-9;
+}
+
+static struct timespec date_after(double seconds)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_REALTIME, &time);
+    double nanoseconds = time.tv_nsec + seconds * 1e9;
+    time.tv_sec += (time_t)floor(nanoseconds / 1e9);
+    time.tv_nsec = (long)fmod(nanoseconds, 1e9);
+    return time;
+}
+
+static void check(bool good, const char *what)
+{
+    if (!good) {
+        printf("clock_waits: %s\n", what);
+        complaints++;
+    }
+}
+
+/* So much time has passed since `before`, exactly. */
+static void passed(double before, double seconds, const char *what)
+{
+    double is = now() - before;
+    if (fabs(is - seconds) > 2e-6) {
+        printf("clock_waits: %s: %.6f s passed, not %.6f\n", what, is, seconds);
+        complaints++;
+    }
+}
+
+static void alone(void)
+{
+    double before = now();
+    usleep(20000);
+    passed(before, 0.02, "usleep");
+    sleep(3);
+    passed(before, 3.02, "sleep");
+    struct timespec length = {0, 30000000};
+    nanosleep(&length, NULL);
+    passed(before, 3.05, "nanosleep");
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += 2;
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
+    passed(before, 5.05, "clock_nanosleep");
+    syscall(SYS_nanosleep, &length, NULL);
+    passed(before, 5.08, "the system call nanosleep");
+    int word = 0;
+    long answer = syscall(SYS_futex, &word, 128, 0, &length, NULL, 0);
+    check(answer == -1 && errno == ETIMEDOUT, "a futex is late");
+    passed(before, 5.11, "the system call futex");
+}
+
+static void with_files(void)
+{
+    int ends[2];
+    check(pipe(ends) == 0, "no pipe");
+    struct pollfd file = {ends[0], POLLIN, 0};
+    double before = now();
+    check(poll(&file, 1, 40) == 0, "poll is late");
+    passed(before, 0.04, "poll");
+    struct timespec length = {0, 10000000};
+    check(ppoll(&file, 1, &length, NULL) == 0, "ppoll is late");
+    fd_set set;
+    FD_ZERO(&set);
+    FD_SET(ends[0], &set);
+    struct timeval limit = {0, 50000};
+    check(select(ends[0] + 1, &set, NULL, NULL, &limit) == 0, "select is late");
+    passed(before, 0.1, "select");
+    int epoll = epoll_create1(0);
+    struct epoll_event event = {.events = EPOLLIN};
+    epoll_ctl(epoll, EPOLL_CTL_ADD, ends[0], &event);
+    check(epoll_wait(epoll, &event, 1, 50) == 0, "epoll_wait is late");
+    passed(before, 0.15, "epoll_wait");
+    check(write(ends[1], "x", 1) == 1, "the pipe is full");
+    FD_SET(ends[0], &set);
+    check(poll(&file, 1, 1000) == 1 && select(ends[0] + 1, &set, NULL, NULL, &limit) == 1, "data come at once");
+    check(epoll_wait(epoll, &event, 1, 1000) == 1, "data come at once");
+    passed(before, 0.15, "what is there");
+    int timer = timerfd_create(CLOCK_MONOTONIC, 0);
+    struct itimerspec times = {{0, 30000000}, {0, 50000000}};
+    timerfd_settime(timer, 0, &times, NULL);
+    struct pollfd waiting = {timer, POLLIN, 0};
+    for (int i = 0; i < 3; i++) {
+        unsigned long long count = 0;
+        check(poll(&waiting, 1, -1) == 1 && read(timer, &count, 8) == 8 && count == 1, "a timer fires");
+        passed(before, 0.2 + 0.03 * i, "a timer");
+    }
+}
+
+static void locks(void)
+{
+    double before = now();
+    struct timespec date = date_after(1);
+    pthread_mutex_lock(&mutex);
+    check(pthread_cond_timedwait(&condition, &mutex, &date) == ETIMEDOUT, "a condition is late");
+    pthread_mutex_unlock(&mutex);
+    passed(before, 1, "pthread_cond_timedwait");
+    sem_t semaphore;
+    sem_init(&semaphore, 0, 0);
+    date = date_after(1);
+    check(sem_timedwait(&semaphore, &date) == -1 && errno == ETIMEDOUT, "a semaphore is late");
+    passed(before, 2, "sem_timedwait");
+    mtx_t lock;
+    mtx_init(&lock, mtx_timed);
+    mtx_lock(&lock);
+    timespec_get(&date, TIME_UTC);
+    date.tv_sec += 1;
+    check(mtx_timedlock(&lock, &date) == thrd_timedout, "a lock is late");
+    passed(before, 3, "mtx_timedlock");
+}
+
+static void *sleeps(void *unused)
+{
+    for (int i = 0; i < 5; i++)
+        usleep(2000);
+    pthread_mutex_lock(&mutex);
+    ready = true;
+    pthread_cond_signal(&condition);
+    pthread_mutex_unlock(&mutex);
+    return unused;
+}
+
+/* Sleeps over three frames. */
+static void *until_frames(void *woke)
+{
+    struct timespec date = date_after(0.05);
+    pthread_mutex_lock(&mutex);
+    while (pthread_cond_timedwait(&condition, &mutex, &date) != ETIMEDOUT)
+        ;
+    pthread_mutex_unlock(&mutex);
+    *(double *)woke = now();
+    return woke;
+}
+
+static void with_threads(void (*frame)(unsigned long))
+{
+    double before = now();
+    pthread_t thread;
+    pthread_create(&thread, NULL, sleeps, NULL);
+    pthread_mutex_lock(&mutex);
+    while (!ready)
+        pthread_cond_wait(&condition, &mutex);
+    pthread_mutex_unlock(&mutex);
+    pthread_join(thread, NULL);
+    passed(before, 0, "a wait for a thread that sleeps");
+
+    frame(1);
+    before = now();
+    double woke = 0;
+    pthread_create(&thread, NULL, until_frames, &woke);
+    for (int i = 0; i < 6; i++) {
+        /* The other thread needs real time, which no call of libc gives here. */
+        for (volatile long work = 0; work < 20000000; work++)
+            ;
+        frame(1);
+    }
+    pthread_join(thread, NULL);
+    /* The time before was not that of a frame. */
+    check(fabs(now() - before - 0.1) < 1.0 / 60, "six frames take six times 1/60 s");
+    check(woke >= before + 0.05, "a thread wakes in the program's time");
+}
+
+int main(void)
+{
+    void (*frame)(unsigned long) = (void (*)(unsigned long))dlsym(RTLD_DEFAULT, "cupola_clock_frame");
+    if (!frame) {
+        printf("clock_waits: there is no virtual clock\n");
+        return 1;
+    }
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    check(now() == 1000 && time(NULL) == 946728000, "the time starts at noon of 2000-01-01");
+    alone();
+    with_files();
+    locks();
+    with_threads(frame);
+    return complaints > 0;
+}

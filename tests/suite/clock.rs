@@ -1,0 +1,96 @@
+//! The virtual clock: `cupola run --clock`.
+
+use crate::compare::expect_identical_captures;
+use crate::harness::{note, tests};
+use crate::programs::{Finished, Run, built};
+use std::path::Path;
+use std::process::Command;
+
+tests! {
+    waits_last_the_programs_time,
+    two_runs_are_equal,
+    without_the_clock_two_runs_differ,
+    another_seed_gives_other_numbers,
+    a_wait_within_a_frame_moves_no_frame,
+    limiters_keep_their_rate,
+}
+
+const FRAMES: usize = 6;
+
+/// Runs the program that moves by time, and waits in this way in each frame.
+fn by_time(mode: &str, cupola: &[&str]) -> Option<Finished> {
+    let extra = ["--answers", "answers.txt", "--mode", mode];
+    Run { frames: FRAMES, cupola_frames: FRAMES, extra: &extra, cupola, ..Run::new("by_time") }.under("fisheye")
+}
+
+/// What it read in its frames.
+fn answers(run: &Finished) -> String {
+    std::fs::read_to_string(run.directory.join("answers.txt")).expect("the program writes down what it reads")
+}
+
+/// Its time in each frame, in seconds.
+fn times(run: &Finished) -> Vec<f64> {
+    let time = |line: &str| line.split(' ').nth(1).and_then(|time| time.parse().ok()).expect("a time");
+    let times: Vec<f64> = answers(run).lines().map(time).collect();
+    note(format_args!("{times:?}"));
+    assert_eq!(times.len(), FRAMES);
+    times
+}
+
+fn waits_last_the_programs_time() {
+    let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("libcupola_clock.so");
+    assert!(library.exists(), "{}: build it by cargo build --package cupola_clock", library.display());
+    let mut command = Command::new(built().join("clock_waits"));
+    command.env("LD_PRELOAD", library).env("CUPOLA_CLOCK", "60/1");
+    Finished::run(command, "clock_waits", "without a display").expect_success();
+}
+
+fn two_runs_are_equal() {
+    let options = ["--clock", "60", "--seed", "7"];
+    let (Some(one), Some(other)) = (by_time("draw", &options), by_time("draw", &options)) else { return };
+    assert_eq!(answers(&one), answers(&other));
+    expect_identical_captures(&one, &other, "two runs with a clock");
+    for (frame, time) in times(&one).iter().enumerate() {
+        assert!((time - frame as f64 / 60.0).abs() < 2e-9, "frame {frame} is at {time} s");
+    }
+}
+
+/// The control of the test above.
+fn without_the_clock_two_runs_differ() {
+    let (Some(one), Some(other)) = (by_time("draw", &[]), by_time("draw", &[])) else { return };
+    assert_ne!(answers(&one), answers(&other));
+    let [one, other] = [one, other].map(|run| run.picture("capture.png"));
+    assert!(one.difference(&other).0 > 0, "two pictures of different times are equal");
+}
+
+fn another_seed_gives_other_numbers() {
+    let (Some(one), Some(other)) =
+        (by_time("draw", &["--clock", "24"]), by_time("draw", &["--clock", "24", "--seed", "1"]))
+    else {
+        return;
+    };
+    assert_eq!(times(&one), times(&other));
+    let numbers = |run: &Finished| {
+        answers(run).lines().map(|line| line.split(' ').skip(6).collect::<String>()).collect::<Vec<_>>()
+    };
+    assert!(numbers(&one).iter().zip(numbers(&other)).all(|(one, other)| *one != other));
+}
+
+fn a_wait_within_a_frame_moves_no_frame() {
+    let Some(run) = by_time("sleep", &["--clock", "60"]) else { return };
+    for (frame, time) in times(&run).iter().enumerate() {
+        assert!((time - frame as f64 / 60.0).abs() < 2e-9, "frame {frame} is at {time} s");
+    }
+}
+
+/// A program that limits itself to 30 frames in a second shows each for two frames of a display
+/// of 60.
+fn limiters_keep_their_rate() {
+    for mode in ["limit", "spin"] {
+        let Some(run) = by_time(mode, &["--clock", "60"]) else { return };
+        for (frame, time) in times(&run).iter().enumerate() {
+            // Its shortest sleep is a millisecond.
+            assert!((time - frame as f64 / 30.0).abs() < 1.1e-3, "{mode}: frame {frame} is at {time} s");
+        }
+    }
+}
