@@ -1,4 +1,4 @@
-//! `cupola check`, `map`, `simulate`, `plan` and `doctor`.
+//! `cupola check`, `map`, `simulate`, `plan`, `setup` and `doctor`.
 
 mod tool;
 
@@ -258,4 +258,110 @@ fn plan_tells_jumps() {
     std::fs::write(&single, format!("[dome]\ntilt = 90.0\n{}", output(0, 0))).unwrap();
     let text = CUPOLA.answer(&["plan", single.to_str().unwrap(), "--picture", drawn]);
     assert!(!text.contains("jump") && red(&picture) < 10, "{}", red(&picture));
+}
+
+/// Runs `setup` for a new file, and gives the rig that `check` and `plan` accept.
+#[track_caller]
+fn set_up(name: &str, arguments: &[&str]) -> (cupola::rig::Rig, serde_json::Value) {
+    let file = CUPOLA.file(name);
+    let _ = std::fs::remove_file(&file);
+    let path = file.to_str().unwrap();
+    let answer = CUPOLA.json(&[&["setup", path, "--json", "--force"], arguments].concat());
+    assert_eq!(CUPOLA.json(&["check", path, "--json"])["valid"], true);
+    assert!(!CUPOLA.json(&["plan", path, "--json"])["views"].as_array().unwrap().is_empty());
+    (cupola::rig::load(path).unwrap(), answer)
+}
+
+#[test]
+fn setup_writes_the_rig_of_the_measures() {
+    let listed = CUPOLA.file("xrandr.txt");
+    std::fs::write(
+        &listed,
+        "DP-1 connected 1280x800+0+0 (normal) 1mm x 1mm\nDP-2 connected 1280x800+1280+0 (n) 1mm x 1mm\n",
+    )
+    .unwrap();
+    let places =
+        ["azimuth=180,distance=3.5,throw=0.5,aim=0:40,name=rear", "azimuth=0,distance=3.5,throw=0.5,aim=180:40"];
+    let (rig, _) = set_up(
+        "measured.toml",
+        &[
+            &["--diameter", "8", "--tilt", "15", "--seat", "0,-0.5,1", "--xrandr", listed.to_str().unwrap()][..],
+            &["--projector", places[0], "--projector", places[1]],
+        ]
+        .concat(),
+    );
+    assert_eq!((rig.dome.radius, rig.viewer.position), (4.0, glam::DVec3::new(0.0, -0.5, 1.0)));
+    assert!((rig.dome.tilt.to_degrees() - 15.0).abs() < 1e-9);
+    assert_eq!([&rig.outputs[0].name, &rig.outputs[1].name], ["rear", "projector-2"]);
+    assert_eq!(rig.outputs[1].window, Some(cupola::geom::PixelRect::new(1280, 0, 1280, 800)));
+    // The middle of each picture is the place of the dome that was given: 40° from the tilted pole.
+    for (index, aim) in [(0, 40.0 + 15.0), (1, 40.0 - 15.0)] {
+        let map = cupola::warp::WarpMap::new(&rig, index, (1280, 800), None).unwrap();
+        let point = map.hit(glam::DVec2::new(640.0, 400.0)).unwrap() / 4.0;
+        let zenith = point.y.acos().to_degrees();
+        assert!((zenith - aim).abs() < 0.05 && point.x.abs() < 1e-3, "{index}: {zenith} {point}");
+    }
+    assert_eq!(set_up("fisheye-lens.toml", &["--diameter", "6", "--fisheye"]).0.outputs.len(), 1);
+    assert_eq!(set_up("five.toml", &["--diameter", "12", "--projectors", "5"]).0.outputs.len(), 5);
+}
+
+#[test]
+fn setup_refuses_what_no_dome_has_and_replaces_nothing() {
+    let file = CUPOLA.file("refused.toml");
+    let path = file.to_str().unwrap();
+    let _ = std::fs::remove_file(&file);
+    let usual = ["--diameter", "8", "--projector"];
+    for (arguments, expected) in [
+        (&["--fisheye"][..], "--diameter METRES is needed"),
+        (&["--diameter", "8"], "--projectors N"),
+        (&["--diameter", "8000", "--fisheye"], "0.2 to 200 metres"),
+        (&["--diameter", "8", "--projectors", "2", "--monitors", "DP-9"], "no monitor \"DP-9\""),
+        (&["--diameter", "8", "--projectors", "2", "--xrandr", "/nowhere"], "--xrandr: /nowhere"),
+        (&["--diameter", "8", "--projectors", "2", "--seat", "9,0,0"], "viewer.position: is 9 m"),
+        (&[usual[0], usual[1], usual[2], "azimuth=0,distance=4,aim=0:90"], "at the place that it aims at"),
+        (&[usual[0], usual[1], usual[2], "name=a", "--projector", "name=a"], "name of another output"),
+        (&["--from", "/nowhere.mpcdi"], "/nowhere.mpcdi cannot be read"),
+    ] {
+        CUPOLA.refused(&[&["setup", path], arguments].concat(), expected);
+        assert!(!file.exists(), "{arguments:?} left a file");
+    }
+    // Refused by the reader of the options, in its own words.
+    let said = CUPOLA.run(&["setup", path, "--diameter", "8,5", "--fisheye"]);
+    assert!(said.status.code() == Some(2) && String::from_utf8_lossy(&said.stderr).contains("decimal sign is a point"));
+    std::fs::write(&file, "# mine").unwrap();
+    CUPOLA.refused(&["setup", path, "--diameter", "8", "--fisheye"], "refused.toml exists");
+    CUPOLA.refused(&["setup", path, "--from", "planetarium-2"], "refused.toml exists");
+    assert_eq!(std::fs::read(&file).unwrap(), b"# mine");
+}
+
+#[test]
+fn setup_takes_calibrations_over_and_says_what_not() {
+    let config = CUPOLA.file("cluster.json");
+    let window = r#""pos": { "x": 0, "y": 0 }, "size": { "x": 200, "y": 100 }, "msaa": 4"#;
+    let flat = r#"{ "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": 0 } }"#;
+    std::fs::write(
+        &config,
+        format!(r#"{{ "scene": {{ "scale": 2 }}, "nodes": [{{ "windows": [{{ {window}, "viewports": [{{ "projection": {flat} }}] }}] }}] }}"#),
+    )
+    .unwrap();
+    let (rig, answer) = set_up("cluster.toml", &["--from", config.to_str().unwrap()]);
+    assert_eq!((rig.outputs.len(), answer["rigs"].as_array().unwrap().len()), (1, 1));
+    let notes = answer["notes"].to_string();
+    assert!(notes.contains("not taken over: nodes.windows.msaa, scene"), "{notes}");
+    for archive in ["set.mpcdi", "set.vwf"] {
+        let file = CUPOLA.file(archive);
+        CUPOLA.answer(&["convert", "planetarium-2", file.to_str().unwrap(), "--size", "48x30", "--force"]);
+        let (rig, answer) = set_up("set.toml", &["--from", file.to_str().unwrap()]);
+        assert_eq!(rig.outputs.len(), 2);
+        assert!(answer["notes"].to_string().contains("does not say how the dome is tilted"), "{answer}");
+    }
+    // A map of before is not replaced either, nor is anything written beside it.
+    let (archive, rig) = (CUPOLA.file("set.vwf"), CUPOLA.file("beside.toml"));
+    let (map, other) = (CUPOLA.file("beside-back.pfm"), CUPOLA.file("beside-front.pfm"));
+    let leftovers = ["pfm", "png"].map(|ending| ["front", "back"].map(|name| format!("beside-{name}.{ending}")));
+    leftovers.iter().flatten().for_each(|name| drop(std::fs::remove_file(CUPOLA.file(name))));
+    let _ = std::fs::remove_file(&rig);
+    std::fs::write(&map, "mine").unwrap();
+    CUPOLA.refused(&["setup", rig.to_str().unwrap(), "--from", archive.to_str().unwrap()], "beside-back.pfm exists");
+    assert!(std::fs::read(&map).unwrap() == b"mine" && !rig.exists() && !other.exists());
 }

@@ -170,6 +170,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
             false => invalid(name, format!("nothing of it can be shown: {}", notes.join("; "))),
         });
     }
+    notes.extend(unread::line(root.value).map(|line| format!("{name}: {line}")));
     Ok(Noted { value: Config { viewer, nodes }, notes })
 }
 
@@ -430,6 +431,8 @@ impl<'a> Key<'a> {
         Ok(DVec3::new(part("x")?, part("y")?, part("z")?))
     }
 }
+
+mod unread;
 
 #[cfg(test)]
 mod tests;

@@ -10,9 +10,8 @@ pub fn cupola(arguments: &[&str]) -> Output {
 /// Converts a file, and gives what the command answers.
 #[track_caller]
 pub fn convert(from: &str, to: &Path, more: &[&str]) -> serde_json::Value {
-    // An earlier run may have left it.
-    let _ = std::fs::remove_file(to);
-    let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json"], more].concat());
+    // An earlier run may have left files.
+    let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json", "--force"], more].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }

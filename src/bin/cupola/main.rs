@@ -21,6 +21,7 @@ mod canvas;
 mod check;
 mod convert;
 mod ctl;
+mod decimal;
 mod doctor;
 mod inspect;
 mod launch;

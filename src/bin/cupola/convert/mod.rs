@@ -18,9 +18,46 @@ use options::Format;
 use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
+use written::Written;
+
+/// Files that a conversion wrote, and remarks for the user.
+pub struct Conversion {
+    written: Vec<Written>,
+    notes: Vec<String>,
+}
+
+impl Conversion {
+    /// The rigs among the files.
+    pub fn rigs(&self) -> impl Iterator<Item = &Path> {
+        self.written.iter().map(|file| file.path.as_path()).filter(|path| options::ending(path) == "toml")
+    }
+
+    /// Description as JSON.
+    pub fn json(&self) -> serde_json::Value {
+        let files: Vec<_> = self.written.iter().map(Written::json).collect();
+        json!({ "files": files, "notes": self.notes })
+    }
+
+    /// Prints the files, and the remarks to standard error.
+    pub fn tell(&self) {
+        self.notes.iter().for_each(|note| eprintln!("cupola: {note}"));
+        self.written.iter().for_each(|file| println!("{}", file.words()));
+    }
+}
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let conversion = convert(arguments)?;
+    if arguments.json {
+        println!("{:#}", conversion.json());
+    } else {
+        conversion.tell();
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Converts, without an answer to the user.
+pub fn convert(arguments: &Arguments) -> Result<Conversion, Failure> {
     let format = Format::of(&arguments.to)?;
     refuse_to_replace(&arguments.to, arguments.force)?;
     let source = source::open(arguments)?;
@@ -44,18 +81,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             written
         }
     };
-    if arguments.json {
-        let files: Vec<_> = written.iter().map(written::Written::json).collect();
-        println!("{:#}", json!({ "files": files, "notes": notes }));
-        return Ok(ExitCode::SUCCESS);
-    }
-    for note in &notes {
-        eprintln!("cupola: {note}");
-    }
-    for file in &written {
-        println!("{}", file.words());
-    }
-    Ok(ExitCode::SUCCESS)
+    Ok(Conversion { written, notes })
+}
+
+/// Fails if one of the files exists and must not be replaced.
+fn refuse_to_replace_any(files: impl IntoIterator<Item = std::path::PathBuf>, force: bool) -> Result<(), Failure> {
+    files.into_iter().try_for_each(|file| refuse_to_replace(&file, force))
 }
 
 /// Fails if a file exists that must not be replaced: it may have been changed by hand. Links are

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Number of columns and rows of a warp mesh
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, default_value = "129x129")]
     pub nodes: (u32, u32),
-    /// Replace the file TO if it exists
+    /// Replace files that exist
     #[arg(long)]
     pub force: bool,
     /// Print the result as JSON
@@ -49,7 +49,7 @@ pub struct Arguments {
 
 impl Arguments {
     /// The conversion of a calibration to a rig, as `cupola setup --from` asks for it.
-    pub fn to_rig(from: &str, to: &Path, force: bool, json: bool) -> Self {
+    pub fn to_rig(from: &str, to: &Path, force: bool) -> Self {
         Self {
             from: from.to_owned(),
             to: to.to_owned(),
@@ -61,7 +61,7 @@ impl Arguments {
             projectors: false,
             nodes: (129, 129),
             force,
-            json,
+            json: false,
         }
     }
 

@@ -1,9 +1,9 @@
 //! Writing of rigs from calibrations and from configurations of other programs.
 
 use super::options::Values;
-use super::projector;
 use super::source::Channel;
 use super::written::{Written, file_beside, raster, save};
+use super::{projector, refuse_to_replace_any};
 use crate::failure::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Raster, mpcdi, pictures::pfm};
@@ -11,7 +11,23 @@ use cupola::geom::Optics;
 use cupola::rig::Dome;
 use glam::DVec3;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Fails if a map, a mask or a picture of black exists that the rig's parts would replace.
+pub fn refuse_to_replace_parts(path: &Path, channels: &[Channel], force: bool) -> Result<(), Failure> {
+    for (index, channel) in channels.iter().enumerate() {
+        let maps = ["pfm", "png"].map(|ending| file_beside(path, index, &channel.name, ending));
+        let map = usize::from(!channel.has_map());
+        let black = channel.black.is_some().then(|| black_file(path, channel, index));
+        refuse_to_replace_any(maps.into_iter().skip(map).chain(black), force)?;
+    }
+    Ok(())
+}
+
+/// The picture of an output's black.
+fn black_file(path: &Path, channel: &Channel, index: usize) -> PathBuf {
+    file_beside(path, index, &format!("{}-black", label(channel, index)), "png")
+}
 
 /// Writes a rig with an output for each channel, and a map and weights for each output to separate
 /// files. Channels of which only the projector is known become projectors; with `projectors`, all
@@ -30,7 +46,7 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
         let (width, height) = channel.size;
         let _ = write!(outputs, "\n[[output]]\nname = {}\nsize = [{width}, {height}]\n", quoted(&name));
         let beside = |ending: &str| file_beside(path, index, &channel.name, ending);
-        let black_file = file_beside(path, index, &format!("{}-black", label(channel, index)), "png");
+        let black_file = black_file(path, channel, index);
         match (channel.described_projector(), known) {
             (Some((optics, alpha)), known) if projectors || known.is_none() => {
                 outputs.push_str(&described_projector(channel, optics, alpha, &beside("png"))?);

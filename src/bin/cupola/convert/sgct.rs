@@ -7,7 +7,7 @@
 use super::options::Arguments;
 use super::rig::{file_name, heading, mask, quoted};
 use super::written::{Written, file_beside, save};
-use super::{projector, refuse_to_replace};
+use super::{projector, refuse_to_replace_any};
 use crate::failure::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Grid, bourke, pictures::pfm, png_luma, read_file, sgct};
@@ -25,7 +25,10 @@ pub fn rigs(arguments: &Arguments, config: &sgct::Config, notes: &mut Vec<String
         _ => file_beside(path, index, &node.address, "toml"),
     };
     for (index, node) in config.nodes.iter().enumerate() {
-        refuse_to_replace(&file_of(index, node), arguments.force)?;
+        let parts = (1..=node.viewports.len()).flat_map(|number| {
+            ["pfm", "png", "data"].map(|ending| file_beside(path, 0, &format!("{}-{number}", index + 1), ending))
+        });
+        refuse_to_replace_any(parts.chain([file_of(index, node)]), arguments.force)?;
     }
     let mut written = Vec::new();
     for (index, node) in config.nodes.iter().enumerate() {

@@ -1,9 +1,9 @@
 //! Writing of outputs in the formats of other programs.
 
 use super::options::{ArchiveProfile, ArchiveVersion, Arguments, Format, Values, ending};
-use super::rig;
 use super::source::Channel;
 use super::written::{Written, file_beside, raster, save};
+use super::{refuse_to_replace_any, rig};
 use crate::failure::Failure;
 use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pictures::pfm, vwf};
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
@@ -29,7 +29,10 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         )));
     }
     match format {
-        Format::Rig => rig::from_channels(path, &arguments.from, channels, arguments.projectors),
+        Format::Rig => {
+            rig::refuse_to_replace_parts(path, channels, arguments.force)?;
+            rig::from_channels(path, &arguments.from, channels, arguments.projectors)
+        }
         Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
             "a warp mesh contains positions in a picture, not {}; use --values picture",
             values.words()
@@ -37,10 +40,10 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         Format::Vwf if values == Values::Directions => Err(Failure::usage(
             "this format contains positions in a picture or points, not directions; write a .pfm or .mpcdi file",
         )),
-        Format::Bourke => each(path, channels, |channel| mesh(channel, arguments.nodes)),
-        Format::Pfm => {
-            each(path, channels, |channel| Ok((pfm::write(channel.size.0, raster(channel)?.0.values()), None)))
-        }
+        Format::Bourke => each(path, channels, arguments.force, |channel| mesh(channel, arguments.nodes)),
+        Format::Pfm => each(path, channels, arguments.force, |channel| {
+            Ok((pfm::write(channel.size.0, raster(channel)?.0.values()), None))
+        }),
         Format::Vwf => {
             let maps: Vec<_> =
                 channels.iter().map(|channel| vwf_map(channel, values)).collect::<Result<_, Failure>>()?;
@@ -155,12 +158,17 @@ fn looking_at(name: &str, directions: &Raster) -> Result<Camera, Failure> {
 fn each(
     path: &Path,
     channels: &[Channel],
+    force: bool,
     write: impl Fn(&Channel) -> Result<(Vec<u8>, Option<MapError>), Failure>,
 ) -> Result<Vec<Written>, Failure> {
+    let file = |index: usize| match channels {
+        [_] => path.to_owned(),
+        _ => file_beside(path, index, &channels[index].name, &ending(path)),
+    };
+    refuse_to_replace_any((0..channels.len()).map(file), force)?;
     let mut written = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
-        let path =
-            if channels.len() == 1 { path.to_owned() } else { file_beside(path, index, &channel.name, &ending(path)) };
+        let path = file(index);
         let (bytes, error) = write(channel)?;
         save(&path, &bytes)?;
         written.push(Written { path, outputs: 1, values: Some(channel.values), error });

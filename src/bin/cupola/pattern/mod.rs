@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PART,…", value_enum, value_delimiter = ',', default_values_t = [Part::Horizon, Part::Border])]
     parts: Vec<Part>,
     /// Distance between lines of a grid, degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 10.0)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 10.0, value_parser = crate::decimal::number)]
     step: f64,
     /// A cross in this direction, degrees; may be given several times
     #[arg(long, value_name = "AZIMUTH,ELEVATION", allow_hyphen_values = true, value_parser = direction)]

@@ -9,6 +9,7 @@ mod text;
 
 pub use options::Arguments;
 
+use crate::check::describe;
 use crate::convert;
 use crate::failure::Failure;
 use crate::pattern;
@@ -25,20 +26,39 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     arguments.check()?;
     convert::refuse_to_replace(&arguments.file, arguments.force)?;
     match &arguments.from {
-        Some(source) => {
-            let code =
-                convert::run(&convert::Arguments::to_rig(source, &arguments.file, arguments.force, arguments.json))?;
-            if code != ExitCode::SUCCESS {
-                return Ok(code);
-            }
-        }
+        Some(source) => take_over(source, arguments)?,
         None => write_first_rig(arguments)?,
     }
     patterns(arguments)?;
     if !arguments.json {
-        next_steps(&arguments.file);
+        next_steps(arguments);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Converts a calibration, and says what was taken over: what `cupola check` says about each rig.
+fn take_over(source: &str, arguments: &Arguments) -> Result<(), Failure> {
+    let conversion = convert::convert(&convert::Arguments::to_rig(source, &arguments.file, arguments.force))?;
+    let mut answer = conversion.json();
+    let mut words = String::new();
+    let mut rigs = Vec::new();
+    for file in conversion.rigs() {
+        let name = file.display().to_string();
+        let rig = cupola::rig::load(&name)
+            .map_err(|error| Failure::usage(format!("{name} is written, but is no rig yet:\n{}", error.message)))?;
+        let request = window_request(&rig, None);
+        let plan = cupola::views::plan(&rig, &request)?;
+        rigs.push(describe::json(&rig, request.window, &plan));
+        words += &format!("\n{name}: {}", describe::words(&rig, request.window, &plan));
+    }
+    if arguments.json {
+        answer["rigs"] = rigs.into();
+        println!("{answer:#}");
+    } else {
+        conversion.tell();
+        print!("{words}");
+    }
+    Ok(())
 }
 
 /// Asks for what the options leave open, and writes the rig.
@@ -46,6 +66,7 @@ fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
     let mut notes = Vec::new();
     let found = match Monitors::find(arguments.xrandr.as_deref()) {
         Ok(found) => found,
+        Err(why) if arguments.xrandr.is_some() => return Err(Failure::usage(format!("--xrandr: {why}"))),
         Err(why) => {
             notes.push(format!("{why}; the outputs share the program's window in a grid"));
             Monitors::none()
@@ -81,11 +102,23 @@ fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
 /// Fails if `cupola check` would refuse the rig: nothing is written then.
 fn accepted(text: &str, file: &Path) -> Result<(), Failure> {
     let folder = file.parent().unwrap_or(Path::new("."));
-    let planned = cupola::rig::parse(text, "the rig of these answers", folder).and_then(|rig| {
+    let planned = cupola::rig::parse(text, ANSWERS, folder).and_then(|rig| {
         let request = window_request(&rig, None);
         cupola::views::plan(&rig, &request).map(drop)
     });
-    planned.map_err(|error| Failure::usage(format!("{}\nNothing was written. The rig was:\n{text}", error.message)))
+    planned.map_err(|error| {
+        let problems: Vec<_> = error.message.lines().map(without_line).collect();
+        Failure::usage(format!("{}\nnothing was written", problems.join("\n")))
+    })
+}
+
+/// What stands for a file in messages about a rig that was not written.
+const ANSWERS: &str = "the rig";
+
+/// A message without the line number of a text that nobody sees.
+fn without_line(message: &str) -> &str {
+    let rest = message.strip_prefix(ANSWERS).unwrap_or(message);
+    rest.trim_start_matches(|c: char| c == ':' || c.is_ascii_digit()).trim_start()
 }
 
 /// Writes and shows the numbered patterns that were asked for.
@@ -98,11 +131,14 @@ fn patterns(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Says what comes after a first rig.
-fn next_steps(file: &Path) {
-    let file = file.display();
-    eprintln!(
-        "cupola: next: read what `cupola check {file}` says; \
-         see how the projectors meet with `cupola pattern {file} --show`; \
-         correct the angles with `cupola tune {file} output.NAME.yaw=…`"
-    );
+fn next_steps(arguments: &Arguments) {
+    let file = arguments.file.display();
+    let see = format!("see how the projectors meet with `cupola pattern {file} --show`");
+    match arguments.from {
+        Some(_) => eprintln!("cupola: next: compare the description above with your dome; {see}"),
+        None => eprintln!(
+            "cupola: next: read what `cupola check {file}` says; {see}; \
+             correct the angles with `cupola tune {file} output.NAME.yaw=…`"
+        ),
+    }
 }

@@ -24,13 +24,13 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["diameter", "tilt", "coverage", "seat", "fisheye", "projectors", "places"])]
     pub from: Option<String>,
     /// Diameter of the dome, metres
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = crate::decimal::number)]
     pub diameter: Option<f64>,
     /// Angle from the zenith to the dome's pole, towards the front, degrees [default: 0]
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = crate::decimal::number)]
     pub tilt: Option<f64>,
     /// Opening angle of the dome, degrees [default: 180, a hemisphere]
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", value_parser = crate::decimal::number)]
     pub coverage: Option<f64>,
     /// Position of the audience's heads, metres from the dome's centre: x right, y up, z backward
     /// [default: 0,0,0]

@@ -112,7 +112,8 @@ impl Place {
         let (distance, height) = (self.distance?, self.height?);
         let position = DVec3::new(distance * azimuth.sin(), height, -distance * azimuth.cos());
         let aim = on_dome(self.aim?, room) - position;
-        let direction = aim.try_normalize()?;
+        // Nearer than a centimetre, a direction is rounding or a typing error.
+        let direction = Some(aim).filter(|aim| aim.length() > 0.01)?.try_normalize()?;
         let yaw = direction.x.atan2(-direction.z).to_degrees();
         Some(Pose { position, yaw, pitch: direction.y.asin().to_degrees() })
     }
