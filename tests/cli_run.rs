@@ -131,7 +131,11 @@ fn wrong_options_start_nothing() {
         (&["--camera", "zom=2"], "did you mean `zoom`?"),
         (&["--capture", "no/such/folder/a.png"], "the folder of this file does not exist"),
         (&["--size", "0x100"], "WIDTHxHEIGHT"),
-        (&["--frames", "0"], "0"),
+        (&["--capture", "a.jpg"], "expected a name that ends in .png"),
+        (&["--stats", "."], ". is a folder; expected the name of a file"),
+        (&["--log", "."], ". is a folder"),
+        (&["--publish=."], ". is a folder"),
+        (&["--frames", "0"], "expected a whole number above 0, for example 60"),
         (&["--bogus"], "--bogus"),
     ] {
         let output = shell(&folder, options, &format!("touch {}", started.display()));

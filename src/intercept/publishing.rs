@@ -24,10 +24,35 @@ struct Publishing {
     /// Frames of other windows since the last one of that window.
     of_others: u32,
     left_out: u64,
+    pace: Pace,
 }
 
-static PUBLISHING: Mutex<Publishing> =
-    Mutex::new(Publishing { writer: None, is_over: false, window: None, of_others: 0, left_out: 0 });
+/// When the next frame is published, where not all of them are.
+#[derive(Debug, Default)]
+struct Pace {
+    /// The last frame that was, in nanoseconds.
+    last: Option<u64>,
+}
+
+impl Pace {
+    /// Whether a frame of this time is published; `least`: nanoseconds from one to the next.
+    fn takes(&mut self, now: u64, least: u64) -> bool {
+        if self.last.is_some_and(|last| now < last + least) {
+            return false;
+        }
+        self.last = Some(now);
+        true
+    }
+}
+
+static PUBLISHING: Mutex<Publishing> = Mutex::new(Publishing {
+    writer: None,
+    is_over: false,
+    window: None,
+    of_others: 0,
+    left_out: 0,
+    pace: Pace { last: None },
+});
 
 /// A frame's numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,11 +70,9 @@ impl Stamp {
     }
 }
 
-/// Whether frames of this window are published.
+/// Whether this frame of a window is published. To be asked once for each frame.
 pub fn wants(window: u64) -> bool {
-    if settings::settings().is_none_or(|settings| settings.publish.is_none()) {
-        return false;
-    }
+    let Some(settings) = settings::settings().filter(|settings| settings.publish.is_some()) else { return false };
     let mut publishing = PUBLISHING.locked();
     if publishing.is_over {
         return false;
@@ -61,7 +84,7 @@ pub fn wants(window: u64) -> bool {
         }
     }
     (publishing.window, publishing.of_others) = (Some(window), 0);
-    true
+    settings.publish_interval == 0 || publishing.pace.takes(crate::system::monotonic(), settings.publish_interval)
 }
 
 /// Whether the program waits for its readers.
@@ -137,4 +160,19 @@ impl Publishing {
 extern "C" fn at_exit() {
     // A panic while the process ends has nobody left to tell.
     let _ = crate::fence::guard(end);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_between_two_published_ones_are_left_out() {
+        let mut pace = Pace::default();
+        let taken: Vec<u64> = (0..100).map(|frame| frame * 7).filter(|now| pace.takes(*now, 30)).collect();
+        assert_eq!(taken[..4], [0, 35, 70, 105]);
+        // A program that is slower than the pace publishes each frame.
+        let mut pace = Pace::default();
+        assert!((0..10).all(|frame| pace.takes(frame * 40, 30)));
+    }
 }

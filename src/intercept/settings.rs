@@ -49,6 +49,9 @@ pub struct Settings {
     pub publish: Option<PathBuf>,
     /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for those who read them, and loses no picture.
     pub publish_waits: bool,
+    /// `CUPOLA_PUBLISH_RATE=N`: at most so many frames a second are published, here as the least
+    /// time from one to the next in nanoseconds; 0: all frames.
+    pub publish_interval: u64,
     /// `CUPOLA_DOMEMASTER=SIDE`: one more output beside the window, to be published.
     domemaster: Option<u32>,
     /// `CUPOLA_MASK`: whether the parts of views that no output samples are closed for drawing.
@@ -148,8 +151,13 @@ fn read() -> crate::Result<Settings> {
         None if !rig.publishes() => None,
         _ => Some(ring::default_path()),
     };
+    let publish_interval = match text("CUPOLA_PUBLISH_RATE") {
+        Some(rate) => interval(&rate).ok_or_else(|| wrong("CUPOLA_PUBLISH_RATE", &rate, "30"))?,
+        None => 0,
+    };
     Ok(Settings {
         publish,
+        publish_interval,
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
         domemaster,
         rig,
@@ -245,6 +253,12 @@ fn parse_size(text: &str) -> Option<(u32, u32)> {
 /// A side of a picture in pixels, 1…16384.
 fn parse_side(text: &str) -> Option<u32> {
     text.parse().ok().filter(|side| (1..=16384).contains(side))
+}
+
+/// Nanoseconds between frames of this number in a second, above 0 and up to 1000.
+fn interval(rate: &str) -> Option<u64> {
+    let rate: f64 = rate.parse().ok().filter(|rate| *rate > 0.0 && *rate <= 1000.0)?;
+    Some((1e9 / rate) as u64)
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ pub struct Options {
     #[arg(long)]
     pub headless: bool,
     /// End the program after N frames, with exit code 0
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = frames)]
     frames: Option<u64>,
     /// End the program after N seconds, with exit code 0
     #[arg(long, value_name = "N", value_parser = seconds)]
@@ -317,6 +317,10 @@ fn settings(arguments: &Options, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_CACHE", arguments.no_cache.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];
+    let ending = arguments.capture.as_deref().and_then(Path::extension);
+    if ending.is_some_and(|ending| !ending.eq_ignore_ascii_case("png")) {
+        return Err(Failure::usage("--capture: captures are PNG pictures; expected a name that ends in .png"));
+    }
     for (name, file) in files {
         set(name, file.as_deref().map(writable_file).transpose()?);
     }
@@ -336,10 +340,21 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a number of seconds above 0, for example 2.5".to_owned())
 }
 
-/// Absolute path of a file to be written. Fails if its folder does not exist.
+/// Parses a number of frames.
+fn frames(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|count| *count > 0)
+        .ok_or_else(|| "expected a whole number above 0, for example 60".to_owned())
+}
+
+/// Absolute path of a file to be written. Fails if its folder does not exist, or if it is a folder.
 fn writable_file(file: &Path) -> Result<OsString, Failure> {
     let path = PathBuf::from(absolute(file)?);
     match path.parent().filter(|folder| folder.is_dir()) {
+        Some(_) if path.is_dir() => {
+            Err(Failure::usage(format!("{} is a folder; expected the name of a file", file.display())))
+        }
         Some(_) => Ok(path.into()),
         None => Err(Failure::usage(format!("{}: the folder of this file does not exist", file.display()))),
     }

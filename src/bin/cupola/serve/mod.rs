@@ -86,11 +86,18 @@ struct Ways {
     port: u16,
     /// Address of this machine at which the page is, for phones and other machines [default: this
     /// machine alone]
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", value_parser = listen_address)]
     listen: Option<IpAddr>,
     /// Also follow OSC messages at this UDP port
     #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = osc_address)]
     osc: Option<SocketAddr>,
+}
+
+fn listen_address(text: &str) -> Result<IpAddr, String> {
+    text.parse().map_err(|_| {
+        "expected an address of this machine in numbers, for example 192.168.1.20, or 0.0.0.0 for all of them"
+            .to_owned()
+    })
 }
 
 fn osc_address(text: &str) -> Result<SocketAddr, String> {

@@ -20,6 +20,10 @@ const GRACE: Duration = Duration::from_secs(5);
 /// A message of the library that says nothing about what is wrong.
 const FOLLOWS: &str = "the rig's file has changed, and windows follow it";
 
+/// Frames that the library publishes in a second. To read each back would slow fast programs down;
+/// twice as many as the page takes keep the delay small.
+const RATE: &str = "30";
+
 /// How programs are started.
 #[derive(Clone)]
 pub struct Launch {
@@ -155,6 +159,7 @@ impl Supervised {
         let mut run = Command::new(std::env::current_exe().unwrap_or_else(|_| "cupola".into()));
         run.arg("run").args(&launch.options).arg("--rig").arg(&launch.working_file).arg("--").args(command);
         run.env("CUPOLA_PUBLISH", &launch.ring)
+            .env("CUPOLA_PUBLISH_RATE", RATE)
             .env("CUPOLA_STATS", &launch.statistics)
             .env("CUPOLA_STATS_EVERY", "1")
             .stdin(Stdio::null())

@@ -105,7 +105,12 @@ fn answer(line: &str, server: &Server) -> Value {
 pub fn ask(path: Option<&Path>, command: &Command) -> Result<Value, String> {
     let usual = || folder().map(|folder| folder.join("serve.sock")).map_err(|error| error.to_string());
     let path = path.map_or_else(usual, |path| Ok(path.to_owned()))?;
-    let failed = |error: std::io::Error| format!("no cupola serve answers at {}: {error}", path.display());
+    let failed = |error: std::io::Error| {
+        format!(
+            "no cupola serve answers at {}: {error}; start it with cupola serve, and give the socket that it prints with --socket",
+            path.display()
+        )
+    };
     let mut stream = UnixStream::connect(&path).map_err(failed)?;
     let request = serde_json::to_string(command).map_err(|error| error.to_string())?;
     writeln!(stream, "{request}").map_err(failed)?;

@@ -255,7 +255,8 @@ function sliderRange(key, value, index) {
   const [least, greatest] = key.type === 'whole' ? key.ranges[index] : [key.least, key.greatest];
   const radius = page.scene ? page.scene.radius : 5;
   let low = least, high = greatest;
-  if (greatest - least > 1000) {
+  if (least > 0 && greatest > 1000 * least) [low, high] = [Math.max(least, value / 10), Math.min(greatest, value * 10)];
+  else if (greatest - least > 1000) {
     const reach = /metre/.test(key.what) ? 1.5 * radius : Math.max(10, 2 * Math.abs(value));
     [low, high] = /\.size$|\.window$/.test(key.key) ? [least, Math.max(4096, value)] : [Math.max(least, -reach), Math.min(greatest, reach)];
   } else if (greatest - least > 360) [low, high] = [-180, 180];
