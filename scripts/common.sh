@@ -82,6 +82,12 @@ start_x_server() {
     export DISPLAY=:$number
 }
 
+# stop PROCESS: ends a process of this shell, and waits until it has ended.
+stop() {
+    kill "$1" 2>/dev/null || true
+    wait "$1" 2>/dev/null || true
+}
+
 # A script queues its steps with add_step and then runs them all, so that the number of steps is always known.
 step_titles=()
 step_commands=()

@@ -1,0 +1,83 @@
+# shellcheck shell=bash
+# A headless Chromium that is driven by its WebDriver; to be sourced after common.sh. Needs the packages below.
+
+# shellcheck disable=SC2034 # used by the scripts that source this file
+browser_packages=(chromium chromium-driver curl jq)
+
+# start_browser FOLDER WIDTH HEIGHT: starts one whose pages have this size. It ends with stop_browser.
+start_browser() {
+    local folder=$1 port=0 answer
+    # The driver says which port it has taken.
+    chromedriver --port=0 >"$folder/driver.txt" 2>&1 &
+    browser_driver=$!
+    for _ in {1..100}; do
+        port=$(sed -n 's/.*started successfully on port \([0-9]*\).*/\1/p' "$folder/driver.txt")
+        [ -z "$port" ] || break
+        sleep 0.1
+    done
+    [ -n "$port" ] || fail "chromedriver did not start: $(cat "$folder/driver.txt")"
+    browser=http://127.0.0.1:$port
+    # Chromium's sandbox refuses root, as which this may run; the page is our own. WebGL by software.
+    answer=$(driver POST session "$(jq --null-input --arg size "$2,$3" '{ capabilities: { alwaysMatch: { "goog:chromeOptions": { args: [
+        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+        "--ignore-gpu-blocklist", "--window-size=" + $size ] }, timeouts: { script: 3600000 } } } }')")
+    browser=$browser/session/$(jq --raw-output .sessionId <<<"$answer")
+    # The window has bars of its own.
+    answer=$(driver POST execute/sync '{ "script": "return outerHeight - innerHeight", "args": [] }')
+    driver POST window/rect "{ \"width\": $2, \"height\": $(($3 + answer)) }" >/dev/null
+}
+
+stop_browser() {
+    [ -n "${browser_driver-}" ] || return 0
+    (driver DELETE "") >/dev/null 2>&1 || true
+    stop "$browser_driver"
+    browser_driver=
+}
+
+# driver METHOD PATH [JSON]: sends a command to the driver, and prints the value of its answer.
+driver() {
+    local answer
+    answer=$(curl --silent --noproxy '*' --max-time 3700 --request "$1" --data "${3:-{\}}" "$browser${2:+/$2}")
+    jq --exit-status '.value | if type == "object" and has("error") then error(.message) else true end' \
+        <<<"$answer" >/dev/null || fail "the browser: $answer"
+    jq '.value' <<<"$answer"
+}
+
+# open_page ADDRESS
+open_page() {
+    # A change behind # alone does not load a page anew.
+    driver POST url '{ "url": "about:blank" }' >/dev/null
+    driver POST url "$(jq --null-input --arg url "$1" '{ url: $url }')" >/dev/null
+}
+
+# in_page SCRIPT [ARGUMENT…]: runs the body of an asynchronous function in the page, and prints what it returns as JSON.
+in_page() {
+    local script=$1
+    shift
+    driver POST execute/async "$(jq --null-input --arg script "const done = arguments[arguments.length - 1], given = arguments;
+        (async () => { $script })().then(value => done({ value }), error => done({ failed: String(error) }));" \
+        '{ script: $script, args: $ARGS.positional }' --args "$@")" |
+        jq 'if has("failed") then error(.failed) else .value end'
+}
+
+# click SELECTOR: a click of the pointer in the middle of an element.
+click() {
+    click_at "$1" 0.5
+}
+
+# click_at SELECTOR PART: the same at a part of its width.
+click_at() {
+    local element offset
+    element=$(driver POST element "$(jq --null-input --arg value "$1" '{ using: "css selector", value: $value }')" | jq '.[]')
+    # shellcheck disable=SC2016 # JavaScript
+    offset=$(in_page 'const box = document.querySelector(given[0]); box.scrollIntoView({ block: "center" });
+        return Math.round((given[1] - 0.5) * (box.clientWidth - 2));' "$1" "$2")
+    driver POST actions "{ \"actions\": [{ \"type\": \"pointer\", \"id\": \"pointer\", \"actions\": [
+        { \"type\": \"pointerMove\", \"duration\": 0, \"origin\": { \"element-6066-11e4-a52e-4f735466cecf\": $element }, \"x\": $offset, \"y\": 0 },
+        { \"type\": \"pointerDown\", \"button\": 0 }, { \"type\": \"pointerUp\", \"button\": 0 }] }] }" >/dev/null
+}
+
+# screenshot FILE
+screenshot() {
+    driver GET screenshot | jq --raw-output . | base64 --decode >"$1"
+}

@@ -1,0 +1,131 @@
+// What scripts/page looks at in the page of `cupola serve`: brightness of each picture, and times.
+'use strict';
+window.probe = (() => {
+  const small = Object.assign(document.createElement('canvas'), { width: 64, height: 64 });
+  const context = small.getContext('2d', { willReadFrequently: true });
+  const probe = { pictures: [], input: 0, waitsFor: null };
+
+  // Mean of the picture that came, 0 to 255.
+  function brightness(bitmap) {
+    context.drawImage(bitmap, 0, 0, 64, 64);
+    const { data } = context.getImageData(0, 0, 64, 64);
+    let sum = 0;
+    for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
+    return sum / (3 * 64 * 64);
+  }
+
+  // Each picture is looked at after it was painted on the dome.
+  const { setFrame, paint } = Dome.prototype;
+  let pending = null;
+  Dome.prototype.setFrame = function (bitmap, rects) {
+    setFrame.call(this, bitmap, rects);
+    pending = { mean: brightness(bitmap), came: performance.now() };
+  };
+  Dome.prototype.paint = function () {
+    paint.call(this);
+    if (!pending) return;
+    probe.pictures.push({ ...pending, painted: performance.now() });
+    pending = null;
+    const last = probe.pictures[probe.pictures.length - 1], wanted = probe.waitsFor;
+    if (wanted && probe.input && wanted.test(last.mean)) { probe.waitsFor = null; wanted.done(last.painted - probe.input); }
+  };
+  addEventListener('input', () => { probe.input ||= performance.now(); }, true);
+
+  const sleep = milliseconds => new Promise(done => setTimeout(done, milliseconds));
+  const median = list => [...list].sort((a, b) => a - b)[list.length >> 1];
+
+  // Brightness of the pictures after those that are on their way.
+  probe.settle = async () => {
+    await sleep(600);
+    const first = probe.pictures.length;
+    for (let i = 0; i < 300 && probe.pictures.length < first + 5; i++) await sleep(50);
+    const means = probe.pictures.slice(first).map(picture => picture.mean);
+    if (!means.length) throw new Error('no picture came within 15 s');
+    return median(means);
+  };
+
+  // Milliseconds from the next input event to the first painted picture on the other side of `threshold`.
+  probe.change = (threshold, brighter) => new Promise((done, failed) => {
+    probe.input = 0;
+    probe.waitsFor = { test: mean => brighter ? mean > threshold : mean < threshold, done };
+    setTimeout(() => failed(new Error('no changed picture within 15 s')), 15000);
+  });
+
+  // The dome as it is painted: the part of its pixels that are not dark.
+  probe.litPixels = () => {
+    const { gl, canvas } = page.dome;
+    page.dome.paint();
+    const bytes = new Uint8Array(4 * canvas.width * canvas.height);
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    let lit = 0;
+    for (let i = 0; i < bytes.length; i += 4) if (Math.max(bytes[i], bytes[i + 1], bytes[i + 2]) > 40) lit++;
+    return lit / (bytes.length / 4);
+  };
+
+  // A number that is the same at each run.
+  let seed = 12345;
+  const random = () => { seed = (Math.imul(seed, 1103515245) + 12345) >>> 0; return seed / 4294967296; };
+  const one = list => list[Math.floor(random() * list.length)];
+
+  // Random changes of keys, every second one wrong. What is right leaves most of the picture in its place.
+  probe.edits = async count => {
+    const start = await command({ do: 'keys' });
+    const gentle = start.filter(key => key.type === 'number' && !key.count && key.value !== null && /\.(yaw|pitch|roll)$/.test(key.key) ||
+      /\.blend\.(gamma|ramp)$|^viewer\.position$|^views\.quality$/.test(key.key));
+    const right = key => {
+      if (/gamma$/.test(key.key)) return 1.8 + random();
+      if (/ramp$/.test(key.key)) return 0.05 + 0.4 * random();
+      if (/quality$/.test(key.key)) return 0.5 + random();
+      if (/position$/.test(key.key)) return `[${[0, 0, 0].map(() => (0.4 * random() - 0.2).toFixed(3)).join(', ')}]`;
+      return key.value + 6 * random() - 3;
+    };
+    const wrong = () => one([
+      () => `${one(gentle).key}=${one(['1e300', '-1e300', 'nan', '"text"', '[1, 2', '', 'true', '{ a = 1 }'])}`,
+      () => `output.nobody.yaw=${random()}`,
+      () => `dome.radius=${-random()}`,
+      () => `${one(['dome.radios', 'x', '', '=', 'output', 'output[99].yaw', 'a'.repeat(5000)])}=1`,
+      () => `viewer.position=[${1000 * random() + 100}, 0, 0]`,
+      () => `views.quality=${one([0, -1, 1e9])}`,
+    ])();
+    const found = { accepted: 0, refused: 0, wrongAccepted: [], rightRefused: [], changedByWrong: 0 };
+    const firstPicture = probe.pictures.length;
+    for (let i = 0; i < count; i++) {
+      const key = one(gentle), isRight = i % 2 === 0, change = isRight ? `${key.key}=${right(key)}` : wrong();
+      const { version } = page.state;
+      try {
+        const state = await command({ do: 'set', changes: [change] });
+        take(state);
+        found.accepted++;
+        if (!isRight) found.wrongAccepted.push(change.slice(0, 80));
+      } catch (error) {
+        found.refused++;
+        if (isRight) found.rightRefused.push(`${change}: ${error.message}`.slice(0, 300));
+        if ((await command({ do: 'state' })).version !== version) found.changedByWrong++;
+      }
+      // A person is not faster.
+      await sleep(15);
+    }
+    const means = probe.pictures.slice(firstPicture).map(picture => picture.mean);
+    return { ...found, pictures: means.length, darkest: Math.min(...means), median: median(means) };
+  };
+
+  // Requests of random content: none may be accepted by chance to change something but those that are well formed.
+  probe.fuzz = async count => {
+    const words = ['do', 'set', 'undo', 'pattern', 'start', 'rig', 'save', 'keys', 'state', 'changes', 'name', 'program', 'command', 'parts', 'at', 'step', 'only'];
+    const value = depth => one([() => null, () => random() * 1e9, () => one(words), () => '\u0000\ud800', () => -1, () => true, () => 'x'.repeat(3000 * random()),
+      () => depth ? [value(depth - 1), value(depth - 1)] : [], () => depth ? Object.fromEntries([1, 2, 3].map(() => [one(words), value(depth - 1)])) : {}])();
+    const statuses = {};
+    for (let i = 0; i < count; i++) {
+      const kind = i % 4;
+      const body = kind === 0 ? JSON.stringify(value(3)) : kind === 1 ? JSON.stringify({ do: one(['set', 'pattern', 'get', 'nothing', 7]), ...value(0), changes: value(2), parts: value(2), at: value(2), step: value(0) })
+        : Array.from({ length: 200 * random() }, () => String.fromCharCode(65536 * random())).join('');
+      const path = kind === 3 ? one([`/frame?after=${value(0)}&side=${value(0)}`.slice(0, 400), '/overlay?kind=' + one(words), '/../etc/passwd', '/%00', '/frame?side=99999999999&after=0', '/scene?' + 'a'.repeat(3000)]) : '/do';
+      // A frame that never comes is not waited for.
+      const answer = await fetch(path, { method: kind === 3 ? 'GET' : 'POST', body: kind === 3 ? undefined : body, headers: { 'X-Cupola-Token': token } });
+      statuses[answer.status] = (statuses[answer.status] || 0) + 1;
+      await answer.arrayBuffer();
+    }
+    return statuses;
+  };
+  return probe;
+})();
