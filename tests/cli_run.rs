@@ -15,6 +15,7 @@ tests! {
     programs_that_cannot_be_started,
     wrong_options_start_nothing,
     the_program_gets_the_settings,
+    a_profile_is_chosen_by_the_programs_name,
     films_are_played_as_what_they_are,
     libglvnd_is_led_to_the_library,
     each_egl_vendor_gets_a_library_of_its_own,
@@ -192,6 +193,48 @@ fn the_program_gets_the_settings() {
     std::fs::write(folder.join("my.toml"), "[[output]]\nkind = \"domemaster\"\n").unwrap();
     let output = cupola(&folder).current_dir(&folder).args(["--rig", "my.toml", "--", "env"]).output().unwrap();
     assert!(words(&output.stdout).contains(&format!("CUPOLA_RIG={here}/my.toml\n")));
+}
+
+fn a_profile_is_chosen_by_the_programs_name() {
+    let folder = folder("profiles");
+    let profiles = folder.join("config/cupola/profiles");
+    std::fs::create_dir_all(&profiles).unwrap();
+    let profile = "executables = [\"game\"]\nhint = \"be wide\"\n[environment]\nGAME_A = \"1\"\nGAME_B = \"2\"\n";
+    let (own, wrong) = (profiles.join("mine.toml"), profiles.join("wrong.toml"));
+    std::fs::write(&own, profile).unwrap();
+    std::fs::write(&wrong, "executables = [\"sh\"]\n[camera]\nzoom = 0\n").unwrap();
+    let game = folder.join("game");
+    std::fs::write(&game, "#!/bin/sh\nenv\n").unwrap();
+    std::fs::set_permissions(&game, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let run = |options: &[&str], program: &Path| {
+        let mut command = cupola(&folder);
+        command.env("XDG_CONFIG_HOME", folder.join("config")).env("GAME_B", "own").args(options).arg("--").arg(program);
+        let output = command.output().unwrap();
+        (words(&output.stdout), words(&output.stderr), output.status.code())
+    };
+    let (environment, said, _) = run(&[], &game);
+    let line = format!("cupola: profile mine ({}, for game): be wide\n", own.display());
+    assert!(said.contains(&line), "{said}");
+    assert!(
+        said.contains("a profile is left out: ") && said.contains("wrong.toml:3: camera.zoom: 0 is out of"),
+        "{said}"
+    );
+    for expected in [&format!("CUPOLA_PROFILE={}", own.display()), "GAME_A=1", "GAME_B=own"] {
+        assert!(environment.lines().any(|line| line == expected), "{expected} is not in\n{environment}");
+    }
+    // One that is built in, whatever the program is called, and none at all.
+    let (environment, said, _) = run(&["--profile", "minetest"], &game);
+    assert!(said.contains("cupola: profile minetest (built in): "), "{said}");
+    assert!(environment.contains("CUPOLA_PROFILE=minetest\n") && !environment.contains("GAME_A"), "{environment}");
+    let (environment, said, _) = run(&["--profile", "none"], &game);
+    assert!(environment.contains("CUPOLA_PROFILE=none\n") && !said.contains("profile"), "{said}{environment}");
+    // The library looks at the libraries of other programs.
+    let (environment, _, _) = run(&[], Path::new("env"));
+    assert!(!environment.contains("CUPOLA_PROFILE"), "{environment}");
+    for (name, expected) in [("wrong", "wrong.toml:3: camera.zoom"), ("min", "did you mean `mine`?")] {
+        let (environment, said, code) = run(&["--profile", name], &game);
+        assert!(said.contains(expected) && environment.is_empty() && code == Some(2), "{code:?} {said}{environment}");
+    }
 }
 
 /// The player is a script that tells a size when it is asked, and what it is called with when it

@@ -3,9 +3,9 @@
 use super::file_stamp::FileStamp;
 use super::log;
 use crate::error::{Error, ErrorKind};
-use crate::rig::{self, Duplicate, Overrides, Rig};
+use crate::rig::{self, Chosen, Defaults, Duplicate, Overrides, Profiles, Rig};
 use crate::ring;
-use crate::system::{is_privileged, variable};
+use crate::system::{is_privileged, process, variable};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -13,9 +13,10 @@ use std::time::{Duration, Instant};
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`,
-    /// `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied, as it was
-    /// at the start; [`crate::intercept::live::rig`] is that of the moment.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with what the profile says of
+    /// other keys, and `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD` and
+    /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`crate::intercept::live::rig`] is that
+    /// of the moment.
     pub rig: Rig,
     /// The rig's file, absolute, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,
@@ -25,6 +26,9 @@ pub struct Settings {
     overrides: Overrides,
     /// `CUPOLA_DUPLICATE`.
     duplicate: Option<Duplicate>,
+    /// The profile: `CUPOLA_PROFILE` (name or file, or `none`), or that of the program's name or of
+    /// a library of it.
+    pub profile: Option<Chosen>,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
     pub window_size: Option<(u32, u32)>,
     /// `CUPOLA_FRAMES=N`: the program ends after its N-th presented frame.
@@ -144,7 +148,8 @@ fn read() -> crate::Result<Settings> {
         Some(n) => Some(parse_side(&n).ok_or_else(|| wrong("CUPOLA_DOMEMASTER", &n, "1024"))?),
         None => None,
     };
-    let rig = loaded(Path::new(&name), &overrides, duplicate, domemaster)?;
+    let profile = profile(text("CUPOLA_PROFILE").as_deref())?;
+    let rig = loaded(Path::new(&name), profile.as_ref(), &overrides, (duplicate, domemaster))?;
     let publish = match path("CUPOLA_PUBLISH") {
         Some(path) if path == Path::new("0") => None,
         Some(path) if path != Path::new("1") => Some(std::path::absolute(&path).unwrap_or(path)),
@@ -161,6 +166,7 @@ fn read() -> crate::Result<Settings> {
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
         domemaster,
         rig,
+        profile,
         rig_file,
         rig_stamp,
         overrides,
@@ -199,20 +205,37 @@ impl Settings {
     /// Reads the rig's file again, with what the environment said at the start.
     pub fn load(&self) -> crate::Result<Rig> {
         match &self.rig_file {
-            Some(file) => loaded(file, &self.overrides, self.duplicate, self.domemaster),
+            Some(file) => loaded(file, self.profile.as_ref(), &self.overrides, (self.duplicate, self.domemaster)),
             None => Ok(self.rig.clone()),
         }
     }
 }
 
-/// The rig of a preset's name or a file, with the keys that the environment replaces.
+/// The profile of this process. `run` has chosen by the name of the program that it starts; the
+/// libraries of a program are known only here. That is said here, too.
+fn profile(given: Option<&str>) -> crate::Result<Option<Chosen>> {
+    let profiles = Profiles::read(process::profile_folder().as_deref());
+    let chosen = match given {
+        Some("none") => return Ok(None),
+        Some(name) => return profiles.load(name).map(Some),
+        None => profiles.choose(&process::program_name(), &process::loaded_libraries()),
+    };
+    if let Some(chosen) = &chosen {
+        log::once(&chosen.description());
+    }
+    Ok(chosen)
+}
+
+/// The rig of a preset's name or a file, with the keys that a profile adds and those that the
+/// environment replaces.
 fn loaded(
     name_or_path: &Path,
+    profile: Option<&Chosen>,
     overrides: &Overrides,
-    duplicate: Option<Duplicate>,
-    domemaster: Option<u32>,
+    (duplicate, domemaster): (Option<Duplicate>, Option<u32>),
 ) -> crate::Result<Rig> {
-    let mut rig = overrides.apply(rig::load(&name_or_path.to_string_lossy())?)?;
+    let defaults = profile.map_or_else(Defaults::default, |chosen| chosen.profile.defaults);
+    let mut rig = overrides.apply(rig::load_with(&name_or_path.to_string_lossy(), &defaults)?)?;
     if let Some(duplicate) = duplicate {
         rig.views.duplicate = duplicate;
     }

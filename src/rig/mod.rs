@@ -12,6 +12,7 @@ mod layout;
 mod mask;
 mod model;
 mod presets;
+mod profiles;
 mod reading;
 mod schema;
 mod validate;
@@ -33,6 +34,7 @@ pub use model::response::{RESPONSE_STEPS, Response, Transfer};
 pub use model::views::{Duplicate, Favour, Filter, Resolution, ViewMethod, Views};
 pub use model::{Camera, Dome, Output, OutputKind, Overlay, Rig, Viewer};
 pub use presets::{Preset, presets};
+pub use profiles::{Chosen, Defaults, Profile, Profiles};
 pub use reading::keys::{Accepts, Key};
 
 /// Longest rig file, bytes.
@@ -49,24 +51,37 @@ const LONGEST_RIG: u64 = 1 << 20;
 /// with every problem of the file (file, line, key, reason, remedy; one per line) if it is no valid
 /// rig.
 pub fn load(name_or_path: &str) -> Result<Rig> {
+    load_with(name_or_path, &Defaults::default())
+}
+
+/// Reads a rig as [`load`], with `defaults` for keys of the program that the rig does not have.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(name_or_path: &str, defaults: &Defaults) -> Result<Rig> {
     if let Some(preset) = presets::find(name_or_path) {
-        return parse(preset.text, preset.name, Path::new(""));
+        return parse_with(preset.text, preset.name, Path::new(""), defaults);
     }
     let path = Path::new(name_or_path);
+    let text = read_text(path, name_or_path, |error| unreadable(name_or_path, error))?;
+    parse_with(&text, name_or_path, path.parent().unwrap_or(Path::new("")), defaults)
+}
+
+/// The text of a file, which has `name` in messages; `unreadable` says what a failure means.
+fn read_text(path: &Path, name: &str, unreadable: impl Fn(&std::io::Error) -> String) -> Result<String> {
     let mut text = Vec::new();
-    // It may be a pipe, whose length is not known. `parse` refuses what is too long.
+    // It may be a pipe, whose length is not known.
     std::fs::File::open(path)
         .and_then(|file| file.take(LONGEST_RIG + 1).read_to_end(&mut text))
-        .map_err(|error| Error::new(ErrorKind::Io, unreadable(name_or_path, &error)))?;
+        .map_err(|error| Error::new(ErrorKind::Io, unreadable(&error)))?;
     if text.len() as u64 > LONGEST_RIG {
-        return Err(too_long(name_or_path));
+        return Err(too_long(name));
     }
-    let text = String::from_utf8(text).map_err(|error| {
+    String::from_utf8(text).map_err(|error| {
         let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count();
-        let message = format!("{name_or_path}:{line}: the file is not UTF-8 text; save it as UTF-8");
+        let message = format!("{name}:{line}: the file is not UTF-8 text; save it as UTF-8");
         Error::new(ErrorKind::InvalidRig, message)
-    })?;
-    parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
+    })
 }
 
 /// Reads a rig from TOML text. `file_name` stands in messages and, without directory and extension,
@@ -76,11 +91,15 @@ pub fn load(name_or_path: &str) -> Result<Rig> {
 /// # Errors
 /// [`ErrorKind::InvalidRig`] with every problem of the text, as [`load`].
 pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
+    parse_with(text, file_name, directory, &Defaults::default())
+}
+
+fn parse_with(text: &str, file_name: &str, directory: &Path, defaults: &Defaults) -> Result<Rig> {
     if text.len() as u64 > LONGEST_RIG {
         return Err(too_long(file_name));
     }
     let mut problems = reading::problems::Problems::new(text);
-    let rig = schema::read(text, file_name, directory, &mut problems);
+    let rig = schema::read(text, file_name, directory, defaults, &mut problems);
     // Values that are missing because they were refused would only raise further, misleading
     // problems.
     if let Some(rig) = rig.as_ref().filter(|_| problems.is_empty()) {
@@ -100,12 +119,15 @@ pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
 pub fn keys(text: &str, file_name: &str, directory: &Path) -> Vec<Key> {
     let mut problems = reading::problems::Problems::noting_keys(text);
     // Whether it is valid is another question.
-    let _ = schema::read(text, file_name, directory, &mut problems);
+    let _ = schema::read(text, file_name, directory, &Defaults::default(), &mut problems);
     problems.keys()
 }
 
 fn too_long(file_name: &str) -> Error {
-    Error::new(ErrorKind::InvalidRig, format!("{file_name}: is longer than {LONGEST_RIG} bytes; no rig is"))
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!("{file_name}: is longer than {LONGEST_RIG} bytes; no rig and no profile is"),
+    )
 }
 
 /// Why `name_or_path` is neither a preset nor a readable file, and what was perhaps meant.

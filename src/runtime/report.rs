@@ -64,6 +64,12 @@ pub struct Statistics {
     pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
+    /// The program's own lenses with which the views of the last frames were drawn: left, right,
+    /// lower and upper edge of the program's picture, as tangents of the angles from straight
+    /// ahead.
+    pub lenses: Vec<[f64; 4]>,
+    /// Name of the profile that was taken; empty if none was.
+    pub profile: String,
     /// Pixels of all outputs.
     pub output_pixels: u64,
     /// Those that the correction computes in a frame, batches that are left out included; the

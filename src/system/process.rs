@@ -2,9 +2,11 @@
 //!
 //! Safe fronts of what the standard library has no safe form of, for the `cupola` command.
 
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io;
 use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::{Duration, Instant};
@@ -25,6 +27,30 @@ pub fn is_privileged() -> bool {
 /// The environment variable of this name, as text; `None` for a program that [`is_privileged`].
 pub fn variable(name: &str) -> Option<OsString> {
     if is_privileged() { None } else { std::env::var_os(name) }
+}
+
+/// The folder of the user's profiles; `None` if neither `XDG_CONFIG_HOME` nor `HOME` says where it
+/// is.
+pub fn profile_folder() -> Option<PathBuf> {
+    let absolute = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let config = absolute("XDG_CONFIG_HOME").or_else(|| Some(absolute("HOME")?.join(".config")))?;
+    Some(config.join("cupola/profiles"))
+}
+
+/// The file name of this process' program; empty if the system does not tell.
+pub fn program_name() -> String {
+    let file = std::env::current_exe().unwrap_or_default();
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// File names of the libraries that this process has loaded by now, each once; none if the system
+/// does not tell.
+pub fn loaded_libraries() -> Vec<String> {
+    let maps = std::fs::read("/proc/self/maps").unwrap_or_default();
+    let text = String::from_utf8_lossy(&maps);
+    let names = text.lines().filter_map(|line| line.split_once('/')?.1.rsplit('/').next());
+    let libraries: BTreeSet<&str> = names.filter(|name| name.contains(".so")).collect();
+    libraries.into_iter().map(str::to_owned).collect()
 }
 
 /// The process that signals are passed on to; 0 = none.

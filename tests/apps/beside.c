@@ -1,6 +1,7 @@
 /*
  * Many small boxes in all directions. With --mode culled those beside the program's own picture are left out, as many programs
- * do; with --mode ahead there are boxes in the middle of it only.
+ * do; with --mode asked those beside the planes of the matrices that OpenGL answers; with --mode ahead there are boxes in the
+ * middle of the picture only.
  */
 #include "common/fixed.h"
 
@@ -23,6 +24,25 @@ static bool is_seen(const app *a, const float centre[3])
         clip[row] = m.m[row] * centre[0] + m.m[4 + row] * centre[1] + m.m[8 + row] * centre[2] + m.m[12 + row];
     const float across = clip[3] + 1.0f * (1.0f + a->projection.m[0]), up = clip[3] + 1.0f * (1.0f + a->projection.m[5]);
     return clip[3] > -1.0f && fabsf(clip[0]) < across && fabsf(clip[1]) < up;
+}
+
+/* Whether a ball of radius 1 comes between the six planes of what OpenGL says are its matrices. */
+static bool is_between_planes(const float centre[3])
+{
+    matrix4 projection, modelview;
+    glGetFloatv(GL_PROJECTION_MATRIX, projection.m);
+    glGetFloatv(GL_MODELVIEW_MATRIX, modelview.m);
+    const matrix4 m = matrix_multiply(projection, modelview);
+    for (int plane = 0; plane < 6; plane++) {
+        const float sign = plane % 2 == 0 ? 1.0f : -1.0f;
+        float p[4];
+        for (int column = 0; column < 4; column++)
+            p[column] = m.m[4 * column + 3] + sign * m.m[4 * column + plane / 2];
+        const float length = sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        if (p[0] * centre[0] + p[1] * centre[1] + p[2] * centre[2] + p[3] < -length)
+            return false;
+    }
+    return true;
 }
 
 static void box(const float centre[3])
@@ -54,7 +74,8 @@ static void draw(app *a)
             centre[1] *= 0.1f;
             centre[2] = -20.0f;
         }
-        if (!is(a, "culled") || is_seen(a, centre))
+        const bool seen = is(a, "culled") ? is_seen(a, centre) : !is(a, "asked") || is_between_planes(centre);
+        if (seen)
             box(centre);
     }
 }

@@ -2,10 +2,11 @@
 
 use crate::compare::{expect_identical, expect_identical_captures};
 use crate::harness::tests;
-use crate::programs::Run;
+use crate::programs::{Run, scratch};
 
 tests! {
     what_a_program_leaves_out_is_told,
+    planes_that_a_program_asks_for_are_wide,
     pictures_stay_what_they_are,
     views_to_the_sides_get_nothing_of_what_is_ahead,
     a_program_of_few_draws_gets_the_views_that_suit_it,
@@ -274,4 +275,34 @@ fn what_a_program_leaves_out_is_told() {
             finished.words().contains("seems to leave out what lies beside its own field of view (75.00° × 75.00°)");
         assert_eq!(says, told, "{mode}: {}\n{:#}", finished.words(), finished.statistics());
     }
+}
+
+/// A program that makes planes of the projection matrix that it reads draws all around with
+/// `answer_wide`, here of a profile that the library takes because of another library of the
+/// program.
+fn planes_that_a_program_asks_for_are_wide() {
+    let folder = scratch("profiles");
+    let profiles = folder.join("cupola/profiles");
+    std::fs::create_dir_all(&profiles).expect("a folder");
+    let profile = "libraries = [\"libX11.so\"]\n[camera]\nanswer_wide = true\n";
+    std::fs::write(profiles.join("wide.toml"), profile).expect("a file");
+    let environment = [("XDG_CONFIG_HOME", folder.to_str().expect("a UTF-8 path"))];
+    let rig = "fisheye";
+    let run = |mode: &'static [&str], cupola: &'static [&str]| {
+        let run = Run { environment: &environment, extra: mode, cupola, ..Run::new("beside") };
+        Some(run.under(rig)?.expect_success().expect_no_gl_errors())
+    };
+    let (Some(all), Some(asked), Some(without)) = (
+        run(&["--mode", "all"], &[]),
+        run(&["--mode", "asked"], &[]),
+        run(&["--mode", "asked"], &["--profile", "none"]),
+    ) else {
+        return;
+    };
+    assert!(asked.words().contains("profile wide (") && asked.words().contains(", for libX11.so"), "{}", asked.words());
+    expect_identical(&asked.picture("capture.png"), &all.picture("capture.png"), &format!("beside, asked, {rig}"));
+    // Control: the program's own planes leave out what lies at the sides.
+    assert!(!without.words().contains("profile"), "{}", without.words());
+    let (different, _) = without.picture("capture.png").difference(&all.picture("capture.png"));
+    assert!(different > 1_000, "{rig}: {different} pixels show that the program leaves out something");
 }

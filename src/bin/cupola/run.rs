@@ -3,7 +3,7 @@
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{Environment, apply, clock, loader};
-use cupola::rig::{Overrides, Rig};
+use cupola::rig::{Chosen, Defaults, Overrides, Profile, Profiles, Rig};
 use cupola::ring;
 use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
@@ -44,6 +44,10 @@ pub struct Options {
     /// Rig file or name of a preset [default: $CUPOLA_RIG, or fisheye]
     #[arg(long, short, value_name = "FILE|PRESET", overrides_with = "rig")]
     rig: Option<String>,
+    /// Profile of the program: its name, a file, or none [default: the one for the program's name,
+    /// or for its libraries]
+    #[arg(long, value_name = "NAME|FILE|none")]
+    profile: Option<String>,
     /// Set the size of the program's window in pixels
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     pub size: Option<(u32, u32)>,
@@ -119,7 +123,8 @@ pub struct Inspection {
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     if arguments.serve {
         // What is wrong is told before anything starts.
-        arguments.options.environment(None)?;
+        let profile = arguments.options.profile(arguments.program.first())?;
+        arguments.options.environment(profile.as_ref(), None)?;
         let given: Vec<OsString> = std::env::args_os().skip(2).collect();
         let options = own_options(&given, arguments.program.len());
         return crate::serve::run_with(arguments.options.rig_name(), options, &arguments.program);
@@ -140,9 +145,10 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
         arguments.options.seconds = arguments.options.seconds.or(Some(UNTIL_INSPECTED));
     }
     if arguments.print_environment {
-        let mut environment = arguments.options.environment(inspection.as_ref())?;
+        let profile = arguments.options.profile(arguments.program.first())?;
+        let mut environment = arguments.options.environment(profile.as_ref(), inspection.as_ref())?;
         environment.extend(loader::Loader::persistent()?.environment(&Vec::new())?);
-        print_environment(&environment);
+        print_environment(&environment, profile.as_ref());
         return Ok(ExitCode::SUCCESS);
     }
     start(arguments.options, &arguments.program, inspection)
@@ -151,12 +157,14 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
 /// Starts a program. Returns its exit code.
 pub fn start(mut options: Options, program: &[OsString], inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
     let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
-    let rig = options.rig()?;
+    let (program, rest) = program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
+    let profile = options.profile(Some(program))?;
+    let rig = options.rig_with(profile.as_ref())?;
     if options.headless && options.size.is_none() && !options.offscreen {
         // Without a screen nobody enlarges the window for the outputs.
         options.size = rig.extent();
     }
-    let mut environment = options.environment(inspection.as_ref())?;
+    let mut environment = options.environment(profile.as_ref(), inspection.as_ref())?;
     let scratch = loader::Scratch::new()?;
     let server = match options.headless {
         true => Some(display::Server::start(options.size.unwrap_or((1920, 1200)), scratch.path())?),
@@ -170,9 +178,12 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     }
     environment.extend(display);
 
-    let (program, rest) = program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
     let mut command = Command::new(program);
     command.args(rest);
+    if let Some(chosen) = profile.filter(|_| !switched_off) {
+        eprintln!("cupola: {}", chosen.description());
+        command.envs(variables(&chosen));
+    }
     apply(&mut command, &environment);
     if options.clock.clock.is_some() && !switched_off {
         process::with_fixed_addresses(&mut command);
@@ -208,15 +219,43 @@ impl Options {
         self.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into())
     }
 
+    /// Name or file of the profile that was asked for, or `none`.
+    fn profile_name(&self) -> Option<String> {
+        self.profile.clone().or_else(|| std::env::var("CUPOLA_PROFILE").ok())
+    }
+
+    /// The profile that was asked for, or that is for the program of this name.
+    fn profile(&self, program: Option<&OsString>) -> Result<Option<Chosen>, Failure> {
+        let profiles = Profiles::read(process::profile_folder().as_deref());
+        match (self.profile_name().as_deref(), program) {
+            (Some("none"), _) => Ok(None),
+            (Some(name), _) => Ok(Some(profiles.load(name)?)),
+            (None, None) => Ok(None),
+            (None, Some(program)) => {
+                for error in profiles.errors() {
+                    eprintln!("cupola: a profile is left out: {error}");
+                }
+                let name = Path::new(program).file_name().unwrap_or_default();
+                Ok(profiles.choose(&name.to_string_lossy(), &[]))
+            }
+        }
+    }
+
     /// The rig with what the options replace in it.
     pub fn rig(&self) -> Result<Rig, Failure> {
+        self.rig_with(self.profile(None)?.as_ref())
+    }
+
+    /// The rig with what a profile adds and the options replace.
+    fn rig_with(&self, profile: Option<&Chosen>) -> Result<Rig, Failure> {
         let overrides = Overrides {
             camera: self.camera.clone(),
             viewer: self.viewer.clone(),
             content: self.content.clone(),
             method: self.method.clone(),
         };
-        Ok(overrides.apply(cupola::rig::load(&self.rig_name())?)?)
+        let defaults = profile.map_or_else(Defaults::default, |chosen| chosen.profile.defaults);
+        Ok(overrides.apply(cupola::rig::load_with(&self.rig_name(), &defaults)?)?)
     }
 
     /// The file of published pictures, if there are any to publish.
@@ -234,10 +273,12 @@ impl Options {
     }
 
     /// Environment variables that configure the library.
-    fn environment(&self, inspection: Option<&Inspection>) -> Result<Environment, Failure> {
+    fn environment(&self, profile: Option<&Chosen>, inspection: Option<&Inspection>) -> Result<Environment, Failure> {
         // Wrong options are told before anything starts.
-        let rig = self.rig()?;
+        let rig = self.rig_with(profile)?;
         let mut environment = settings(self, &self.rig_name())?;
+        let name = profile_variable(self.profile_name(), profile);
+        environment.extend(name.map(|name| ("CUPOLA_PROFILE", Some(name))));
         environment.extend(self.published(&rig)?.map(|file| ("CUPOLA_PUBLISH", Some(file))));
         environment.extend(self.clock.environment()?);
         if let Some(Inspection { output }) = inspection {
@@ -245,6 +286,22 @@ impl Options {
         }
         Ok(environment)
     }
+}
+
+/// What the library is told of the profile: `none`, a name or a file; nothing where it has to
+/// choose.
+fn profile_variable(given: Option<String>, profile: Option<&Chosen>) -> Option<OsString> {
+    match profile.map(|chosen| &chosen.profile) {
+        Some(Profile { file: Some(file), .. }) => Some(file.into()),
+        Some(profile) => Some((&profile.name).into()),
+        None => given.map(Into::into),
+    }
+}
+
+/// The profile's variables of the environment. What the user has set stays.
+fn variables(chosen: &Chosen) -> impl Iterator<Item = (&str, &str)> {
+    let variables = chosen.profile.environment.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    variables.filter(|(name, _)| std::env::var_os(name).is_none())
 }
 
 /// A file, with what tells that it was written again: its time and its length.
@@ -375,11 +432,15 @@ fn cannot_start(program: &OsString, error: &std::io::Error) -> Failure {
 }
 
 /// Prints commands for a POSIX shell.
-fn print_environment(environment: &Environment) {
+fn print_environment(environment: &Environment, profile: Option<&Chosen>) {
+    let export = |name: &str, value: &str| println!("export {name}='{}'", value.replace('\'', r"'\''"));
     for (name, value) in environment {
         match value {
-            Some(value) => println!("export {name}='{}'", value.to_string_lossy().replace('\'', r"'\''")),
+            Some(value) => export(name, &value.to_string_lossy()),
             None => println!("unset {name}"),
         }
+    }
+    for (name, value) in profile.into_iter().flat_map(variables) {
+        export(name, value);
     }
 }

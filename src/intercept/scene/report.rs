@@ -1,20 +1,37 @@
 //! The part of the statistics that a plan and a rig give, on both APIs.
 
+use crate::intercept::camera::Cameras;
 use crate::intercept::publishing;
+use crate::intercept::settings::settings;
 use crate::runtime::Session;
 use crate::runtime::report::Statistics;
 
-/// Statistics with the name of the rig, and the counts of the cache.
+/// Statistics with the names of the rig and the profile, and the counts of the cache.
 pub fn begin(frames: u64, rig: &str, driver: String) -> Statistics {
     let cache = crate::runtime::cache::of_process().counts();
+    let profile = settings().and_then(|settings| settings.profile.as_ref());
+    let profile = profile.map_or_else(String::new, |chosen| chosen.profile.name.clone());
     Statistics {
         frames,
         rig: rig.to_owned(),
         driver,
+        profile,
         cache,
         published: publishing::statistics(),
         ..Statistics::default()
     }
+}
+
+/// The edges of the pictures of `cameras` that are shown: left, right, bottom, top as tangents.
+pub fn lenses(cameras: &Cameras) -> impl Iterator<Item = [f64; 4]> {
+    let edges = |scale: f64, offset: f64| {
+        let [one, other] = [(offset - 1.0) / scale, (offset + 1.0) / scale];
+        [one.min(other), one.max(other)]
+    };
+    cameras.shown().map(move |lens| {
+        let ([left, right], [bottom, top]) = (edges(lens.a, lens.b), edges(lens.c, lens.d));
+        [left, right, bottom, top]
+    })
 }
 
 /// Adds the pixels and the notes of a plan.

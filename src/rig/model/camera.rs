@@ -16,7 +16,16 @@ pub(in crate::rig) const ANGLE: Allowed = Allowed::closed(-360.0, 360.0, "an ang
 impl Default for Camera {
     /// The program's camera as it is.
     fn default() -> Self {
-        Self { zoom: 1.0, shift: DVec3::ZERO, units_per_meter: 1.0, yaw: 0.0, pitch: 0.0, roll: 0.0, lens: None }
+        Self {
+            zoom: 1.0,
+            shift: DVec3::ZERO,
+            units_per_meter: 1.0,
+            yaw: 0.0,
+            pitch: 0.0,
+            roll: 0.0,
+            lens: None,
+            answer_wide: false,
+        }
     }
 }
 

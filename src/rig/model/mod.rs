@@ -153,6 +153,9 @@ pub struct Camera {
     /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for
     /// draws of which the program's matrices tell none.
     pub lens: Option<[f64; 2]>,
+    /// Answers to the program's questions about its projection matrix are so wide that planes made
+    /// of them leave out nothing that views can show.
+    pub answer_wide: bool,
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with

@@ -295,6 +295,38 @@ impl<'a> Section<'a> {
         value.as_str()
     }
 
+    /// A list of texts; empty if the key is absent or wrong.
+    pub(in crate::rig) fn texts(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Vec<String> {
+        let Some(value) = self.value(key, problems) else { return Vec::new() };
+        let texts = value.as_array().and_then(|list| {
+            let texts =
+                list.iter().map(|item| item.get_ref().as_str().filter(|text| !text.is_empty()).map(str::to_owned));
+            texts.collect::<Option<Vec<String>>>().filter(|texts| !texts.is_empty())
+        });
+        texts.unwrap_or_else(|| {
+            let why = format!("{} does not fit; expected a list of texts in quotes: {what}", describe(value));
+            problems.add(&self.path(key), why);
+            Vec::new()
+        })
+    }
+
+    /// All keys, whatever they are called, with their texts.
+    pub(in crate::rig) fn all_texts(self, what: &str, problems: &mut Problems) -> Vec<(String, String)> {
+        let mut texts = Vec::new();
+        for (key, value) in self.table.iter() {
+            let name: &str = key.get_ref();
+            let path = self.path(name);
+            problems.place(&path, &key.span());
+            match value.get_ref().as_str() {
+                Some(text) => texts.push((name.to_owned(), text.to_owned())),
+                None => {
+                    problems.add(&path, format!("{} is not text; expected {what} in quotes", describe(value.get_ref())))
+                }
+            }
+        }
+        texts
+    }
+
     /// One of a few words.
     pub(in crate::rig) fn choice<T: Clone>(
         &mut self,

@@ -7,6 +7,7 @@ mod content;
 mod lens;
 mod method;
 mod output;
+mod profile;
 mod screen;
 mod transfer;
 mod viewer;
@@ -15,7 +16,7 @@ mod views;
 use super::reading::hints;
 use super::reading::problems::Problems;
 use super::reading::reader::{Allowed, Section};
-use super::{Content, Dome, Rig};
+use super::{Content, Defaults, Dome, Rig};
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -29,28 +30,41 @@ const METRES: Allowed = Allowed::closed(-1e6, 1e6, "[x right, y up, z backward] 
 /// Greatest number of outputs: what one machine's graphics adapters can carry, with room to spare.
 const MOST_OUTPUTS: usize = 64;
 
-/// Reads the rig in `text`. `None` if it is no TOML at all; otherwise it is usable only if no
-/// problem was added.
-pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, problems: &mut Problems) -> Option<Rig> {
-    let table = match DeTable::parse(text) {
-        Ok(table) => table,
+pub(in crate::rig) use profile::profile;
+
+/// The table of a file; `None` if it is no TOML.
+fn table<'a>(text: &'a str, problems: &mut Problems) -> Option<DeTable<'a>> {
+    match DeTable::parse(text) {
+        Ok(table) => Some(table.into_inner()),
         Err(error) => {
             let why = format!("this is not TOML: {}", error.message().replace('\n', ", "));
             problems.add_at(error.span(), hints::with_hint(text, error.span(), why));
-            return None;
+            None
         }
-    };
-    let mut root = Section::new(table.get_ref(), String::new());
+    }
+}
+
+/// Reads the rig in `text`, with `defaults` for keys of the program that it does not have. `None`
+/// if it is no TOML at all; otherwise it is usable only if no problem was added.
+pub(in crate::rig) fn read(
+    text: &str,
+    file_name: &str,
+    directory: &Path,
+    defaults: &Defaults,
+    problems: &mut Problems,
+) -> Option<Rig> {
+    let table = table(text, problems)?;
+    let mut root = Section::new(&table, String::new());
     let stem = Path::new(file_name).file_stem().map_or_else(|| file_name.into(), |stem| stem.to_string_lossy());
     let name = root.text("name", "the rig's name", problems).unwrap_or(&stem).to_owned();
     let passthrough = root.boolean("passthrough", false, problems);
     let dome = screen::dome(root.section("dome", problems), problems);
     let surface = screen::screen(root.section("screen", problems), directory, problems);
     let viewer = viewer::viewer(root.section("viewer", problems), problems);
-    let camera = viewer::camera(root.section("camera", problems), problems);
+    let camera = viewer::camera(root.section("camera", problems), &defaults.camera, problems);
     let content = root.section("content", problems).and_then(|section| content::content(section, &dome, problems));
-    let views = views::views(root.section("views", problems), problems);
-    let overlay = views::overlay(root.section("overlay", problems), problems);
+    let views = views::views(root.section("views", problems), defaults, problems);
+    let overlay = views::overlay(root.section("overlay", problems), defaults.overlay, problems);
     let mut sections = root.sections("output", "[[output]] with double brackets", problems);
     if sections.len() > MOST_OUTPUTS {
         let count = sections.len();

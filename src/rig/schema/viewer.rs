@@ -1,7 +1,7 @@
 //! `[viewer]` and `[camera]`: where the right point of view is, and how the program's camera sits
 //! in it.
 
-use super::{METRES, angles};
+use super::{METRES, PITCH, ROLL, YAW, angles};
 use crate::rig::reading::problems::Problems;
 use crate::rig::reading::reader::{Allowed, Section};
 use crate::rig::{Camera, Viewer};
@@ -16,16 +16,23 @@ pub(super) fn viewer(section: Option<Section>, problems: &mut Problems) -> Viewe
     viewer
 }
 
-pub(super) fn camera(section: Option<Section>, problems: &mut Problems) -> Camera {
-    let mut camera = Camera::default();
+/// Keys that are absent have the values of `default`.
+pub(super) fn camera(section: Option<Section>, default: &Camera, problems: &mut Problems) -> Camera {
+    let mut camera = *default;
     let Some(mut section) = section else { return camera };
-    camera.zoom = section.number("zoom", &crate::rig::model::camera::ZOOM, 1.0, problems);
-    camera.shift = section.vector("move", &crate::rig::model::camera::MOVE, problems);
+    camera.zoom = section.number("zoom", &crate::rig::model::camera::ZOOM, default.zoom, problems);
+    let shift = section.numbers::<3>("move", &crate::rig::model::camera::MOVE, problems);
+    camera.shift = shift.map_or(default.shift, DVec3::from_array);
     let units = Allowed::above(0.0, 1e9, "the program's units in a metre");
-    camera.units_per_meter = section.number("units_per_meter", &units, 1.0, problems);
-    [camera.yaw, camera.pitch, camera.roll] = angles(&mut section, problems);
+    camera.units_per_meter = section.number("units_per_meter", &units, default.units_per_meter, problems);
+    for (key, allowed, angle) in
+        [("yaw", &YAW, &mut camera.yaw), ("pitch", &PITCH, &mut camera.pitch), ("roll", &ROLL, &mut camera.roll)]
+    {
+        *angle = section.optional_number(key, allowed, problems).map_or(*angle, f64::to_radians);
+    }
     let lens = section.numbers::<2>("lens", &crate::rig::model::camera::LENS, problems);
-    camera.lens = lens.map(|lens| lens.map(f64::to_radians));
+    camera.lens = lens.map(|lens| lens.map(f64::to_radians)).or(default.lens);
+    camera.answer_wide = section.boolean("answer_wide", default.answer_wide, problems);
     section.finish(&[("position", "[viewer]; the program's camera has `move`")], problems);
     camera
 }

@@ -3,7 +3,7 @@
 use super::{PITCH, YAW};
 use crate::rig::reading::problems::Problems;
 use crate::rig::reading::reader::{Allowed, Section};
-use crate::rig::{Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
+use crate::rig::{Defaults, Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -21,8 +21,9 @@ const ROTATED_CUBE: [DVec3; 6] = [
     DVec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2),
 ];
 
-pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views = Views::default();
+/// Keys that a profile can have, too, have its values where they are absent.
+pub(super) fn views(section: Option<Section>, profile: &Defaults, problems: &mut Problems) -> Views {
+    let mut views = Views { favour: profile.favour, duplicate: profile.duplicate, ..Views::default() };
     let Some(mut section) = section else { return views };
     // The method, and the cells that it means where the file brings none.
     let methods = [
@@ -42,32 +43,43 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
         ("catmull-rom-4", Filter::CatmullRom4),
     ];
     views.filter = section.choice("filter", &filters, problems).unwrap_or(Filter::Bilinear);
-    let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
-    views.favour = section.choice("favour", &favours, problems).unwrap_or(Favour::Balanced);
+    views.favour = favour(&mut section, problems).unwrap_or(profile.favour);
     let resolutions = [("nominal", Resolution::Nominal), ("full", Resolution::Full)];
     views.resolution = section.choice("resolution", &resolutions, problems).unwrap_or(Resolution::Nominal);
     let allowed = Allowed::closed(-1e3, 1e3, "a vector in the viewer's axes for each view");
     views.cells = section.vectors("cells", MOST_CELLS, &allowed, problems).unwrap_or_else(|| cells.to_vec());
+    let allowed = Allowed::closed(0.0, 60.0, "a number of frames");
+    views.warm_up = section.number("warm_up", &allowed, 0.0, problems).ceil() as usize;
+    views.duplicate = duplicate(&mut section, problems).unwrap_or(profile.duplicate);
+    section.finish(&[], problems);
+    views
+}
+
+pub(super) fn favour(section: &mut Section, problems: &mut Problems) -> Option<Favour> {
+    let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
+    section.choice("favour", &favours, problems)
+}
+
+pub(super) fn duplicate(section: &mut Section, problems: &mut Problems) -> Option<Duplicate> {
     let duplicates = [
         ("auto", Duplicate::Auto),
         ("never", Duplicate::Never),
         ("always", Duplicate::Always),
         ("in-turn", Duplicate::InTurn),
     ];
-    views.duplicate = section.choice("duplicate", &duplicates, problems).unwrap_or(Duplicate::Auto);
-    let allowed = Allowed::closed(0.0, 60.0, "a number of frames");
-    views.warm_up = section.number("warm_up", &allowed, 0.0, problems).ceil() as usize;
-    section.finish(&[], problems);
-    views
+    section.choice("duplicate", &duplicates, problems)
 }
 
-pub(super) fn overlay(section: Option<Section>, problems: &mut Problems) -> Overlay {
-    let mut overlay = Overlay { yaw: 0.0, pitch: 0.0, width: 60_f64.to_radians() };
+/// Keys that are absent have the values of `default`.
+pub(super) fn overlay(section: Option<Section>, default: Overlay, problems: &mut Problems) -> Overlay {
+    let mut overlay = default;
     let Some(mut section) = section else { return overlay };
-    overlay.yaw = section.number("yaw", &YAW, 0.0, problems).to_radians();
-    overlay.pitch = section.number("pitch", &PITCH, 0.0, problems).to_radians();
-    let allowed = Allowed::between(0.0, 180.0, "the angle in degrees that a window's width fills");
-    overlay.width = section.number("width", &allowed, 60.0, problems).to_radians();
+    let width = Allowed::between(0.0, 180.0, "the angle in degrees that a window's width fills");
+    for (key, allowed, angle) in
+        [("yaw", &YAW, &mut overlay.yaw), ("pitch", &PITCH, &mut overlay.pitch), ("width", &width, &mut overlay.width)]
+    {
+        *angle = section.optional_number(key, allowed, problems).map_or(*angle, f64::to_radians);
+    }
     section.finish(&[], problems);
     overlay
 }

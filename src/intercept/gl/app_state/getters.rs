@@ -1,5 +1,6 @@
 //! What a program asks about its state: what it set, not what a view needs.
 
+use super::wide_projection;
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
@@ -82,6 +83,10 @@ macro_rules! getters {
                         raster_position(ctx, &mut position);
                         *values = $convert(position[0]);
                         *values.add(1) = $convert(position[1]);
+                    }
+                } else if let Some(matrix) = wide_projection::answer(ctx, gl, name) {
+                    for (i, value) in matrix.into_iter().enumerate() {
+                        *values.add(i) = $convert(value);
                     }
                 } else if let Some((answer, count)) = believed(ctx, name) {
                     if !is_answered(|room: *mut $t| gl.$method(name, room)) {

@@ -2,10 +2,11 @@
 //!
 //! Answers `glViewport`, `glScissor`, `glEnable`, `glPushAttrib` and their relatives
 //! ([`window_state`], [`indexed_viewports`]), calls that set what is followed ([`known_state`]) and
-//! `glGet…` ([`getters`]). While the window is drawn the driver has the viewport of a view; the
-//! program reads what it has set (`Context::app`).
+//! `glGet…` ([`getters`], [`wide_projection`]). While the window is drawn the driver has the
+//! viewport of a view; the program reads what it has set (`Context::app`).
 
 pub mod getters;
 pub mod indexed_viewports;
 pub mod known_state;
+pub mod wide_projection;
 pub mod window_state;

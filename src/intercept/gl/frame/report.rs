@@ -82,6 +82,11 @@ fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draw
     for (reason, framebuffers) in single {
         *statistics.single_framebuffers.entry(reason).or_default() += framebuffers;
     }
+    for lens in report::lenses(&ctx.frame.cameras) {
+        if !statistics.lenses.contains(&lens) {
+            statistics.lenses.push(lens);
+        }
+    }
     for (how, draws) in counts.found.iter() {
         *statistics.projection_found.entry(how.to_owned()).or_default() += draws;
     }

@@ -317,7 +317,10 @@ pub fn count_again(device: &Device) {
 }
 
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
-    let counts = device.frame.locked().counts.clone();
+    let (counts, lenses) = {
+        let frame = device.frame.locked();
+        (frame.counts.clone(), report::lenses(&frame.cameras).collect())
+    };
     let divided = &device.pipelines.divided;
     let uncounted =
         divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));
@@ -327,6 +330,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         panel_draws: counts.flat,
         duplicated_draws: counts.duplicated,
         draws_out_of_sight: counts.left_out,
+        lenses,
         duplicated_framebuffers: device.images.duplicated().count() as u64,
         single_framebuffers: device.scene_graph.single(rig.views.duplicate),
         coarse_primitives: coarse(device),

@@ -1,0 +1,103 @@
+//! The answer to a program that reads its projection matrix to leave out what lies beside its
+//! picture (`camera.answer_wide` of a rig or a profile).
+//!
+//! No perspective picture shows all directions, as the views together may. The answer is therefore
+//! a box around the camera, as large as the program's far plane is distant: the six planes that
+//! programs make of the matrix are its sides.
+
+use super::getters::is_answered;
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::runtime::session::{Intrinsics, MatrixClass};
+
+/// The distance of a far plane that the matrix does not have, in distances of its near plane.
+const WITHOUT_FAR_PLANE: f64 = 1e6;
+
+/// Sixteen numbers that answer a `glGet` of the projection matrix; `None`: the driver answers.
+pub fn answer(ctx: &mut Context, gl: &Gl, name: u32) -> Option<[f64; 16]> {
+    let transposed = match name {
+        api::GL_PROJECTION_MATRIX => false,
+        api::GL_TRANSPOSE_PROJECTION_MATRIX => true,
+        _ => return None,
+    };
+    let session = ctx.drawable.session().filter(|session| session.rig().camera.answer_wide)?;
+    // The driver has the matrix of a view in a list, and none inside Begin/End.
+    // SAFETY: the room is larger than a matrix of doubles.
+    if !is_answered(|room: *mut f64| unsafe { gl.get_doublev(name, room) }) {
+        return None;
+    }
+    ctx.compat.projection.refresh(gl, Some(session));
+    let MatrixClass::Perspective(lens) = &ctx.compat.projection.class else { return None };
+    let wide = widened(&ctx.compat.projection.matrix, lens)?;
+    Some(if transposed { std::array::from_fn(|i| wide[i % 4 * 4 + i / 4]) } else { wide })
+}
+
+/// The matrix, column by column, with a box instead of the lens; what it has beside the lens stays.
+/// `None` if the distances of its planes are not known.
+fn widened(matrix: &[f64; 16], lens: &Intrinsics) -> Option<[f64; 16]> {
+    let Intrinsics { a, b, c, d, e, f } = *lens;
+    let f = f.filter(|f| *f != 0.0)?;
+    // Where the depth is 1 and where it is −1; with reversed depth the first one is the nearer.
+    let mut distances = [(f / (e + 1.0)).abs(), (f / (e - 1.0)).abs()];
+    distances.sort_by(f64::total_cmp);
+    let far = if distances[1].is_finite() { distances[1] } else { distances[0] * WITHOUT_FAR_PLANE };
+    let mut wide = [0.0; 16];
+    for (to, from) in wide.chunks_exact_mut(4).zip(matrix.chunks_exact(4)) {
+        let [x, y, z, w] = [from[0], from[1], from[2], from[3]];
+        // The eye's coordinates, of which w is the distance ahead, over half an edge of the box;
+        // and 1.
+        to.copy_from_slice(&[(x + b * w) / a / far, (y + d * w) / c / far, w / far, (z + e * w) / f]);
+    }
+    Some(wide)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{WITHOUT_FAR_PLANE, widened};
+    use crate::geom::Frustum;
+    use crate::runtime::session::{Intrinsics, MatrixClass, classify};
+    use glam::{DMat4, DQuat, DVec3};
+
+    fn lens(matrix: &[f64; 16]) -> Intrinsics {
+        match classify(matrix) {
+            MatrixClass::Perspective(lens) => lens,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Whether a point is within the six planes.
+    fn is_inside(matrix: &[f64; 16], point: DVec3) -> bool {
+        let clip = DMat4::from_cols_array(matrix) * point.extend(1.0);
+        clip.truncate().abs().max_element() <= clip.w
+    }
+
+    #[test]
+    fn everything_up_to_the_far_plane_is_inside() {
+        let projection = Frustum { left: -0.5, right: 0.7, bottom: -0.4, top: 0.3 }.projection_matrix(1.0, 100.0);
+        let view = DMat4::from_rotation_translation(DQuat::from_rotation_y(1.0), DVec3::new(3.0, 4.0, 5.0));
+        for (eye, matrix) in
+            [(DVec3::ZERO, projection), (view.inverse().transform_point3(DVec3::ZERO), projection * view)]
+        {
+            let matrix = matrix.to_cols_array();
+            let wide = widened(&matrix, &lens(&matrix)).expect("its planes are known");
+            for direction in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
+                assert!(is_inside(&wide, eye + direction * 99.0), "{direction}");
+                assert!(!is_inside(&wide, eye + direction * 174.0), "{direction}");
+            }
+            assert!(!is_inside(&matrix, eye + DVec3::X * 99.0) || !is_inside(&matrix, eye + DVec3::NEG_X * 99.0));
+        }
+    }
+
+    #[test]
+    fn reversed_depth_and_none_have_a_distance() {
+        let frustum = Frustum::symmetric(1.4, 1.0);
+        let reversed = frustum.projection_matrix(100.0, 1.0).to_cols_array();
+        let wide = widened(&reversed, &lens(&reversed)).expect("its planes are known");
+        assert!(is_inside(&wide, DVec3::Z * 99.0) && !is_inside(&wide, DVec3::Z * 101.0));
+        let endless = frustum.projection_matrix(0.5, f64::INFINITY).to_cols_array();
+        let wide = widened(&endless, &lens(&endless)).expect("its planes are known");
+        assert!(
+            is_inside(&wide, DVec3::X * 0.49 * WITHOUT_FAR_PLANE) && !is_inside(&wide, DVec3::X * WITHOUT_FAR_PLANE)
+        );
+    }
+}
