@@ -318,6 +318,11 @@ impl<'a> Caller<'a> {
             ("GLfloat" | "GLclampf", true, 1) => self.short_reals('f', parameter),
             ("GLdouble" | "GLclampd", true, 1) => self.short_reals('d', parameter),
             ("GLenum", true, 1) => self.enums(of),
+            // Of arrays in the player's memory the driver reads what it is told to.
+            ("GLint", true, 1) if name == "first" => {
+                let list: Vec<String> = (0..16).map(|_| self.pick(&NUMBERS).to_string()).collect();
+                format!("[i{}", list.join(","))
+            }
             ("GLint" | "GLuint", true, 1)
                 if parameter.length.is_empty() || parameter.length.starts_with("COMPSIZE") =>
             {

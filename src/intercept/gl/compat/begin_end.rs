@@ -185,6 +185,7 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
         if ctx.session().is_none() || ctx.app.picking {
             program_window_space(ctx);
             plain_program(ctx);
+            ctx.compat.immediate.passed_on = true;
             // SAFETY: the program's own call.
             unsafe { gl.call_list(list) };
             return;
@@ -219,6 +220,7 @@ hooks! {
         } else if ctx.session().is_none() || ctx.app.picking {
             program_window_space(ctx);
             plain_program(ctx);
+            ctx.compat.immediate.passed_on = true;
         } else if !ctx.compat.immediate.under_way() && mode <= api::GL_PATCHES {
             ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
             gl.begin(list_of(mode));
@@ -239,6 +241,7 @@ hooks! {
         }
         ctx.compat.immediate.close_elements(gl);
         gl.end();
+        ctx.compat.immediate.passed_on = false;
         if let Some(recording) = &mut ctx.lists.recording {
             recording.primitive.end();
         }

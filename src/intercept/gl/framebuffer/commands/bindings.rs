@@ -13,23 +13,20 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let ours = ctx.drawable.target().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
-    let was_redirected = was_redirected || (draws && view_copies::rebound(&mut ctx.view_copies));
     let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
     // SAFETY: the program's own call, with our framebuffer in place of its window's.
-    unsafe {
-        ctx.driver.gl.bind_framebuffer(target, real);
-        if reads && name == 0 && ctx.drawable.reads_elsewhere {
-            ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
-        }
-    }
+    unsafe { ctx.driver.gl.bind_framebuffer(target, real) };
     let asked = if draws { api::GL_DRAW_FRAMEBUFFER_BINDING } else { api::GL_READ_FRAMEBUFFER_BINDING };
-    if name != 0 && (draws || reads) && integer(ctx.driver.gl, asked) != name as i32 {
-        // The driver refuses names that it has not made, in a core profile. What was bound is so
-        // again.
-        let bound = if draws { ctx.app.draw_framebuffer } else { ctx.app.read_framebuffer };
-        bind(ctx, if draws { api::GL_DRAW_FRAMEBUFFER } else { target }, bound);
+    if (draws || reads) && integer(ctx.driver.gl, asked) != real as i32 {
+        // The driver refuses names that it has not made, in a core profile, and all between glBegin
+        // and glEnd, where it answers nothing either. Nothing has changed.
         return;
     }
+    if reads && name == 0 && ctx.drawable.reads_elsewhere {
+        // SAFETY: the window's own framebuffer.
+        unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0) };
+    }
+    let was_redirected = was_redirected || (draws && view_copies::rebound(&mut ctx.view_copies));
     if draws {
         ctx.app.draw_framebuffer = name;
     }

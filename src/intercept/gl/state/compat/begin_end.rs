@@ -33,6 +33,8 @@ pub struct Immediate {
     pub(in crate::intercept::gl) used_lists: usize,
     /// `glBegin` lies in a list that was recorded.
     pub(in crate::intercept::gl) begun_by_list: bool,
+    /// `glBegin` was passed on as it came: the driver may be between Begin and End.
+    pub(in crate::intercept::gl) passed_on: bool,
 }
 
 impl Default for Immediate {
@@ -47,6 +49,7 @@ impl Default for Immediate {
             lists: Vec::new(),
             used_lists: 0,
             begun_by_list: false,
+            passed_on: false,
         }
     }
 }
@@ -70,7 +73,19 @@ impl Immediate {
     /// Whether the driver is to refuse a command that is not allowed between Begin and End.
     pub fn refuses(&mut self, gl: &Gl) -> bool {
         self.close_elements(gl);
-        self.under_way()
+        self.under_way() || self.is_in_passed_on(gl)
+    }
+
+    /// Whether the driver is between a Begin and End that were passed on. There it answers no
+    /// question; the error is the one of the command that follows.
+    fn is_in_passed_on(&mut self, gl: &Gl) -> bool {
+        if self.passed_on {
+            let mut mode = 0;
+            // SAFETY: a question of the compatibility profile, with one value that is never 0.
+            unsafe { gl.get_integerv(api::GL_MATRIX_MODE, &mut mode) };
+            self.passed_on = mode == 0;
+        }
+        self.passed_on
     }
 
     /// Ends the list of elements that is open, if one is.
