@@ -10,17 +10,19 @@
 //! cursors that point to the slot's old frame on, and counts the frame as lost for these readers;
 //! or it waits until they have moved on by themselves, if that was asked for. A reader moves its
 //! cursor on when it has copied a frame; if the writer moved it first, the copy does not count. So
-//! both sides count the same losses, and no copy is of two frames.
+//! both sides count the same losses, and no copy is of two frames. A reader counts by its cursor
+//! alone, for its place may be that of one that died.
 //!
 //! Reader and writer hold a lock on a byte of the file while they live. The system gives it back
-//! however they end. [`layout`] says where everything lies; `cupola_ring.h` says it to programs in
-//! C.
+//! however they end. [`layout`] says where everything lies.
 
 pub mod layout;
 pub mod place;
 pub mod reader;
 pub mod writer;
 
+#[cfg(test)]
+mod interleavings;
 #[cfg(test)]
 mod tests;
 

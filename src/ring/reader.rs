@@ -19,7 +19,10 @@ pub struct Reader {
     /// Entry of this reader.
     entry: usize,
     shape: FileShape,
-    /// Frames that were lost in files before this one.
+    /// Number of the frame after the last one that was taken or left out. Those between it and the
+    /// cursor are lost.
+    next: u64,
+    /// Frames that were lost before it.
     lost: u64,
 }
 
@@ -76,7 +79,7 @@ impl Reader {
         Self::begin(path, None)
     }
 
-    /// `before`: place and cursor in the file before this one.
+    /// `before`: place in the file before this one, and number of the next frame.
     fn begin(path: &Path, before: Option<(usize, u64)>) -> Result<Self> {
         let failed = |text: String| Error::new(ErrorKind::Io, format!("{}: {text}", path.display()));
         let memory = SharedMemory::open(path).map_err(|error| failed(error.to_string()))?;
@@ -89,13 +92,10 @@ impl Reader {
             return Err(failed(format!("{READERS} readers read these frames already")));
         };
         let words = ReaderWords::new(&memory, entry);
-        let mut lost = 0;
         if own.is_none() {
-            let first = value(&memory, header::PUBLISHED);
-            lost = before.map_or(0, |(_, cursor)| first.saturating_sub(cursor));
             words.is_active().store(FREE, Ordering::Release);
             words.lost().store(0, Ordering::Relaxed);
-            words.cursor().store(first, Ordering::Release);
+            words.cursor().store(value(&memory, header::PUBLISHED), Ordering::Release);
         }
         words.is_active().store(ACTIVE, Ordering::Release);
         if own.is_none() {
@@ -104,10 +104,11 @@ impl Reader {
             fence(Ordering::SeqCst);
             words.cursor().fetch_max(value(&memory, header::PUBLISHED), Ordering::AcqRel);
         }
+        let next = before.map_or_else(|| words.cursor().load(Ordering::Acquire), |(_, next)| next);
         // A writer may wait for its first reader.
         memory.words()[header::TAKEN].fetch_add(1, Ordering::Release);
         memory.wake(header::TAKEN);
-        Ok(Self { path: path.to_owned(), entry, shape, lost, memory })
+        Ok(Self { path: path.to_owned(), entry, shape, next, lost: 0, memory })
     }
 
     fn words(&self) -> ReaderWords<'_> {
@@ -116,7 +117,7 @@ impl Reader {
 
     /// Number of frames that this reader lost because it was too slow.
     pub fn lost(&self) -> u64 {
-        self.lost + self.words().lost().load(Ordering::Relaxed)
+        self.lost + self.words().cursor().load(Ordering::Acquire).saturating_sub(self.next)
     }
 
     /// Copies the next frame to `frame`, after waiting for it for no longer than `limit`.
@@ -130,6 +131,7 @@ impl Reader {
             let cursor = self.words().cursor().load(Ordering::Acquire);
             if cursor < published {
                 if self.copy(cursor, frame)? {
+                    self.go_on(cursor, cursor + 1);
                     return Ok(Next::Frame);
                 }
                 continue;
@@ -139,7 +141,7 @@ impl Reader {
                 _ if value(&self.memory, header::PUBLISHED) > cursor => continue,
                 OPEN => {}
                 REPLACED => {
-                    self.follow(cursor)?;
+                    self.follow()?;
                     continue;
                 }
                 _ => return Ok(Next::Ended),
@@ -163,13 +165,20 @@ impl Reader {
     pub fn skip_to_newest(&mut self) {
         let newest = value(&self.memory, header::PUBLISHED).saturating_sub(1);
         // The writer alone may have moved it meanwhile, and only on.
-        self.words().cursor().fetch_max(newest, Ordering::AcqRel);
+        let cursor = self.words().cursor().fetch_max(newest, Ordering::AcqRel);
+        self.go_on(cursor, cursor.max(newest));
+    }
+
+    /// The cursor stood at `cursor`, and stands at `next` now.
+    fn go_on(&mut self, cursor: u64, next: u64) {
+        self.lost += cursor.saturating_sub(self.next);
+        self.next = next;
     }
 
     /// Goes on with the file that took the place of this one.
-    fn follow(&mut self, cursor: u64) -> Result<()> {
-        let mut next = Self::begin(&self.path, Some((self.entry, cursor)))?;
-        next.lost += self.lost();
+    fn follow(&mut self) -> Result<()> {
+        let mut next = Self::begin(&self.path, Some((self.entry, self.next)))?;
+        next.lost = self.lost;
         *self = next;
         Ok(())
     }

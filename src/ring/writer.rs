@@ -39,6 +39,8 @@ pub struct Writer {
     slot_words: usize,
     waits: bool,
     number: u64,
+    /// Frames that readers lost.
+    lost: u64,
     /// The file before this one, while readers of it have not come to this one.
     before: Option<SharedMemory>,
 }
@@ -102,7 +104,7 @@ impl Writer {
         ] {
             set(&memory, word, value);
         }
-        let writer = Self {
+        let mut writer = Self {
             memory,
             path: path.to_owned(),
             shapes: shapes.to_vec(),
@@ -111,29 +113,32 @@ impl Writer {
             slot_words,
             waits,
             number,
+            lost: old.map_or(0, |old| old.lost),
             before: None,
         };
         (0..slots).for_each(|number| writer.write_table(writer.slot(number as u64)));
         if let Some(old) = old {
-            (0..READERS).for_each(|reader| old.hand_over(&writer.memory, reader));
+            writer.lost += (0..READERS).map(|reader| old.hand_over(&writer.memory, reader)).sum::<u64>();
         }
         std::fs::rename(&name, path).inspect_err(|_| drop(std::fs::remove_file(&name)))?;
         Ok(writer)
     }
 
-    /// Gives a reader its place in the next file.
-    fn hand_over(&self, next: &SharedMemory, number: usize) {
+    /// Gives a reader its place in the next file. Number of frames that it loses: if it never opened
+    /// this file, all that lie in it.
+    fn hand_over(&self, next: &SharedMemory, number: usize) -> u64 {
         let (from, to) = (ReaderWords::new(&self.memory, number), ReaderWords::new(next, number));
         let state = from.is_active().load(Ordering::Acquire);
+        let mut lost = 0;
         if state == EXPECTED {
-            // It never opened this file, and loses all that lies in it.
-            let lost = self.number.saturating_sub(from.cursor().load(Ordering::Acquire));
+            lost = self.number.saturating_sub(from.cursor().load(Ordering::Acquire));
             to.lost().store(from.lost().load(Ordering::Relaxed) + lost, Ordering::Relaxed);
         }
         if state != FREE {
             to.cursor().store(self.number, Ordering::Relaxed);
             to.is_active().store(EXPECTED, Ordering::Release);
         }
+        lost
     }
 
     fn write_table(&self, slot: usize) {
@@ -189,7 +194,7 @@ impl Writer {
         let (number, slot) = (self.number, self.slot(self.number));
         fence(Ordering::SeqCst);
         if let Some(oldest) = (number + 1).checked_sub(self.slots as u64) {
-            (0..READERS).for_each(|reader| self.move_on(reader, oldest));
+            self.lost += (0..READERS).map(|reader| self.move_on(reader, oldest)).sum::<u64>();
         }
         let word = |word: usize| &self.memory.words()[slot + word];
         word(slot::SEQUENCE).store(2 * number + 1, Ordering::Relaxed);
@@ -204,35 +209,43 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// Lets no cursor of a reader point to a frame before `oldest`: waits for the reader, or counts
-    /// what it loses.
-    fn move_on(&self, number: usize, oldest: u64) {
+    /// Lets no cursor of a reader point to a frame before `oldest`: waits for the reader, or moves
+    /// its cursor. Number of frames that it loses. The word for them may be another reader's when
+    /// it is written, if this one ends meanwhile: readers of ours count by their cursor alone.
+    fn move_on(&self, number: usize, oldest: u64) -> u64 {
         let reader = ReaderWords::new(&self.memory, number);
         loop {
             let taken = value(&self.memory, header::TAKEN);
             let cursor = reader.cursor().load(Ordering::Acquire);
             if reader.is_active().load(Ordering::Acquire) == FREE || cursor >= oldest {
-                return;
+                return 0;
             }
-            if self.waits {
-                if !self.is_alive(reader) {
-                    // It ended without a word.
-                    reader.is_active().store(FREE, Ordering::Release);
-                    return;
-                }
+            if !self.is_alive(reader) {
+                self.free(reader);
+            } else if self.waits {
                 self.memory.wait(header::TAKEN, taken as u32, LOOK);
             } else if replace(reader.cursor(), cursor, oldest) {
                 reader.lost().fetch_add(oldest - cursor, Ordering::Relaxed);
-                return;
+                return oldest - cursor;
             }
         }
     }
 
-    /// Whether the process of a reader that uses its place, or is expected there, lives.
+    /// Frees the place of a reader that ended without a word. The lock keeps out those who would
+    /// take it meanwhile; whoever has taken it already keeps it.
+    fn free(&self, reader: ReaderWords<'_>) {
+        if self.memory.lock(reader.lock_byte()) {
+            reader.is_active().store(FREE, Ordering::Release);
+            self.memory.unlock(reader.lock_byte());
+        }
+    }
+
+    /// Whether the process of a reader that uses its place, or is expected there, lives. A reader
+    /// locks its next place before it leaves the last one: asked in this order, one is found.
     fn is_alive(&self, reader: ReaderWords<'_>) -> bool {
         let is_locked = |memory: &SharedMemory| memory.is_locked(reader.lock_byte());
-        let is_expected = || reader.is_active().load(Ordering::Acquire) == EXPECTED;
-        is_locked(&self.memory) || (is_expected() && self.before.as_ref().is_some_and(is_locked))
+        let is_expected = reader.is_active().load(Ordering::Acquire) == EXPECTED;
+        (is_expected && self.before.as_ref().is_some_and(is_locked)) || is_locked(&self.memory)
     }
 
     /// Waits for the first reader, for about a minute; whether it came. The time is counted in
@@ -274,8 +287,7 @@ impl Writer {
     /// Number of living readers, and of frames that all readers lost so far.
     pub fn readers(&self) -> (usize, u64) {
         let readers = (0..READERS).map(|number| ReaderWords::new(&self.memory, number));
-        let living = readers.clone().filter(|reader| self.memory.is_locked(reader.lock_byte())).count();
-        (living, readers.map(|reader| reader.lost().load(Ordering::Relaxed)).sum())
+        (readers.filter(|reader| self.memory.is_locked(reader.lock_byte())).count(), self.lost)
     }
 
     fn finish(&self, state: u64) {
