@@ -22,12 +22,18 @@ fn all_words(bare: &str) -> Vec<&str> {
     words
 }
 
-/// Whether a text names a 4×4 matrix that the program gives it.
+/// Whether a text uses a 4×4 matrix that the program gives it. One that is only declared, as in a
+/// header that all shaders of an engine share, is not used.
 pub fn has_matrices(source: &str) -> bool {
     let bare = tokens::bare(source);
-    let mut words = Vec::new();
-    bare.lines().filter(|line| !line.trim_start().starts_with('#')).for_each(|line| tokens::words(line, &mut words));
-    words.contains(&"uniform") && words.iter().any(|word| matches!(*word, "mat4" | "mat4x4"))
+    let words = all_words(&bare);
+    words.contains(&"uniform")
+        && words.iter().enumerate().filter(|(_, word)| matches!(**word, "mat4" | "mat4x4")).any(|(at, _)| {
+            // The names that follow, with the sizes of arrays; a cast or a macro has no name here.
+            let declared = words[at + 1..].iter().take_while(|word| **word != ";" && **word != "(");
+            let mut names = declared.filter(|word| tokens::is_name(word)).peekable();
+            names.peek().is_none() || names.any(|name| words.iter().filter(|word| *word == name).count() > 1)
+        })
 }
 
 /// Kinds of images that are pictures.
@@ -212,6 +218,25 @@ mod tests {
         ] {
             assert_eq!(writes(text), expected, "{text}");
         }
-        assert!(has_matrices("uniform mat4 m; void main() {}") && !has_matrices("void main() { mat4 m; }"));
+    }
+
+    #[test]
+    fn matrices_that_are_only_declared_are_not_used() {
+        for unused in [
+            "void main() { mat4 m; }",
+            "uniform mat4 m; void main() {}",
+            "layout(std140) uniform Matrices { mat4 view; mat4 shadows[4]; vec2 screen; }; void main() { screen; }",
+        ] {
+            assert!(!has_matrices(unused), "{unused}");
+        }
+        for used in [
+            "uniform mat4 m; void main() { m; }",
+            "uniform Matrices { mat4 view, other[N]; } all; void main() { all.other[2]; }",
+            "uniform mat4 m;\n#define M m\nvoid main() { M; }",
+            "#define MATRIX mat4\nuniform MATRIX m; void main() { m; }",
+            "uniform vec4 v[4]; void main() { mat4(v[0], v[1], v[2], v[3]); }",
+        ] {
+            assert!(has_matrices(used), "{used}");
+        }
     }
 }
