@@ -29,6 +29,7 @@
 //! - [`runtime::embedded`]: a program draws its views itself and has them corrected.
 //! - [`warp::WarpMap`]: where a pixel looks, in f64, without a graphics card.
 //! - [`blend`]: what the light of all projectors adds up to on the dome.
+//! - [`calibrate`]: where projectors really stand, from what they light.
 //!
 //! Units and conventions, everywhere: metres and degrees in files, radians in code; right-handed
 //! axes, x right, y up, −z forward; column vectors; f64 on the CPU, f32 only in
@@ -38,6 +39,7 @@
 pub mod backend;
 pub mod blend;
 pub mod cache;
+pub mod calibrate;
 pub mod correct;
 pub mod digest;
 pub mod error;

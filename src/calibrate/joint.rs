@@ -1,0 +1,331 @@
+//! All projectors at once, from photographs of one camera whose place and lens are not known.
+//!
+//! Each observation is a place of a projector's picture and the place of the photograph in which it
+//! was seen. Between them lies the screen, whose shape is known: the residual is where the camera
+//! would see what the projector lights there, minus where it was seen.
+//!
+//! Angles and distances from the dome's centre are relative. A rotation of everything about the
+//! centre of a sphere changes no photograph: it is fixed by marks, or by the aim of the first
+//! output. A factor on all lengths changes none either: it is fixed by the radius of the rig.
+
+use super::camera::{self, Camera, CameraLens};
+use super::least_squares::{self, Fit, Model};
+use super::marks::{self, Mark, Solved};
+use super::{Part, Projector};
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{Optics, Pose, Screen};
+use crate::rig::Rig;
+use glam::{DVec2, DVec3};
+
+/// A place of an output's picture that was seen by the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    /// Number of the output.
+    pub output: usize,
+    /// The place in its picture, pixels from the top left.
+    pub pixel: DVec2,
+    /// The place in the photograph, pixels from the top left.
+    pub seen: DVec2,
+}
+
+/// What is known of a dome.
+#[derive(Clone, Debug, Default)]
+pub struct Observed {
+    /// Width and height of the photographs, pixels.
+    pub photograph: (u32, u32),
+    /// Places that were seen.
+    pub sightings: Vec<Sighting>,
+    /// Places in the photograph of known direction from the dome's centre (unit length, dome axes).
+    pub landmarks: Vec<(DVec2, DVec3)>,
+    /// Marks of outputs.
+    pub marks: Vec<Mark>,
+}
+
+/// All that was found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The outputs that were seen, by their numbers.
+    pub outputs: Vec<(usize, Solved)>,
+    /// The camera.
+    pub camera: Camera,
+    /// Root mean square of the used residuals in the photograph, pixels.
+    pub rms: f64,
+    /// The dome's rotation follows from the aim of the first output, because there were no marks.
+    pub aimed_by_first: bool,
+}
+
+/// Fewest sightings of an output.
+const FEWEST: usize = 20;
+/// Sightings of an output that are looked at to find a start.
+const FOR_START: usize = 25;
+/// Starts of each kind of lens that all projectors are fitted from.
+const BEST: usize = 2;
+/// Fewest marks and landmarks that fix the rotation.
+const FIX: usize = 2;
+/// Focal lengths that are tried, as parts of the photograph's width.
+const FISHEYE: [f64; 6] = [0.12, 0.17, 0.24, 0.34, 0.48, 0.68];
+const PINHOLE: [f64; 5] = [0.35, 0.5, 0.8, 1.3, 2.2];
+
+/// Solves all outputs that were seen; `sizes` are the sizes of all pictures of the rig, `parts` are
+/// free.
+///
+/// # Errors [`ErrorKind::InvalidArgument`] if an output is no projector with such parts, or what
+/// was seen does not determine it.
+pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part]) -> Result<Found> {
+    let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, why);
+    let screen = rig.surface();
+    let count = |output: usize| observed.sightings.iter().filter(|sighting| sighting.output == output).count();
+    let seen: Vec<usize> = (0..rig.outputs.len()).filter(|output| count(*output) > 0).collect();
+    if seen.is_empty() {
+        return Err(invalid("no output was seen".into()));
+    }
+    if let Some(output) = seen.iter().find(|output| count(**output) < FEWEST) {
+        let (name, count) = (&rig.outputs[*output].name, count(*output));
+        return Err(invalid(format!("output \"{name}\" was seen in {count} places; it needs {FEWEST} at least")));
+    }
+    let projectors =
+        seen.iter().map(|output| Projector::new(&rig.outputs[*output], sizes[*output], parts, screen.size()));
+    let projectors: Vec<Projector> = projectors.collect::<Result<_>>()?;
+    let all = observations(&screen, &seen, observed)
+        .ok_or_else(|| invalid("a mark is in a direction where no screen is".into()))?;
+    let whole =
+        Joint { screen: &screen, camera: first_camera(&screen, observed.photograph), projectors, all, held: vec![] };
+    let aimed_by_first = observed.landmarks.len() + observed.marks.len() < FIX;
+    let (model, fit) = best(&whole, aimed_by_first)
+        .ok_or_else(|| invalid("what was seen does not fit the rig: is it roughly right?".into()))?;
+    found(&model, &fit, &seen, aimed_by_first)
+}
+
+/// The camera that all guesses are changes of.
+fn first_camera(screen: &Screen, size: (u32, u32)) -> Camera {
+    let pose = Pose { position: screen.pose.position, rotation: glam::DMat3::IDENTITY };
+    Camera::new(pose, CameraLens::Fisheye, f64::from(size.0), size)
+}
+
+/// One observation; `projector` counts those that were seen.
+#[derive(Clone, Copy, Debug)]
+enum Observation {
+    Seen { projector: usize, pixel: DVec2, seen: DVec2 },
+    Landmark { seen: DVec2, point: DVec3 },
+    Mark { projector: usize, pixel: DVec2, point: DVec3 },
+}
+
+fn observations(screen: &Screen, outputs: &[usize], observed: &Observed) -> Option<Vec<Observation>> {
+    let place = |output: usize| outputs.iter().position(|own| *own == output);
+    let point = |direction: DVec3| Some(screen.unbounded_hit(DVec3::ZERO, direction)?.point);
+    let seen = observed.sightings.iter().filter_map(|sighting| {
+        let projector = place(sighting.output)?;
+        Some(Observation::Seen { projector, pixel: sighting.pixel, seen: sighting.seen })
+    });
+    let mut all: Vec<Observation> = seen.collect();
+    for (seen, direction) in &observed.landmarks {
+        all.push(Observation::Landmark { seen: *seen, point: point(*direction)? });
+    }
+    for mark in &observed.marks {
+        // Marks of outputs that were not seen say nothing about the others.
+        let Some(projector) = place(mark.output) else { continue };
+        all.push(Observation::Mark { projector, pixel: mark.pixel, point: point(mark.direction)? });
+    }
+    Some(all)
+}
+
+/// Camera and projectors as one problem of least squares.
+#[derive(Clone)]
+struct Joint<'a> {
+    screen: &'a Screen,
+    camera: Camera,
+    projectors: Vec<Projector>,
+    all: Vec<Observation>,
+    /// Parameters that are held; the others beyond its end are free.
+    held: Vec<bool>,
+}
+
+impl Joint<'_> {
+    /// The first parameter of a projector; for their number that of the camera.
+    fn first(&self, projector: usize) -> usize {
+        self.projectors[..projector].iter().map(Projector::parameters).sum()
+    }
+
+    /// The same problem from where a fit has led.
+    fn moved(&self, fit: &[f64]) -> Self {
+        let mut moved = self.clone();
+        let state = self.state(fit);
+        for (projector, optics) in moved.projectors.iter_mut().zip(state.0) {
+            *projector = projector.with(optics, projector.parts());
+        }
+        moved.camera = state.1;
+        moved
+    }
+
+    /// The same with fewer sightings.
+    fn thinned(&self) -> Self {
+        let mut left = vec![0usize; self.projectors.len()];
+        let mut every = vec![0usize; self.projectors.len()];
+        for observation in &self.all {
+            if let Observation::Seen { projector, .. } = observation {
+                every[*projector] += 1;
+            }
+        }
+        let mut keep = |observation: &Observation| match observation {
+            Observation::Seen { projector, .. } => {
+                left[*projector] += 1;
+                left[*projector].is_multiple_of((every[*projector] / FOR_START).max(1))
+            }
+            _ => true,
+        };
+        Self { all: self.all.iter().copied().filter(|observation| keep(observation)).collect(), ..self.clone() }
+    }
+}
+
+impl Model for Joint<'_> {
+    type State = (Vec<Optics>, Camera);
+
+    fn parameters(&self) -> usize {
+        self.first(self.projectors.len()) + self.camera.parameters()
+    }
+
+    fn observations(&self) -> usize {
+        self.all.len()
+    }
+
+    fn state(&self, parameters: &[f64]) -> Self::State {
+        let mut rest = parameters;
+        let mut optics = Vec::with_capacity(self.projectors.len());
+        for projector in &self.projectors {
+            let (own, after) = rest.split_at(projector.parameters().min(rest.len()));
+            optics.push(projector.optics(own));
+            rest = after;
+        }
+        (optics, self.camera.moved(rest, self.screen.size()))
+    }
+
+    fn residual(&self, (optics, camera): &Self::State, observation: usize) -> Option<DVec2> {
+        match self.all[observation] {
+            Observation::Seen { projector, pixel, seen } => {
+                let (origin, direction) = self.projectors[projector].ray(&optics[projector], pixel)?;
+                Some(camera.place(self.screen.unbounded_hit(origin, direction)?.point)? - seen)
+            }
+            Observation::Landmark { seen, point } => Some(camera.place(point)? - seen),
+            Observation::Mark { projector, pixel, point } => {
+                Some(self.projectors[projector].pixel(&optics[projector], point)? - pixel)
+            }
+        }
+    }
+
+    fn depends(&self, observation: usize) -> impl Iterator<Item = usize> {
+        let own = |projector: usize| {
+            let first = self.first(projector);
+            first..first + self.projectors[projector].parameters()
+        };
+        let camera = self.first(self.projectors.len())..self.parameters();
+        let (projector, camera) = match self.all[observation] {
+            Observation::Seen { projector, .. } => (own(projector), camera),
+            Observation::Landmark { .. } => (0..0, camera),
+            Observation::Mark { projector, .. } => (own(projector), 0..0),
+        };
+        projector.chain(camera).filter(|index| !self.is_held(*index))
+    }
+
+    fn is_held(&self, parameter: usize) -> bool {
+        self.held.get(parameter).copied().unwrap_or(false)
+    }
+}
+
+/// The best of the fits from several guesses of the camera.
+fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)> {
+    let thin = whole.thinned();
+    let held = vec![true; thin.first(thin.projectors.len())];
+    let mut starts: Vec<(f64, Camera)> = guesses(&thin)
+        .into_iter()
+        .map(|camera| {
+            let model = Joint { camera, held: held.clone(), ..thin.clone() };
+            let fit = least_squares::roughly(&model, vec![0.0; model.parameters()]);
+            (fit.cost, model.state(&fit.parameters).1)
+        })
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut held = Vec::new();
+    if aimed_by_first {
+        // Rotations follow the position.
+        held = [[false; 3], [true; 3]].concat();
+    }
+    let of = |lens: CameraLens| starts.iter().filter(move |(_, camera)| camera.lens == lens).take(BEST);
+    let starts = of(CameraLens::Fisheye).chain(of(CameraLens::Pinhole));
+    let fits = starts.map(|(_, camera)| {
+        let camera = camera.clone();
+        let model = Joint { camera, held: held.clone(), ..thin.clone() };
+        let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
+        (fit.cost, model.moved(&fit.parameters))
+    });
+    let (_, best) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let model = Joint { all: whole.all.clone(), ..best };
+    let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
+    Some((model, fit))
+}
+
+/// Cameras in the dome's centre with lenses of all kinds, turned so that what they see is about
+/// where the rig says.
+fn guesses(model: &Joint) -> Vec<Camera> {
+    let (optics, _) = model.state(&[]);
+    let points: Vec<(DVec2, DVec3)> = model
+        .all
+        .iter()
+        .filter_map(|observation| match *observation {
+            Observation::Seen { projector, pixel, seen } => {
+                let (origin, direction) = model.projectors[projector].ray(&optics[projector], pixel)?;
+                Some((seen, model.screen.unbounded_hit(origin, direction)?.point))
+            }
+            Observation::Landmark { seen, point } => Some((seen, point)),
+            Observation::Mark { .. } => None,
+        })
+        .collect();
+    let lenses = FISHEYE.map(|focal| (CameraLens::Fisheye, focal)).into_iter();
+    let lenses = lenses.chain(PINHOLE.map(|focal| (CameraLens::Pinhole, focal)));
+    let guess = |(lens, focal): (CameraLens, f64)| {
+        let size = model.camera.size;
+        let mut camera = Camera::new(model.camera.pose, lens, focal * f64::from(size.0), size);
+        let pair = |(seen, point): &(DVec2, DVec3)| {
+            Some((camera.ideal_ray(*seen)?, (*point - camera.pose.position).try_normalize()?))
+        };
+        let pairs: Vec<(DVec3, DVec3)> = points.iter().filter_map(pair).collect();
+        camera.pose.rotation = camera::rotation(&pairs);
+        camera
+    };
+    lenses.map(guess).collect()
+}
+
+/// What a fit says about all outputs.
+fn found(model: &Joint, fit: &Fit, outputs: &[usize], aimed_by_first: bool) -> Result<Found> {
+    let (optics, camera) = model.state(&fit.parameters);
+    let mut solved = Vec::new();
+    for (index, output) in outputs.iter().enumerate() {
+        let own: Vec<usize> = (0..model.all.len())
+            .filter(|at| match model.all[*at] {
+                Observation::Seen { projector, .. } | Observation::Mark { projector, .. } => projector == index,
+                Observation::Landmark { .. } => false,
+            })
+            .collect();
+        let angle = |at: usize| {
+            let Observation::Seen { pixel: from, .. } = model.all[at] else { return None };
+            let (origin, direction) = model.projectors[index].ray(&optics[index], from)?;
+            let point = model.screen.unbounded_hit(origin, direction)?.point;
+            // Angles are small: as many times as great as those of a step on the screen.
+            let step = 1e-4 * point.length() * point.any_orthonormal_vector();
+            let pixels = camera.place(point + step)?.distance(camera.place(point)?);
+            Some(1e-4 * fit.residuals[at]?.length() / pixels.max(f64::MIN_POSITIVE))
+        };
+        let projector = &model.projectors[index];
+        let quality = marks::quality(projector, &optics[index], fit, model.first(index), model.screen, &own, angle);
+        let quality = quality.ok_or_else(|| {
+            let why = "what was seen does not determine the projectors; let the camera see more of each";
+            Error::new(ErrorKind::InvalidArgument, why)
+        })?;
+        solved.push((*output, Solved { optics: optics[index].clone(), quality }));
+    }
+    let used = fit.residuals.iter().zip(&fit.used).filter(|(_, used)| **used);
+    let rms = marks::rms(used.filter_map(|(residual, _)| residual.map(DVec2::length)));
+    Ok(Found { outputs: solved, camera, rms, aimed_by_first })
+}
+
+#[cfg(test)]
+mod tests;

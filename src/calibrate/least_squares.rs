@@ -1,0 +1,279 @@
+//! Non-linear least squares after Levenberg (1944) and Marquardt (1963), and a robust form of it
+//! for observations of which some are wrong.
+//!
+//! The robust form minimises Tukey's biweight of the residuals over their scale, which follows from
+//! the median residual of each group of observations (Huber and Ronchetti, *Robust Statistics*,
+//! 2009). An observation farther away than [`CUT`] scales has no influence.
+
+use super::Symmetric;
+use glam::DVec2;
+
+/// Residuals of observations in two dimensions as functions of parameters. Parameters have natural
+/// units, so that a step of 1e-6 is small and is felt.
+pub trait Model {
+    /// What is computed once for a set of parameters.
+    type State;
+    /// Number of parameters.
+    fn parameters(&self) -> usize;
+    /// Number of observations.
+    fn observations(&self) -> usize;
+    /// What the residuals are computed from.
+    fn state(&self, parameters: &[f64]) -> Self::State;
+    /// The residual of an observation; `None` where the parameters give none.
+    fn residual(&self, state: &Self::State, observation: usize) -> Option<DVec2>;
+    /// The parameters that an observation depends on.
+    fn depends(&self, observation: usize) -> impl Iterator<Item = usize>;
+    /// Whether a parameter is held at its value. No observation depends on it then.
+    fn is_held(&self, _parameter: usize) -> bool {
+        false
+    }
+    /// The group of an observation, 0…[`Self::groups`]: those of one group are equally precise.
+    fn group(&self, _observation: usize) -> usize {
+        0
+    }
+    /// Number of groups.
+    fn groups(&self) -> usize {
+        1
+    }
+}
+
+/// Parameters that fit, and how well.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The parameters.
+    pub parameters: Vec<f64>,
+    /// The residual of each observation.
+    pub residuals: Vec<Option<DVec2>>,
+    /// Whether the observation had an influence.
+    pub used: Vec<bool>,
+    /// Sum of the losses and of the logarithms of the scales: of two fits of the same observations
+    /// the one with less is better.
+    pub cost: f64,
+    /// Standard deviation of a residual's coordinate, for each group.
+    pub deviations: Vec<f64>,
+    /// Covariance of the parameters; `None` where the observations do not determine them.
+    pub covariance: Option<Symmetric>,
+}
+
+/// Scales beyond which an observation has no influence. Normally distributed errors in two
+/// dimensions are beyond with a probability of e⁻¹⁸.
+pub const CUT: f64 = 6.0;
+/// The median length of a normally distributed error in two dimensions, in standard deviations:
+/// √(2 ln 2).
+const MEDIAN_LENGTH: f64 = 1.177_410_022_515_474_7;
+/// Scales are not smaller than this: exact observations have rounding errors.
+const LEAST_SCALE: f64 = 1e-5;
+/// Step of central differences.
+const STEP: f64 = 1e-6;
+/// Information about what is held.
+const KNOWN: f64 = 1e30;
+/// Minimisations with a new scale.
+const ROUNDS: usize = 12;
+/// Steps of one of them, and of the last one.
+const STEPS: usize = 10;
+const LAST_STEPS: usize = 40;
+
+/// How residuals are counted.
+enum Loss<'a> {
+    Square,
+    /// Tukey's biweight with a scale for each group.
+    Biweight(&'a [f64]),
+}
+
+impl Loss<'_> {
+    /// The loss of a squared residual, and the weight of its square in the normal equations.
+    fn of(&self, squared: Option<f64>, group: usize) -> (f64, f64) {
+        match (self, squared) {
+            (Self::Square, Some(squared)) => (0.5 * squared, 1.0),
+            (Self::Square, None) => (f64::MAX.sqrt(), 0.0),
+            (Self::Biweight(scales), squared) => {
+                let scale = scales[group];
+                let part = squared.map_or(1.0, |squared| (squared / (CUT * scale).powi(2)).min(1.0));
+                let rest = 1.0 - part;
+                (CUT * CUT / 6.0 * (1.0 - rest * rest * rest), rest * rest / (scale * scale))
+            }
+        }
+    }
+}
+
+/// The parameters from `start` on for which the squares of all residuals are least.
+pub fn squares<M: Model>(model: &M, start: Vec<f64>) -> Vec<f64> {
+    minimise(model, start, &Loss::Square, LAST_STEPS)
+}
+
+/// The robust fit that is reached from `start`.
+pub fn robust<M: Model>(model: &M, start: Vec<f64>) -> Fit {
+    rounds(model, start, ROUNDS)
+}
+
+/// About the same in a shorter time, to compare starts.
+pub fn roughly<M: Model>(model: &M, start: Vec<f64>) -> Fit {
+    rounds(model, start, 3)
+}
+
+fn rounds<M: Model>(model: &M, start: Vec<f64>, rounds: usize) -> Fit {
+    let mut parameters = start;
+    let mut scales = scales(model, &residuals(model, &parameters));
+    for _ in 0..rounds {
+        parameters = minimise(model, parameters, &Loss::Biweight(&scales), STEPS);
+        let next = self::scales(model, &residuals(model, &parameters));
+        // A scale that grows again would go round in circles.
+        let next: Vec<f64> = next.iter().zip(&scales).map(|(next, scale)| next.min(*scale)).collect();
+        let settled = next.iter().zip(&scales).all(|(next, scale)| *next > 0.99 * scale);
+        scales = next;
+        if settled {
+            parameters = minimise(model, parameters, &Loss::Biweight(&scales), LAST_STEPS);
+            break;
+        }
+    }
+    let residuals = residuals(model, &parameters);
+    let loss = Loss::Biweight(&scales);
+    let squared = |observation: usize| residuals[observation].map(DVec2::length_squared);
+    let valued: Vec<(f64, f64)> =
+        (0..residuals.len()).map(|index| loss.of(squared(index), model.group(index))).collect();
+    let used: Vec<bool> = valued.iter().map(|(_, weight)| *weight > 0.0).collect();
+    let breadth = |index: usize| 2.0 * scales[model.group(index)].ln();
+    let cost = valued.iter().enumerate().map(|(index, (loss, _))| loss + breadth(index)).sum();
+    let deviations = deviations(model, &residuals, &used);
+    let covariance = information(model, &parameters, &used, &deviations).inverse();
+    Fit { parameters, residuals, used, cost, deviations, covariance }
+}
+
+/// All residuals.
+pub fn residuals<M: Model>(model: &M, parameters: &[f64]) -> Vec<Option<DVec2>> {
+    let state = model.state(parameters);
+    (0..model.observations()).map(|observation| model.residual(&state, observation)).collect()
+}
+
+/// The scale of each group, from the median of its residuals.
+fn scales<M: Model>(model: &M, residuals: &[Option<DVec2>]) -> Vec<f64> {
+    let mut lengths = vec![Vec::new(); model.groups()];
+    for (observation, residual) in residuals.iter().enumerate() {
+        lengths[model.group(observation)].push(residual.map_or(f64::INFINITY, DVec2::length));
+    }
+    lengths.iter_mut().map(|lengths| (median(lengths) / MEDIAN_LENGTH).clamp(LEAST_SCALE, 1e9)).collect()
+}
+
+/// The median; 0 of nothing.
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Standard deviations of the coordinates of used residuals, for each group. The parameters take
+/// their part of each group's freedom.
+fn deviations<M: Model>(model: &M, residuals: &[Option<DVec2>], used: &[bool]) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0usize); model.groups()];
+    for (observation, residual) in residuals.iter().enumerate().filter(|(observation, _)| used[*observation]) {
+        let sum = &mut sums[model.group(observation)];
+        sum.0 += residual.map_or(0.0, DVec2::length_squared);
+        sum.1 += 2;
+    }
+    let all = sums.iter().map(|sum| sum.1).sum::<usize>().max(1) as f64;
+    let solved = (0..model.parameters()).filter(|index| !model.is_held(*index)).count();
+    let free = ((all - solved as f64) / all).max(1.0 / all);
+    sums.iter().map(|(sum, count)| (sum / (free * (*count).max(1) as f64)).sqrt().max(1e-12)).collect()
+}
+
+/// Fisher's information about the parameters in observations whose coordinates have these standard
+/// deviations: its inverse is the least covariance that any estimate can have (Cramér, Rao).
+pub fn information<M: Model>(model: &M, parameters: &[f64], used: &[bool], deviations: &[f64]) -> Symmetric {
+    let derivatives = Derivatives::at(model, parameters);
+    let mut information = Symmetric::zero(model.parameters());
+    for observation in (0..model.observations()).filter(|observation| used[*observation]) {
+        let weight = deviations[model.group(observation)].powi(-2);
+        derivatives.add_to(&mut information, observation, weight);
+    }
+    (0..model.parameters())
+        .filter(|index| model.is_held(*index))
+        .for_each(|index| information.add(index, index, KNOWN));
+    information
+}
+
+/// Derivatives of all residuals.
+struct Derivatives {
+    /// The parameters of each observation, with the derivatives by them.
+    rows: Vec<Vec<(usize, DVec2)>>,
+}
+
+impl Derivatives {
+    fn at<M: Model>(model: &M, parameters: &[f64]) -> Self {
+        let mut observers = vec![Vec::new(); model.parameters()];
+        for observation in 0..model.observations() {
+            model.depends(observation).for_each(|index| observers[index].push(observation));
+        }
+        let mut rows = vec![Vec::new(); model.observations()];
+        let mut moved = parameters.to_vec();
+        for (index, observers) in observers.into_iter().enumerate() {
+            moved[index] = parameters[index] + STEP;
+            let after = model.state(&moved);
+            moved[index] = parameters[index] - STEP;
+            let before = model.state(&moved);
+            moved[index] = parameters[index];
+            for observation in observers {
+                let ends = (model.residual(&after, observation), model.residual(&before, observation));
+                let slope = if let (Some(after), Some(before)) = ends { after - before } else { DVec2::ZERO };
+                rows[observation].push((index, slope / (2.0 * STEP)));
+            }
+        }
+        Self { rows }
+    }
+
+    fn add_to(&self, matrix: &mut Symmetric, observation: usize, weight: f64) {
+        let row = &self.rows[observation];
+        for (place, (i, by_i)) in row.iter().enumerate() {
+            row[..=place].iter().for_each(|(j, by_j)| matrix.add(*i, *j, weight * by_i.dot(*by_j)));
+        }
+    }
+}
+
+fn minimise<M: Model>(model: &M, start: Vec<f64>, loss: &Loss, steps: usize) -> Vec<f64> {
+    let squared = |residuals: &[Option<DVec2>], observation: usize| residuals[observation].map(DVec2::length_squared);
+    let cost = |residuals: &[Option<DVec2>]| -> f64 {
+        (0..residuals.len()).map(|index| loss.of(squared(residuals, index), model.group(index)).0).sum()
+    };
+    let mut parameters = start;
+    let mut found = residuals(model, &parameters);
+    let mut least = cost(&found);
+    let mut damping = 1e-3;
+    for _ in 0..steps {
+        let derivatives = Derivatives::at(model, &parameters);
+        let mut matrix = Symmetric::zero(model.parameters());
+        let mut slope = vec![0.0; model.parameters()];
+        for (observation, residual) in found.iter().enumerate() {
+            let weight = loss.of(squared(&found, observation), model.group(observation)).1;
+            let Some(residual) = residual.filter(|_| weight > 0.0) else { continue };
+            derivatives.add_to(&mut matrix, observation, weight);
+            for (index, by) in &derivatives.rows[observation] {
+                slope[*index] -= weight * by.dot(residual);
+            }
+        }
+        let Some((next, next_found, gain)) = (0..12).find_map(|_| {
+            let step = damped(&matrix, damping).solve(&slope);
+            let next = step.map(|step| parameters.iter().zip(step).map(|(p, s)| p + s).collect::<Vec<f64>>());
+            let tried = next.map(|next| (residuals(model, &next), next));
+            let better = tried.map(|(found, next)| (cost(&found), found, next)).filter(|(cost, ..)| *cost < least);
+            damping = if better.is_some() { (damping * 0.1).max(1e-12) } else { damping * 8.0 };
+            better.map(|(cost, found, next)| (next, found, least - cost))
+        }) else {
+            break;
+        };
+        let moved = parameters.iter().zip(&next).map(|(from, to)| (from - to).abs()).fold(0.0, f64::max);
+        (parameters, found) = (next, next_found);
+        least -= gain;
+        if moved < 1e-13 || gain < 1e-12 * least {
+            break;
+        }
+    }
+    parameters
+}
+
+/// The matrix with its diagonal enlarged. Parameters without influence stay where they are.
+fn damped(matrix: &Symmetric, damping: f64) -> Symmetric {
+    let mut damped = matrix.clone();
+    for index in 0..matrix.size() {
+        let own = matrix.at(index, index);
+        damped.add(index, index, if own > 0.0 { damping * own } else { 1.0 });
+    }
+    damped
+}

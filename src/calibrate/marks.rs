@@ -1,0 +1,264 @@
+//! A projector from marks: places of its picture whose direction in the dome is known.
+
+use super::least_squares::{self, Fit, Model, median};
+use super::{Part, Projector, Symmetric};
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{Optics, Screen};
+use crate::rig::Rig;
+use glam::{DVec2, DVec3};
+
+/// A place of an output's picture, and where it appears in the dome.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Number of the output.
+    pub output: usize,
+    /// The place, pixels from the top left.
+    pub pixel: DVec2,
+    /// The direction from the dome's centre, dome axes, unit length.
+    pub direction: DVec3,
+}
+
+/// A projector that was solved.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The optics.
+    pub optics: Optics,
+    /// How well they are known.
+    pub quality: Quality,
+}
+
+/// How well the numbers of a projector are known.
+#[derive(Clone, Debug)]
+pub struct Quality {
+    /// Distance of each mark from where it is predicted, pixels; ∞ where none is predicted.
+    pub distances: Vec<f64>,
+    /// Whether the mark had an influence on the result.
+    pub used: Vec<bool>,
+    /// Root mean square of the distances of used marks, pixels.
+    pub rms: f64,
+    /// Root mean square of the angles between used marks and what their pixels light, as seen from
+    /// the dome's centre, radians.
+    pub rms_angle: f64,
+    /// Standard errors of the position along dome axes, metres.
+    pub position: DVec3,
+    /// Standard errors of the rotations about the projector's right, up and forward axes, radians.
+    pub aim: DVec3,
+    /// The error to expect over the whole picture because the numbers are not exact: root mean
+    /// square, pixels.
+    pub expected: f64,
+}
+
+/// Pose samples of a start, and marks in each.
+const SAMPLES: usize = 60;
+const SAMPLE: usize = 4;
+/// Columns and rows of the places at which the expected error is computed.
+const GRID: u32 = 9;
+
+/// Solves the projector of one output: `marks` are its own, `parts` are free.
+///
+/// The start is the rig's pose or a pose that fits four of the marks, whichever has the least
+/// median distance (Rousseeuw 1984), so that neither wrong marks nor a rough rig mislead it.
+///
+/// # Errors [`ErrorKind::InvalidArgument`] if the output is no projector with such parts, or the
+/// marks do not determine it.
+pub fn solve(rig: &Rig, output: usize, size: (u32, u32), marks: &[Mark], parts: &[Part]) -> Result<Solved> {
+    let described = &rig.outputs[output];
+    let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, format!("output \"{}\" {why}", described.name));
+    let screen = rig.surface();
+    let projector = Projector::new(described, size, parts, screen.size())?;
+    let needed = (projector.parameters() / 2 + 2).max(SAMPLE + 1);
+    if marks.len() < needed {
+        return Err(invalid(format!(
+            "has {} marks; with these free numbers ({}) it needs {needed}, and twice as many to find wrong ones",
+            marks.len(),
+            parts.iter().map(|part| part.word()).collect::<Vec<_>>().join(", ")
+        )));
+    }
+    let points = marks.iter().map(|mark| {
+        let hit = screen.unbounded_hit(DVec3::ZERO, mark.direction);
+        hit.map(|hit| (mark.pixel, hit.point)).ok_or_else(|| {
+            let [azimuth, elevation] = angles(mark.direction);
+            invalid(format!("has a mark at azimuth {azimuth:.2}, elevation {elevation:.2}, where no screen is"))
+        })
+    });
+    let whole = MarksModel { points: points.collect::<Result<_>>()?, projector };
+    let start = start(&whole);
+    let model = MarksModel { projector: whole.projector.with(start, parts), ..whole };
+    let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
+    let optics = model.projector.optics(&fit.parameters);
+    let angle = |index: usize| {
+        let (origin, direction) = model.projector.ray(&optics, marks[index].pixel)?;
+        Some(screen.unbounded_hit(origin, direction)?.point.angle_between(marks[index].direction))
+    };
+    let own: Vec<usize> = (0..marks.len()).collect();
+    let quality = quality(&model.projector, &optics, &fit, 0, &screen, &own, angle);
+    quality.map(|quality| Solved { optics, quality }).ok_or_else(|| {
+        invalid(
+            "is not determined by its marks: spread them over the whole picture, at different azimuths and elevations"
+                .into(),
+        )
+    })
+}
+
+/// Azimuth and elevation of a direction, degrees.
+fn angles(direction: DVec3) -> [f64; 2] {
+    [direction.x.atan2(-direction.z).to_degrees(), direction.y.atan2(direction.x.hypot(direction.z)).to_degrees()]
+}
+
+/// What a fit says of a projector whose parameters begin at `first` of the fit's, from its own
+/// observations; `angle` is the error of one of them on the dome. `None` if the parameters are not
+/// determined.
+pub(super) fn quality(
+    projector: &Projector,
+    optics: &Optics,
+    fit: &Fit,
+    first: usize,
+    screen: &Screen,
+    own: &[usize],
+    angle: impl Fn(usize) -> Option<f64>,
+) -> Option<Quality> {
+    let covariance = fit.covariance.as_ref()?;
+    let distance = |index: usize| fit.residuals[index].map_or(f64::INFINITY, DVec2::length);
+    let used = || own.iter().copied().filter(|index| fit.used[*index]);
+    let errors = StandardErrors::of(projector, covariance, first);
+    Some(Quality {
+        distances: own.iter().map(|index| distance(*index)).collect(),
+        used: own.iter().map(|index| fit.used[*index]).collect(),
+        rms: rms(used().map(distance)),
+        rms_angle: rms(used().filter_map(angle)),
+        position: errors.position,
+        aim: errors.aim,
+        expected: expected(projector, optics, fit, first, screen)?,
+    })
+}
+
+/// Standard errors of a pose.
+struct StandardErrors {
+    position: DVec3,
+    aim: DVec3,
+}
+
+impl StandardErrors {
+    fn of(projector: &Projector, covariance: &Symmetric, first: usize) -> Self {
+        let range = projector.range(Part::Pose).unwrap_or(0..0);
+        let error =
+            |index: usize| if index < range.end { covariance.at(first + index, first + index).sqrt() } else { 0.0 };
+        let at = |index: usize| DVec3::new(error(index), error(index + 1), error(index + 2));
+        Self { position: projector.unit() * at(range.start), aim: at(range.start + 3) }
+    }
+}
+
+/// Root mean square.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// The expected error over the picture, pixels, from the covariance of a fit.
+pub(super) fn expected(
+    projector: &Projector,
+    optics: &Optics,
+    fit: &Fit,
+    first: usize,
+    screen: &Screen,
+) -> Option<f64> {
+    let covariance = fit.covariance.as_ref()?;
+    let own = first..first + projector.parameters();
+    let mut parameters = fit.parameters[own.clone()].to_vec();
+    let shown = |pixel: DVec2| {
+        let (origin, direction) = projector.ray(optics, pixel)?;
+        Some(screen.hit(origin, direction)?.point)
+    };
+    let points: Vec<DVec3> = grid(projector.size()).filter_map(shown).collect();
+    // For each point the derivatives of its two coordinates.
+    let mut slopes = vec![[const { Vec::new() }; 2]; points.len()];
+    const STEP: f64 = 1e-6;
+    for index in 0..parameters.len() {
+        let [after, before] = [STEP, -2.0 * STEP].map(|step| {
+            parameters[index] += step;
+            projector.optics(&parameters)
+        });
+        parameters[index] += STEP;
+        for (point, slope) in points.iter().zip(&mut slopes) {
+            let ends = projector.pixel(&after, *point).zip(projector.pixel(&before, *point));
+            let by = ends.map_or(DVec2::ZERO, |(after, before)| (after - before) / (2.0 * STEP));
+            slope[0].push(by.x);
+            slope[1].push(by.y);
+        }
+    }
+    let own = covariance.part(own);
+    let variance = |slope: &[Vec<f64>; 2]| own.form(&slope[0]) + own.form(&slope[1]);
+    Some(rms(slopes.iter().map(|slope| variance(slope).sqrt())))
+}
+
+/// Places all over a picture.
+pub(super) fn grid((width, height): (u32, u32)) -> impl Iterator<Item = DVec2> {
+    let part = |index: u32| (f64::from(index) + 0.5) / f64::from(GRID);
+    (0..GRID * GRID)
+        .map(move |index| DVec2::new(part(index % GRID) * f64::from(width), part(index / GRID) * f64::from(height)))
+}
+
+/// Optics whose pose is near enough for a fit of all numbers.
+fn start(whole: &MarksModel) -> Optics {
+    let pose = whole.projector.with(whole.projector.optics(&[]), &[Part::Pose]);
+    let score = |optics: &Optics| {
+        let distance = |(pixel, point): &(DVec2, DVec3)| {
+            whole.projector.pixel(optics, *point).map_or(f64::INFINITY, |found| found.distance(*pixel))
+        };
+        median(&mut whole.points.iter().map(distance).collect::<Vec<_>>())
+    };
+    let mut best = pose.optics(&[]);
+    let mut least = score(&best);
+    let mut random = 1u64;
+    for _ in 0..SAMPLES {
+        let mut left: Vec<usize> = (0..whole.points.len()).collect();
+        let points = (0..SAMPLE).map(|_| whole.points[left.swap_remove(next(&mut random) % left.len())]).collect();
+        let sample = MarksModel { projector: pose.clone(), points };
+        let optics = pose.optics(&least_squares::squares(&sample, vec![0.0; 6]));
+        let own = score(&optics);
+        if own < least {
+            (best, least) = (optics, own);
+        }
+    }
+    best
+}
+
+/// A random number, the same in each run (a linear congruential generator, Knuth's MMIX).
+fn next(state: &mut u64) -> usize {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 33) as usize
+}
+
+/// One projector and places of its picture with their points.
+struct MarksModel {
+    projector: Projector,
+    points: Vec<(DVec2, DVec3)>,
+}
+
+impl Model for MarksModel {
+    type State = Optics;
+
+    fn parameters(&self) -> usize {
+        self.projector.parameters()
+    }
+
+    fn observations(&self) -> usize {
+        self.points.len()
+    }
+
+    fn state(&self, parameters: &[f64]) -> Optics {
+        self.projector.optics(parameters)
+    }
+
+    fn residual(&self, optics: &Optics, observation: usize) -> Option<DVec2> {
+        let (pixel, point) = self.points[observation];
+        Some(self.projector.pixel(optics, point)? - pixel)
+    }
+
+    fn depends(&self, _: usize) -> impl Iterator<Item = usize> {
+        0..self.parameters()
+    }
+}
+
+#[cfg(test)]
+mod tests;
