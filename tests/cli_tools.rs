@@ -1,7 +1,13 @@
-//! `cupola check`, `map`, `simulate`, `plan`, `setup` and `doctor`.
+//! `cupola check`, `map`, `simulate`, `plan`, `setup`, `doctor` and `calibrate`.
 
 mod tool;
 
+use cupola::calibrate::{Camera, CameraLens};
+use cupola::geom::Pose;
+use cupola::rig::{self, OutputKind, Rig};
+use cupola::warp::WarpMap;
+use glam::{DVec2, DVec3};
+use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 use tool::Tool;
@@ -364,4 +370,198 @@ fn setup_takes_calibrations_over_and_says_what_not() {
     std::fs::write(&map, "mine").unwrap();
     CUPOLA.refused(&["setup", rig.to_str().unwrap(), "--from", archive.to_str().unwrap()], "beside-back.pfm exists");
     assert!(std::fs::read(&map).unwrap() == b"mine" && !rig.exists() && !other.exists());
+}
+
+const TWO_OUTPUTS: &str = "[dome]\ntilt = 15 # leans\n\n[[output]]\nname = \"left\"\nkind = \"projector\"\nsize = [1280, 800]\n\
+    position = [0.5, -0.2, 1.0] # metres\nyaw = -40\npitch = 30\nfov = [70, 47.26]\n\n[[output]]\nkind = \"domemaster\"\n";
+
+/// Marks of the output `left`, every one of `wrong` in another place.
+fn marks_of_left(rig: &Rig, wrong: usize) -> String {
+    let map = WarpMap::new(rig, 0, (1280, 800), None).unwrap();
+    let mut text = String::from("output,x,y,azimuth,elevation\n");
+    for index in 0..30 {
+        let pixel = DVec2::new(100.0 + 120.0 * f64::from(index % 10), 150.0 + 250.0 * f64::from(index / 10));
+        let point = map.hit(pixel).unwrap();
+        let moved = if index as usize % wrong == wrong - 1 { 33.0 } else { 0.0 };
+        let (azimuth, elevation) = (point.x.atan2(-point.z), point.y.atan2(point.x.hypot(point.z)));
+        writeln!(
+            text,
+            "left,{},{},{:.12},{:.12}",
+            pixel.x + moved,
+            pixel.y,
+            azimuth.to_degrees(),
+            elevation.to_degrees()
+        )
+        .unwrap();
+    }
+    text
+}
+
+#[test]
+fn marks_lead_back_to_the_rig_that_made_them() {
+    let exact = TWO_OUTPUTS
+        .replace("[0.5, -0.2, 1.0]", "[0.53, -0.17, 1.06]")
+        .replace("yaw = -40", "yaw = -42.3\nroll = 1.5")
+        .replace("[70, 47.26]", "[71.5, 48.1]\nshift = [0.01, -0.02]");
+    let exact = rig::parse(&exact, "exact.toml", "".as_ref()).unwrap();
+    let [rough, csv, out] = ["rough.toml", "marks.csv", "found.toml"].map(|name| CUPOLA.file(name));
+    std::fs::write(&rough, TWO_OUTPUTS).unwrap();
+    std::fs::write(&csv, marks_of_left(&exact, 10)).unwrap();
+    // Left over from an earlier run of this test.
+    let _ = std::fs::remove_file(&out);
+    let [rough, csv, out] = [&rough, &csv, &out].map(|path| path.to_str().unwrap());
+    let arguments = ["calibrate", rough, "--marks", csv, "--out", out, "--solve", "fov,shift", "--json"];
+    let answer = CUPOLA.json(&arguments);
+    let output = &answer["outputs"][0];
+    assert_eq!((output["name"].as_str(), output["marks"].as_u64()), (Some("left"), Some(30)));
+    let left_out: Vec<u64> =
+        output["left_out"].as_array().unwrap().iter().map(|mark| mark["line"].as_u64().unwrap()).collect();
+    assert_eq!(left_out, [11, 21, 31], "the lines of the wrong ones");
+    let found = rig::load(out).unwrap();
+    let [right, found] = [&exact, &found].map(|rig| match &rig.outputs[0].kind {
+        OutputKind::Projector { position, angles, frustum } => (*position, *angles, *frustum),
+        other => panic!("{other:?}"),
+    });
+    assert!(found.0.distance(right.0) < 1e-6, "{found:?}");
+    assert!(found.1.iter().zip(right.1).all(|(found, right)| (found - right).abs() < 1e-6), "{found:?}");
+    assert!((found.2.left - right.2.left).abs() < 1e-6 && (found.2.top - right.2.top).abs() < 1e-6, "{found:?}");
+    let text = std::fs::read_to_string(out).unwrap();
+    assert!(text.starts_with("[dome]\ntilt = 15 # leans\n") && text.contains("] # metres\n"), "{text}");
+    assert!(text.contains("# calibrated: 27 of 30 marks, 0.000 px rms"), "{text}");
+    CUPOLA.refused(&arguments, "exists");
+    CUPOLA.answer(&[&arguments[..8], &["--force"]].concat());
+}
+
+#[test]
+fn mistakes_in_marks_are_named_and_nothing_is_written() {
+    let [rough, csv, out] = ["wrong.toml", "wrong.csv", "nothing.toml"].map(|name| CUPOLA.file(name));
+    std::fs::write(&rough, TWO_OUTPUTS).unwrap();
+    let refused = |text: &str, expected: &str| {
+        std::fs::write(&csv, text).unwrap();
+        let [rough, csv, out] = [&rough, &csv, &out].map(|path| path.to_str().unwrap());
+        CUPOLA.refused(&["calibrate", rough, "--marks", csv, "-o", out], expected);
+    };
+    refused("left,1,2,x,4\n", "wrong.csv:1:10: \"x\" is no number; expected azimuth");
+    refused("left,1,2,3,4\n", "output \"left\" has 1 marks");
+    refused("output-2,1,2,3,4\n", "is no projector");
+    refused("", "has no marks");
+    refused("photo,1,2,3,4\n", "there are no photographs");
+    assert!(!out.exists());
+}
+
+const PHOTOGRAPH: u32 = 400;
+
+/// For each place in a photograph of the dome, made by `camera`, the pixels of an output that it
+/// shows: of four places within.
+fn shown(rig: &Rig, output: usize, size: (u32, u32), camera: &Camera) -> Vec<[Option<DVec2>; 4]> {
+    let map = WarpMap::new(rig, output, size, None).unwrap();
+    let pixel = |place: DVec2| {
+        let ray = camera.pose.direction_to_parent(camera.ideal_ray(place)?);
+        map.pixel(map.screen().hit(camera.pose.position, ray)?.point)
+    };
+    let places = (0..PHOTOGRAPH).flat_map(|y| (0..PHOTOGRAPH).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
+    places
+        .map(|place| [0.25, 0.75].map(|x| [0.25, 0.75].map(|y| pixel(place + DVec2::new(x, y)))))
+        .map(|[a, b]| [a[0], a[1], b[0], b[1]])
+        .collect()
+}
+
+/// Photographs the patterns of a folder as the outputs of a rig show them.
+fn photograph(rig: &Rig, patterns: &Path, photos: &Path, camera: &Camera) {
+    let mut files: Vec<_> = std::fs::read_dir(patterns).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let places = rig.layout(rig.extent().unwrap());
+    let shown: Vec<_> = (0..2).map(|output| shown(rig, output, (480, 300), camera)).collect();
+    for (number, file) in files.iter().enumerate() {
+        let pattern = image::open(file).unwrap().into_luma8();
+        // Each output has half of the patterns.
+        let output = number / (files.len() / 2);
+        let place = places[output];
+        let light = |pixel: &Option<DVec2>| {
+            let pixel = pixel.unwrap_or(DVec2::splat(f64::INFINITY)).min(DVec2::splat(1e4));
+            let (x, y) = (pixel.x as u32, pixel.y as u32);
+            let is_white = x < place.width && y < place.height && pattern.get_pixel(place.x + x, place.y + y).0[0] > 0;
+            f64::from(u8::from(is_white)) / 4.0
+        };
+        let value = |(index, pixels): (usize, &[Option<DVec2>; 4])| {
+            // Light of the room, and noise.
+            let noise = (index * 7919 + number * 104_729) % 11;
+            (12.0 + 180.0 * pixels.iter().map(light).sum::<f64>() + noise as f64) as u8
+        };
+        let values: Vec<u8> = shown[output].iter().enumerate().map(value).collect();
+        image::save_buffer(
+            photos.join(file.file_name().unwrap()),
+            &values,
+            PHOTOGRAPH,
+            PHOTOGRAPH,
+            image::ColorType::L8,
+        )
+        .unwrap();
+    }
+}
+
+#[test]
+fn photographs_lead_back_to_the_rig_that_they_show() {
+    let rig_of = |left: &str, right: &str| {
+        let output = |name: &str, pose: &str| {
+            format!(
+                "[[output]]\nname = \"{name}\"\nkind = \"projector\"\nsize = [480, 300]\n{pose}\nfov = [70, 47.26]\n"
+            )
+        };
+        output("left", left) + &output("right", right)
+    };
+    let rough =
+        rig_of("position = [0.5, 0, 1]\nyaw = -40\npitch = 40", "position = [-0.5, 0, 1]\nyaw = 40\npitch = 40");
+    let exact = rig_of(
+        "position = [0.57, -0.08, 1.1]\nyaw = -41.5\npitch = 38\nroll = 1",
+        "position = [-0.44, 0.05, 0.9]\nyaw = 42\npitch = 41.5",
+    );
+    let exact = rig::parse(&exact, "exact.toml", "".as_ref()).unwrap();
+    let [file, patterns, photos, marks, out] =
+        ["seen.toml", "patterns", "photos", "photo.csv", "from-photos.toml"].map(|name| CUPOLA.file(name));
+    for folder in [&patterns, &photos] {
+        // Left over from an earlier run of this test.
+        let _ = std::fs::remove_dir_all(folder);
+        std::fs::create_dir_all(folder).unwrap();
+    }
+    std::fs::write(&file, rough).unwrap();
+    let text = |path: &Path| path.to_str().unwrap().to_owned();
+    let answer = CUPOLA.json(&["calibrate", &text(&file), "--patterns", &text(&patterns), "--cell", "8", "--json"]);
+    assert_eq!((answer["patterns"].as_u64(), answer["window"][0].as_u64()), (Some(2 * (2 + 2 * (6 + 6))), Some(960)));
+    let camera = Camera::new(
+        Pose::new(DVec3::new(0.3, -0.5, 0.2), 0.2, 1.1, 0.1),
+        CameraLens::Fisheye,
+        0.33 * f64::from(PHOTOGRAPH),
+        (PHOTOGRAPH, PHOTOGRAPH),
+    );
+    photograph(&exact, &patterns, &photos, &camera);
+    // Points of the dome whose directions are known, as they are seen.
+    let mut lines = String::new();
+    for (azimuth, elevation) in
+        [(-60.0f64, 30.0f64), (60.0, 30.0), (0.0, 60.0), (30.0, 45.0), (-30.0, 45.0), (0.0, 20.0)]
+    {
+        let ((sine, cosine), (up, level)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
+        let seen = camera.place(5.0 * DVec3::new(level * sine, up, -level * cosine)).unwrap();
+        writeln!(lines, "photo,{},{},{azimuth},{elevation}", seen.x, seen.y).unwrap();
+    }
+    std::fs::write(&marks, lines).unwrap();
+    let [file, photos, marks, out] = [file, photos, marks, out].map(|path| text(&path));
+    let found = ["calibrate", &file, "--photos", &photos, "--cell", "8", "--marks", &marks, "-o", &out, "--force"];
+    let words = CUPOLA.answer(&found);
+    assert!(words.contains("camera: fisheye of"), "{words}");
+    let [found, rough] = [rig::load(&out).unwrap(), rig::load(&file).unwrap()];
+    for output in 0..2 {
+        let map = |rig: &Rig| WarpMap::new(rig, output, (480, 300), None).unwrap();
+        let distance = |rig: &Rig| {
+            let places =
+                (0..48).map(|index| DVec2::new(30.0 + f64::from(index % 8) * 60.0, 25.0 + f64::from(index / 8) * 50.0));
+            let squares = places
+                .filter_map(|place| map(rig).pixel(map(&exact).hit(place)?).map(|found| found.distance_squared(place)));
+            let squares: Vec<f64> = squares.collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        };
+        // A pixel of this small photograph is as wide as three of an output.
+        assert!(distance(&found) < 0.5 && distance(&rough) > 10.0, "{} {}", distance(&found), distance(&rough));
+    }
+    CUPOLA.refused(&["calibrate", &file, "--photos", &photos, "-o", &out, "--force"], "with --cell 4 are");
 }

@@ -17,6 +17,7 @@ mod planning;
 #[path = "../shared/terminal.rs"]
 mod terminal;
 
+mod calibrate;
 mod canvas;
 mod check;
 mod convert;
@@ -61,6 +62,7 @@ enum Command {
     Doctor(doctor::Arguments),
     Plan(plan::Arguments),
     Pattern(pattern::Arguments),
+    Calibrate(calibrate::Arguments),
     Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
@@ -83,6 +85,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Pattern(arguments) => pattern::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),

@@ -81,7 +81,7 @@ pub fn changed(text: &str, changes: &[String]) -> Result<String, String> {
 
 /// Sets a key of the output with this name (`output-N` for the N-th output without a name), or of
 /// all outputs for `*`.
-fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Value) -> Result<(), String> {
+pub fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Value) -> Result<(), String> {
     let all = document.get_mut("output").and_then(Item::as_array_of_tables_mut);
     let all = all.ok_or("there is no [[output]] in the file")?;
     let mut found = false;

@@ -19,6 +19,8 @@ mod scene;
 pub mod socket;
 mod working;
 
+pub use working::name_files_absolutely;
+
 use crate::failure::Failure;
 use crate::launch::loader::Scratch;
 use access::Access;

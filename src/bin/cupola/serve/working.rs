@@ -229,7 +229,7 @@ fn write_quickly(path: &Path, text: &str) -> std::io::Result<()> {
 }
 
 /// Makes names of files absolute: the working file lies elsewhere.
-fn name_files_absolutely(table: &mut dyn TableLike, folder: &Path) {
+pub fn name_files_absolutely(table: &mut dyn TableLike, folder: &Path) {
     for (key, item) in table.iter_mut() {
         if let Some(name) = item.as_str().filter(|_| FILES.contains(&key.get())) {
             let path = folder.join(name);

@@ -1,0 +1,135 @@
+//! `cupola calibrate`: places, aims and lenses of projectors from marks on the dome or
+//! photographs of it.
+
+mod marks;
+mod photographs;
+mod report;
+mod written;
+
+use crate::convert;
+use crate::failure::Failure;
+use crate::map::native_size;
+use crate::terminal;
+use cupola::calibrate::{Mark, Part, Solved};
+use cupola::rig::{self, Rig};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Find out where projectors really stand and how their lenses really are: from places of their
+/// pictures whose directions in the dome are known, or from photographs of patterns.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The file of marks has a line for each: the output's name, the place in its picture in pixels from the top left
+(the middle of the first pixel is 0.5, 0.5), and the azimuth and elevation of the point of the dome that it
+lights, degrees, as seen from the dome's centre. With the first line `output,x,y,polar,around` the angles are
+those of the dome: from its pole, and around it. The name `photo` means a place in the photographs. Wrong marks
+are found and left out, up to about a third of an output's. Outputs that nothing is known of stay as they are.
+See docs/calibrating.md.")]
+pub struct Arguments {
+    /// Rig file or name of a preset, roughly right
+    #[arg(value_name = "FILE|PRESET")]
+    rig: String,
+    /// Write the patterns to photograph to this folder: as many PNG files as photographs, each as
+    /// large as the window
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["marks", "photos", "out", "solve"])]
+    patterns: Option<PathBuf>,
+    /// Folder with the photographs of these patterns as PNG files, named in their order
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["marks", "patterns"])]
+    photos: Option<PathBuf>,
+    /// File of marks: lines `output,x,y,azimuth,elevation`
+    #[arg(long, value_name = "FILE.csv")]
+    marks: Option<PathBuf>,
+    /// Rig file to write: the same rig with what was found
+    #[arg(short = 'o', long = "out", value_name = "FILE.toml", required_unless_present = "patterns")]
+    out: Option<PathBuf>,
+    /// What else is not known of the projectors, besides their pose: fov, shift, radial,
+    /// tangential, mirror
+    #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = part)]
+    solve: Vec<Part>,
+    /// Size of the smallest squares of the patterns in pixels of an output
+    #[arg(long, value_name = "PIXELS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
+    cell: u32,
+    /// Window size in pixels [default: from the rig, or 1920x1200]
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, requires = "patterns")]
+    size: Option<(u32, u32)>,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads a part of a projector.
+fn part(word: &str) -> Result<Part, String> {
+    let words = || Part::ALL.map(Part::word).join(", ");
+    Part::ALL.into_iter().find(|part| part.word() == word).ok_or_else(|| format!("expected some of {}", words()))
+}
+
+/// An output that was solved.
+struct Found {
+    /// Number of the output in the rig.
+    output: usize,
+    solved: Solved,
+    /// Lines of the file of marks; none for photographs.
+    lines: Vec<usize>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    if let Some(folder) = &arguments.patterns {
+        return photographs::write_patterns(arguments, folder);
+    }
+    let out = arguments.out.as_deref().unwrap_or(Path::new(""));
+    if out.extension().is_none_or(|ending| ending != "toml") {
+        return Err(Failure::usage(format!("--out {}: expected a file name that ends in .toml", out.display())));
+    }
+    convert::refuse_to_replace(out, arguments.force)?;
+    let rig = rig::load(&arguments.rig)?;
+    let marks = arguments.marks.as_deref().map(|file| marks::read(file, &rig)).transpose()?.unwrap_or_default();
+    // The pose is always free.
+    let mut parts = Part::ALL.to_vec();
+    parts.retain(|part| *part == Part::Pose || arguments.solve.contains(part));
+    let (found, camera) = match &arguments.photos {
+        Some(folder) => {
+            let (found, camera) = photographs::solve(arguments, &rig, folder, &marks, &parts)?;
+            (found, Some(camera))
+        }
+        None => (from_marks(arguments, &rig, &marks, &parts)?, None),
+    };
+    written::write(&arguments.rig, &rig, &parts, &found, out)?;
+    if arguments.json {
+        println!("{:#}", report::json(&rig, &found, camera.as_ref(), out));
+        return Ok(ExitCode::SUCCESS);
+    }
+    println!("{}: outputs: {}", out.display(), found.len());
+    found.iter().for_each(|found| print!("{}", report::words(&rig, found, arguments.marks.as_deref())));
+    if let Some(camera) = &camera {
+        println!("{}", report::camera_words(camera));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Solves each output that has marks.
+fn from_marks(arguments: &Arguments, rig: &Rig, marks: &[marks::Line], parts: &[Part]) -> Result<Vec<Found>, Failure> {
+    let file = arguments.marks.as_deref().unwrap_or(Path::new("")).display();
+    if let Some(line) = marks.iter().find(|line| line.mark.is_none()) {
+        return Err(Failure::usage(format!("{file}:{}: there are no photographs; give --photos DIR", line.number)));
+    }
+    let own = |output: usize| -> (Vec<Mark>, Vec<usize>) {
+        let own = marks.iter().filter_map(|line| Some((line.mark?, line.number)));
+        own.filter(|(mark, _)| mark.output == output).unzip()
+    };
+    let outputs: Vec<usize> = (0..rig.outputs.len()).filter(|output| !own(*output).0.is_empty()).collect();
+    let bar = terminal::progress(outputs.len() as u64, "outputs");
+    let solve = |output: usize| {
+        let (places, lines) = own(output);
+        let solved = cupola::calibrate::marks::solve(rig, output, native_size(rig, output), &places, parts)
+            .map_err(|error| Failure::usage(format!("{file}: {}", error.message)))?;
+        bar.inc(1);
+        Ok(Found { output, solved, lines })
+    };
+    let found = outputs.into_iter().map(solve).collect();
+    bar.finish_and_clear();
+    found
+}

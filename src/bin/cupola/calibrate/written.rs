@@ -1,0 +1,143 @@
+//! The rig file with what was found: everything else and its comments stay.
+
+use super::{Found, report};
+use crate::failure::Failure;
+use crate::serve;
+use crate::tune;
+use cupola::calibrate::Part;
+use cupola::geom::{Lens, Optics, pose};
+use cupola::rig::{self, Rig};
+use glam::DVec2;
+use std::path::{Path, PathBuf};
+use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+
+/// What the comments of this command begin with. They are replaced by the next calibration.
+const MARK: &str = "# calibrated:";
+
+/// Writes the rig called `name` with what was found to `out`.
+///
+/// # Errors
+/// The file cannot be written, or the rig would be refused; nothing is changed then.
+pub fn write(name: &str, rig: &Rig, parts: &[Part], found: &[Found], out: &Path) -> Result<(), Failure> {
+    let text = match rig::presets().iter().find(|preset| preset.name == name) {
+        Some(preset) => preset.text.to_owned(),
+        None => std::fs::read_to_string(name).map_err(|error| Failure::usage(format!("{name}: {error}")))?,
+    };
+    let mut document: DocumentMut = text.parse().map_err(|error| Failure::usage(format!("{name}: {error}")))?;
+    for found in found {
+        let output = &rig.outputs[found.output];
+        for (path, value) in keys(&document, &output.name, &found.solved.optics, parts) {
+            tune::outputs(&mut document, &output.name, &path, &value)
+                .map_err(|why| Failure::usage(format!("{name}: {why}")))?;
+        }
+        if let Some(table) = output_mut(&mut document, &output.name) {
+            comment(table, &report::summary(&found.solved.quality));
+        }
+    }
+    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(PathBuf::from));
+    if let (Some(from), Some(to)) = (folder(Path::new(name)), folder(out))
+        && from != to
+    {
+        serve::name_files_absolutely(document.as_table_mut(), &from);
+    }
+    let text = document.to_string();
+    rig::parse(&text, &out.display().to_string(), out.parent().unwrap_or(Path::new(""))).map_err(|error| {
+        Failure::new(format!("what was found is no valid rig; nothing was written\n{}", error.message))
+    })?;
+    tune::replace(out, &text).map_err(|error| Failure::new(format!("{} cannot be written: {error}", out.display())))
+}
+
+/// The table of an output, `output-N` if it has no name.
+fn output_mut<'a>(document: &'a mut DocumentMut, name: &str) -> Option<&'a mut toml_edit::Table> {
+    let outputs = document.get_mut("output").and_then(Item::as_array_of_tables_mut)?;
+    let own = |(index, output): &(usize, &mut toml_edit::Table)| {
+        output.get("name").and_then(Item::as_str).map_or(name == format!("output-{}", index + 1), |own| own == name)
+    };
+    outputs.iter_mut().enumerate().find(own).map(|(_, output)| output)
+}
+
+/// Puts a comment before the position of an output, in place of an earlier one.
+fn comment(table: &mut toml_edit::Table, text: &str) {
+    let Some(mut key) = table.key_mut("position") else { return };
+    let old = key.leaf_decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default();
+    let mut kept: String = old.split_inclusive('\n').filter(|line| !line.trim_start().starts_with(MARK)).collect();
+    kept += &format!("{MARK} {text}\n");
+    key.leaf_decor_mut().set_prefix(kept);
+}
+
+/// The keys of a projector that were free, with their values.
+fn keys(document: &DocumentMut, name: &str, optics: &Optics, parts: &[Part]) -> Vec<(Vec<&'static str>, Value)> {
+    let mut keys = Vec::new();
+    let mut add = |path: &[&'static str], value: Value| keys.push((path.to_vec(), value));
+    let [yaw, pitch, roll] = pose::angles(&optics.pose.rotation).map(f64::to_degrees);
+    add(&["position"], numbers(&optics.pose.position.to_array()));
+    add(&["yaw"], number(yaw));
+    add(&["pitch"], number(pitch));
+    add(&["roll"], number(roll));
+    let has = |part: Part| parts.contains(&part);
+    match &optics.lens {
+        Lens::Pinhole { frustum, distortion, .. } => {
+            if (has(Part::Fov) || has(Part::Shift)) && has_angles(document, name) {
+                let sides = [frustum.left, frustum.right, frustum.bottom, frustum.top];
+                for (side, tangent) in ["left", "right", "bottom", "top"].into_iter().zip(sides) {
+                    add(&["angles", side], number(tangent.atan().to_degrees()));
+                }
+            } else if has(Part::Fov) || has(Part::Shift) {
+                let (width, height) = (frustum.width(), frustum.height());
+                let (x, y) = frustum.middle();
+                add(&["fov"], numbers(&[width, height].map(|side| 2.0 * (0.5 * side).atan().to_degrees())));
+                add(&["shift"], numbers(&[x / width, y / height]));
+            }
+            if has(Part::Radial) {
+                add(&["distortion", "radial"], numbers(&distortion.radial));
+            }
+            if has(Part::Tangential) {
+                add(&["distortion", "tangential"], numbers(&distortion.tangential));
+            }
+        }
+        Lens::Fisheye { circle, .. } if has(Part::Fov) || has(Part::Shift) => {
+            // A placed circle does not depend on the aspect; an inscribed one is placed by now.
+            let center = circle.to_picture(DVec2::ZERO, 1.0);
+            add(&["fisheye", "size"], numbers(&(circle.to_picture(DVec2::ONE, 1.0) - center).to_array()));
+            add(&["fisheye", "center"], numbers(&(0.5 * center).to_array()));
+        }
+        Lens::Fisheye { .. } => {}
+    }
+    if let Some(mirror) = optics.mirror.filter(|_| has(Part::Mirror)) {
+        add(&["mirror", "center"], numbers(&mirror.center.to_array()));
+        add(&["mirror", "radius"], number(mirror.radius));
+    }
+    keys
+}
+
+/// Whether the rig gives the opening of an output by the angles of its sides.
+fn has_angles(document: &DocumentMut, name: &str) -> bool {
+    output_mut(&mut document.clone(), name).is_some_and(|table| TableLike::contains_key(table, "angles"))
+}
+
+/// A number with nine decimal places: far below what can be measured.
+fn number(value: f64) -> Value {
+    Value::from((value * 1e9).round() / 1e9 + 0.0)
+}
+
+fn numbers(values: &[f64]) -> Value {
+    Value::Array(values.iter().map(|value| number(*value)).collect::<Array>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_are_kept_and_the_own_one_is_replaced() {
+        let text =
+            "# mine\n[[output]]\nname = \"a.b\"\n# measured\nposition = [1, 2, 3] # metres\n\n[[output]]\nkind = 1\n";
+        let mut document: DocumentMut = text.parse().expect("TOML");
+        for words in ["first", "second"] {
+            comment(output_mut(&mut document, "a.b").expect("there"), words);
+        }
+        let expected = text.replace("# measured\n", "# measured\n# calibrated: second\n");
+        assert_eq!(document.to_string(), expected);
+        assert!(output_mut(&mut document, "output-2").is_some() && output_mut(&mut document, "output-1").is_none());
+    }
+}
