@@ -22,6 +22,8 @@ pub mod reader;
 pub mod writer;
 
 #[cfg(test)]
+mod c_header;
+#[cfg(test)]
 mod interleavings;
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
 use cupola::ring::{Frame, Next, Reader};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -13,6 +14,7 @@ tests! {
     a_reader_gets_what_the_window_shows,
     a_domemaster_beside_the_window_is_as_one_in_it,
     vulkan_publishes_the_same,
+    a_reader_in_c_gets_the_same,
 }
 
 const LIMIT: Duration = Duration::from_secs(60);
@@ -133,4 +135,54 @@ fn vulkan_publishes_the_same() {
         assert!(picture(&seen.last, &found.name) == captured, "{}", found.name);
     }
     assert_eq!(seen.last.pictures.len(), 6);
+}
+
+/// The example that knows nothing but `cupola_ring.h`, built in both languages.
+fn reader_in_c() -> PathBuf {
+    let folder = scratch("reader");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let languages = [("cc", "-xc", "-std=c99", "reader"), ("c++", "-xc++", "-std=c++11", "reader++")];
+    for (compiler, language, standard, name) in languages {
+        let mut command = Command::new(compiler);
+        command.args([language, standard, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1"]);
+        command.arg("-I").arg(root.join("include")).arg("-o").arg(folder.join(name));
+        let output = command.arg(root.join("examples/c/ring_reader.c")).output().expect("a compiler");
+        assert!(output.status.success(), "{compiler}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    folder.join("reader")
+}
+
+fn a_reader_in_c_gets_the_same() {
+    let folder = scratch("published");
+    let (file, last, reader) = (folder.join("ring"), folder.join("last.ppm"), reader_in_c());
+    let publish = format!("--publish={}", file.display());
+    let (options, environment) = ([publish.as_str()], [("CUPOLA_PUBLISH_WAIT", "1")]);
+    let run =
+        Run { frames: 8, cupola_frames: 8, cupola: &options, environment: &environment, ..Run::new("core330_mvp") };
+    // It ends with the program, or after a minute without one.
+    let mut reading = Command::new(reader);
+    reading.arg(&file).arg(&last).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut reading = reading.spawn().expect("a reader");
+    let Some(finished) = run.under("fisheye") else {
+        reading.kill().and_then(|()| reading.wait()).expect("the reader ends");
+        return;
+    };
+    let shown = finished.expect_success().picture("capture.png");
+    let read = reading.wait_with_output().expect("a reader");
+    let words = String::from_utf8_lossy(&read.stdout).into_owned();
+    assert!(read.status.success(), "{}", String::from_utf8_lossy(&read.stderr));
+    let indices: Vec<u64> = words.lines().filter_map(|line| line.split(' ').nth(1)?.parse().ok()).collect();
+    assert_eq!(indices, [1, 2, 3, 4, 5, 6, 7, 8, 0], "eight frames, none lost: {words}");
+    let bytes = std::fs::read(&last).expect("a picture");
+    let pixels = bytes.strip_prefix(b"P6\n256 256\n255\n").expect("256 × 256 pixels");
+    let found = |pixels: &[u8]| {
+        Picture::from_fn(256, 256, |x, y| {
+            let at = (y * 256 + x) * 3;
+            [pixels[at], pixels[at + 1], pixels[at + 2]]
+        })
+    };
+    assert!(found(pixels) == shown);
+    let mut wrong = pixels.to_vec();
+    wrong[3 * (128 * 256 + 128)] ^= 1;
+    assert!(found(&wrong) != shown, "a wrong pixel is seen");
 }
