@@ -1,7 +1,9 @@
 //! Files that are written where somebody else may have put something.
 
+use std::ffi::CString;
 use std::fs::{File, OpenOptions};
 use std::io;
+use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 
@@ -20,6 +22,21 @@ pub fn create(path: &Path) -> io::Result<File> {
         Some(libc::ELOOP) => io::Error::other("it is a link; expected a file, or no file yet"),
         _ => error,
     })
+}
+
+/// Bytes that this user can still write on the file system of a folder.
+///
+/// # Errors
+/// Those of the system.
+pub fn free_bytes(folder: &Path) -> io::Result<u64> {
+    let name = CString::new(folder.as_os_str().as_bytes())?;
+    // SAFETY: all zeroes is a valid value of this structure of numbers.
+    let mut answer: libc::statvfs = unsafe { std::mem::zeroed() };
+    // SAFETY: a NUL-terminated name and a structure that both live during the call.
+    match unsafe { libc::statvfs(name.as_ptr(), &mut answer) } {
+        0 => Ok(answer.f_bavail * answer.f_frsize),
+        _ => Err(io::Error::last_os_error()),
+    }
 }
 
 #[cfg(test)]

@@ -180,6 +180,16 @@ pub fn run_in_foreground(command: &mut Command, limit: Option<Duration>) -> io::
     ended
 }
 
+/// Sends SIGTERM to the program of [`run_in_foreground`], if it runs.
+pub fn stop_foreground() {
+    let program = PROGRAM.load(Ordering::SeqCst);
+    if program > 0 {
+        // SAFETY: kill takes plain integers. The number is taken back when the program has been
+        // waited for.
+        unsafe { libc::kill(program, libc::SIGTERM) };
+    }
+}
+
 /// Time that a program has after SIGTERM.
 const GRACE: Duration = Duration::from_secs(5);
 

@@ -41,6 +41,7 @@ mod programs;
 mod projected;
 mod published;
 mod random_order;
+mod record;
 mod reference;
 mod rigs;
 mod semantics;
@@ -84,6 +85,7 @@ harness::tests! {
     offscreen,
     outlines,
     published,
+    record,
     random_order,
     semantics,
     steady,

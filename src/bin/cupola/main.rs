@@ -33,6 +33,7 @@ mod pattern;
 mod plan;
 mod play;
 mod player;
+mod record;
 mod run;
 mod serve;
 mod setup;
@@ -54,6 +55,7 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Play(play::Arguments),
+    Record(record::Arguments),
     Serve(serve::Arguments),
     Ctl(ctl::Arguments),
     Inspect(inspect::Arguments),
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Play(arguments) => play::run(arguments),
+        Command::Record(arguments) => record::run(arguments),
         Command::Serve(arguments) => serve::run(arguments),
         Command::Ctl(arguments) => ctl::run(&arguments),
         Command::Inspect(arguments) => inspect::run(arguments),

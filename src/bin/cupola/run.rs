@@ -56,10 +56,10 @@ pub struct Options {
     pub headless: bool,
     /// End the program after N frames, with exit code 0
     #[arg(long, value_name = "N", value_parser = frames)]
-    frames: Option<u64>,
+    pub frames: Option<u64>,
     /// End the program after N seconds, with exit code 0
     #[arg(long, value_name = "N", value_parser = seconds)]
-    seconds: Option<Duration>,
+    pub seconds: Option<Duration>,
     /// Write the last frame to a PNG file; with several outputs, one file FILE-NAME.png for each
     #[arg(long, value_name = "FILE.png")]
     capture: Option<PathBuf>,
@@ -90,7 +90,10 @@ pub struct Options {
     /// Publish the finished pictures of each frame to other programs, in shared memory [default
     /// file: /dev/shm/cupola-USER, with the number of the user]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
-    publish: Option<PathBuf>,
+    pub publish: Option<PathBuf>,
+    /// The program waits for the readers of its pictures, and ends with this command.
+    #[arg(skip)]
+    pub waits_for_readers: bool,
     /// Publish a domemaster of N × N pixels that is drawn beside the window
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16384))]
     domemaster: Option<u32>,
@@ -188,9 +191,12 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     if options.clock.clock.is_some() && !switched_off {
         process::with_fixed_addresses(&mut command);
     }
+    if options.waits_for_readers {
+        process::end_with_parent(&mut command);
+    }
     let expected = Expected::new(&options, inspection.as_ref());
     let published = environment.iter().find(|(name, _)| *name == "CUPOLA_PUBLISH").and_then(|(_, file)| file.clone());
-    if let Some(file) = published.as_deref().map(Path::new) {
+    if let Some(file) = published.as_deref().map(Path::new).filter(|_| !options.waits_for_readers) {
         eprintln!("cupola: finished pictures are published in {}", file.display());
     }
     // The library ends the program in a frame; only one that draws none has to be stopped.
@@ -280,6 +286,7 @@ impl Options {
         let name = profile_variable(self.profile_name(), profile);
         environment.extend(name.map(|name| ("CUPOLA_PROFILE", Some(name))));
         environment.extend(self.published(&rig)?.map(|file| ("CUPOLA_PUBLISH", Some(file))));
+        environment.extend(self.waits_for_readers.then(|| ("CUPOLA_PUBLISH_WAIT", Some("1".into()))));
         environment.extend(self.clock.environment()?);
         if let Some(Inspection { output }) = inspection {
             environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));

@@ -13,10 +13,10 @@ pub struct Options {
     #[arg(long, value_name = "FPS", value_parser = rate)]
     pub clock: Option<Rate>,
     /// Seed of the program's random numbers with --clock [default: 0]
-    #[arg(long, value_name = "N", requires = "clock")]
+    #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Start of the program's dates with --clock, or now [default: 2000-01-01T12:00:00]
-    #[arg(long, value_name = "DATE", requires = "clock", value_parser = start)]
+    #[arg(long, value_name = "DATE", value_parser = start)]
     clock_start: Option<Start>,
 }
 
@@ -41,7 +41,14 @@ enum Start {
 impl Options {
     /// Environment variables of the clock; none without one.
     pub fn environment(&self) -> Result<Environment, Failure> {
-        let Some(rate) = self.clock else { return Ok(Vec::new()) };
+        let Some(rate) = self.clock else {
+            return match self.seed.is_some() || self.clock_start.is_some() {
+                true => {
+                    Err(Failure::usage("--seed and --clock-start are for --clock: give it too, for example --clock 60"))
+                }
+                false => Ok(Vec::new()),
+            };
+        };
         let mut preload: OsString = library::find_clock()?.into();
         if let Some(others) = std::env::var_os("LD_PRELOAD").filter(|others| !others.is_empty()) {
             preload.push(":");
@@ -63,7 +70,7 @@ impl Options {
 }
 
 /// Parses frames per second: `60`, `59.94` or `60000/1001`.
-fn rate(text: &str) -> Result<Rate, String> {
+pub fn rate(text: &str) -> Result<Rate, String> {
     let number = |text: &str| text.parse::<u64>().ok().filter(|number| (1..=1_000_000_000).contains(number));
     let parsed = if let Some((frames, seconds)) = text.split_once('/') {
         number(frames).zip(number(seconds))

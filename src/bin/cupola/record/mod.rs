@@ -1,0 +1,186 @@
+//! `cupola record`: writes all frames of a program to numbered pictures or to a film.
+//!
+//! The program gets the virtual clock and publishes its frames; a thread of this command reads and
+//! writes them, and the program waits for it.
+
+mod film;
+mod numbered;
+
+use crate::failure::Failure;
+use crate::launch::clock::{Rate, rate};
+use crate::run::{self, Options};
+use crate::terminal;
+use cupola::ring::{self, Frame, Next, Picture, Reader};
+use cupola::system::{self, process};
+use indicatif::HumanBytes;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// How often a reader looks whether the program still runs.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// How often the space on the disk is asked for.
+const ASK: Duration = Duration::from_secs(1);
+
+/// Record each frame of a program: numbered pictures, or a film by way of ffmpeg.
+#[derive(clap::Args)]
+#[command(after_help = "\
+The program has the virtual clock and waits for each picture to be written: a film plays at FPS, however long its
+frames take. Pictures are DIR/NAME_000001.png and so on; of several outputs each has a folder, DIR/OUTPUT. The same
+command goes on with a recording that was interrupted.")]
+pub struct Arguments {
+    #[command(flatten)]
+    options: Options,
+    /// Frames in a second of the recording, for example 60, 59.94 or 60000/1001
+    #[arg(long, value_name = "FPS", value_parser = rate, default_value = "60")]
+    fps: Rate,
+    /// Folder of the recording; it is made if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Beginning of the files' names [default: the output's name]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Write a film with ffmpeg instead of pictures
+    #[arg(long, value_name = "h264|h265|prores")]
+    film: Option<film::Preset>,
+    /// Program and its arguments
+    #[arg(trailing_var_arg = true, required = true)]
+    program: Vec<OsString>,
+}
+
+/// Where the pictures of a recording go.
+trait Sink: Send {
+    /// Takes the pictures of frame `number`, counted from 1.
+    fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure>;
+    /// All frames were taken. Returns what is said at the end.
+    fn finish(&mut self) -> Result<String, Failure>;
+}
+
+/// Runs the subcommand. Returns the exit code of the program.
+pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    let Arguments { mut options, fps, out, name, film, program } = arguments;
+    let Some(frames) = options.frames else {
+        return Err(Failure::usage(
+            "the length of the recording is missing: give --frames N, for example --frames 600",
+        ));
+    };
+    if options.clock.clock.is_some() {
+        return Err(Failure::usage("--clock: a recording has the clock of its --fps; leave this option out"));
+    }
+    if name.as_deref().is_some_and(|name| name.is_empty() || name != file_name(name)) {
+        return Err(Failure::usage("--name: expected the beginning of a file's name, without slashes"));
+    }
+    std::fs::create_dir_all(&out)
+        .map_err(|error| Failure::usage(format!("the folder {} cannot be created: {error}", out.display())))?;
+    options.clock.clock = Some(fps);
+    options.waits_for_readers = true;
+    let ring = options.publish.take().filter(|file| !file.as_os_str().is_empty()).unwrap_or_else(|| {
+        let mut own = ring::default_path().into_os_string();
+        own.push(format!("-record-{}", std::process::id()));
+        own.into()
+    });
+    options.publish = Some(ring.clone());
+    let sink: Box<dyn Sink> = match film {
+        None => Box::new(numbered::Folder::new(&out, name)),
+        Some(preset) => Box::new(film::Films::new(&out, name, preset, fps)),
+    };
+    let has_ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let recorder = Recorder { ring: &ring, out: &out, frames, has_ended: &has_ended, sink };
+        let recording = scope.spawn(|| {
+            let result = recorder.record();
+            if result.is_err() {
+                // What it would draw from here on is lost.
+                process::stop_foreground();
+            }
+            result
+        });
+        let code = run::start(options, &program, None);
+        has_ended.store(true, Ordering::SeqCst);
+        let recorded =
+            recording.join().unwrap_or_else(|_| Err(Failure::new("the recording failed by a defect of Cupola")));
+        // A program that cannot be started is the reason why nothing was recorded.
+        let code = code?;
+        match recorded {
+            Ok(words) => {
+                eprintln!("cupola: {words}");
+                Ok(code)
+            }
+            Err(failure) => Err(failure),
+        }
+    })
+}
+
+struct Recorder<'a> {
+    ring: &'a Path,
+    out: &'a Path,
+    frames: u64,
+    has_ended: &'a AtomicBool,
+    sink: Box<dyn Sink>,
+}
+
+impl Recorder<'_> {
+    fn open(&self) -> Result<Reader, Failure> {
+        loop {
+            let ended = self.has_ended.load(Ordering::SeqCst);
+            match Reader::open(self.ring) {
+                Ok(reader) => return Ok(reader),
+                Err(_) if !ended => std::thread::sleep(LOOK),
+                Err(_) => {
+                    return Err(Failure::new(
+                        "the program ended and has published no frame: it drew nothing with OpenGL or Vulkan, or Cupola \
+                         left it alone (see the messages above, and cupola doctor)",
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Reads and writes all frames. Returns what is said at the end.
+    fn record(mut self) -> Result<String, Failure> {
+        let mut reader = self.open()?;
+        let mut frame = Frame::default();
+        let bar = terminal::progress(self.frames, "frames");
+        let begin = Instant::now();
+        let mut asked = None;
+        let mut taken = 0;
+        while taken < self.frames {
+            match reader.next(LOOK, &mut frame)? {
+                Next::Nothing if self.has_ended.load(Ordering::SeqCst) => break,
+                Next::Nothing => continue,
+                Next::Ended => break,
+                Next::Frame => {}
+            }
+            if reader.lost() > 0 || frame.number != taken {
+                return Err(Failure::new(format!("frame {} could not be read, and is missing", taken + 1)));
+            }
+            taken += 1;
+            self.sink.take(taken, &frame.pictures)?;
+            bar.set_position(taken);
+            if asked.is_none_or(|asked: Instant| asked.elapsed() > ASK) {
+                asked = Some(Instant::now());
+                let free =
+                    system::free_bytes(self.out).map_or_else(|_| "?".into(), |free| HumanBytes(free).to_string());
+                let rate = taken as f64 / begin.elapsed().as_secs_f64().max(1e-6);
+                bar.set_message(format!("frames, {rate:.1} in a second, {free} free, to go:"));
+            }
+        }
+        bar.finish_and_clear();
+        if taken < self.frames {
+            let reached = format!("the program ended after {taken} of {} frames", self.frames);
+            return Err(Failure::new(format!("{reached}; the same command goes on with this recording")));
+        }
+        let words = self.sink.finish()?;
+        let rate = taken as f64 / begin.elapsed().as_secs_f64().max(1e-6);
+        Ok(format!("{words}, {rate:.1} frames in a second"))
+    }
+}
+
+/// A name as part of a file's name.
+fn file_name(name: &str) -> String {
+    let safe: String = name.chars().map(|c| if c == '/' || c.is_control() { '_' } else { c }).collect();
+    if safe.starts_with('.') { format!("_{}", &safe[1..]) } else { safe }
+}

@@ -1,0 +1,114 @@
+//! Numbered pictures, as makers of films for domes exchange them: `Name_000001.png`.
+
+use super::{Sink, file_name};
+use crate::failure::Failure;
+use cupola::ring::Picture;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+use std::path::{Path, PathBuf};
+
+/// A folder of pictures; of several outputs a folder for each.
+pub struct Folder {
+    path: PathBuf,
+    name: Option<String>,
+    /// The first frame of which a picture was missing at the start; 0 before the first frame.
+    first_missing: u64,
+    written: u64,
+}
+
+impl Folder {
+    pub fn new(path: &Path, name: Option<String>) -> Self {
+        Self { path: path.to_owned(), name, first_missing: 0, written: 0 }
+    }
+
+    fn file(&self, number: u64, picture: &Picture, several: bool) -> PathBuf {
+        let output = file_name(&picture.name);
+        let folder = if several { self.path.join(&output) } else { self.path.clone() };
+        folder.join(format!("{}_{number:06}.png", self.name.as_ref().unwrap_or(&output)))
+    }
+
+    /// Looks what an earlier run has written.
+    fn begin(&mut self, pictures: &[Picture]) -> Result<(), Failure> {
+        let several = pictures.len() > 1;
+        for picture in pictures {
+            let file = self.file(1, picture, several);
+            let folder = file.parent().unwrap_or(&self.path);
+            std::fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
+        }
+        let is_there = |number: &u64| pictures.iter().all(|picture| self.file(*number, picture, several).exists());
+        let there = (1..).take_while(is_there).count() as u64;
+        self.first_missing = there + 1;
+        if there > 0 {
+            eprintln!("cupola: {there} frames are there already; the recording goes on with frame {}", there + 1);
+        }
+        Ok(())
+    }
+}
+
+impl Sink for Folder {
+    fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure> {
+        if self.first_missing == 0 {
+            self.begin(pictures)?;
+        }
+        let is_there = number < self.first_missing;
+        // Two frames are enough to tell that the pictures are of another recording.
+        let is_compared = is_there && (number == 1 || number + 1 == self.first_missing);
+        if is_there && !is_compared {
+            return Ok(());
+        }
+        for picture in pictures {
+            let file = self.file(number, picture, pictures.len() > 1);
+            let bytes = png(picture).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
+            if is_compared {
+                let before = std::fs::read(&file).map_err(|error| failed(&file, &error))?;
+                if before != bytes {
+                    return Err(Failure::new(format!(
+                        "{} is there already and shows another picture: the folder has another recording, or the program \
+                         does not draw the same again; choose an empty folder for --out",
+                        file.display()
+                    )));
+                }
+            } else {
+                write_whole(&file, &bytes).map_err(|error| failed(&file, &error))?;
+            }
+        }
+        self.written += u64::from(!is_compared);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<String, Failure> {
+        Ok(format!("{} frames were written to {}", self.written, self.path.display()))
+    }
+}
+
+/// Writes a file that is whole when it has its name.
+fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let part = file.with_extension("png.part");
+    // A name that is a link, or a part of an earlier run, is replaced and not written through.
+    let _ = std::fs::remove_file(&part);
+    let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, file));
+    written.inspect_err(|_| drop(std::fs::remove_file(&part)))
+}
+
+fn failed(path: &Path, error: &std::io::Error) -> Failure {
+    let more = match error.kind() {
+        std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded => {
+            "; all files that have their name are whole, and the same command goes on when there is space"
+        }
+        _ => "",
+    };
+    Failure::new(format!("{}: {error}{more}", path.display()))
+}
+
+/// A picture as an RGB PNG file. The same pixels are the same bytes.
+fn png(picture: &Picture) -> image::ImageResult<Vec<u8>> {
+    let rgb: Vec<u8> = picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive).write_image(
+        &rgb,
+        picture.size.0,
+        picture.size.1,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
+}
