@@ -3,8 +3,9 @@
 use crate::ErrorKind;
 use crate::correct::passes::output_pass::{Batch, Plan};
 use crate::correct::passes::source::Source;
-use crate::correct::plan::blocks::{self, Picture};
+use crate::correct::plan::blocks;
 use crate::correct::plan::builder::build;
+use crate::correct::plan::picture::Picture;
 use crate::geom::Panorama;
 use crate::geom::lenses::panorama::Span;
 use crate::rig::{OutputKind, Rig};

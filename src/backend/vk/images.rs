@@ -3,6 +3,7 @@
 use super::barrier::{Use, barrier};
 use super::memory::Buffer;
 use crate::backend::vk::driver::api::Api;
+use crate::backend::vk::driver::formats::check_source_format;
 use crate::correct::ImageSize;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
@@ -170,42 +171,6 @@ const DRAWN: Use = Use {
         vk::AccessFlags::COLOR_ATTACHMENT_READ.as_raw() | vk::AccessFlags::COLOR_ATTACHMENT_WRITE.as_raw(),
     ),
 };
-
-/// Checks that views can be read from images of `format`.
-pub(super) fn check_source_format(api: &Api, format: vk::Format) -> Result<()> {
-    let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
-    check_format(api, "an image with views", format, needed)
-}
-
-/// Checks that encoded values can be drawn to images of `format`.
-pub(super) fn check_target_format(api: &Api, format: vk::Format) -> Result<()> {
-    let what = "an image to correct into";
-    // Integers cannot be blended, by which they are told apart; 32-bit floats need not be.
-    let needed = match format {
-        vk::Format::R32G32B32A32_SFLOAT => vk::FormatFeatureFlags::COLOR_ATTACHMENT,
-        _ => vk::FormatFeatureFlags::COLOR_ATTACHMENT | vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND,
-    };
-    check_format(api, what, format, needed)
-}
-
-fn check_format(api: &Api, what: &str, format: vk::Format, needed: vk::FormatFeatureFlags) -> Result<()> {
-    if is_srgb(format) {
-        return Err(wrong(format!(
-            "{what} has the format {format:?}, which converts; right would be a view of the same image with the \
-             _UNORM format (VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT)"
-        )));
-    }
-    if format == vk::Format::UNDEFINED || !api.features(format).contains(needed) {
-        let message = format!("The device cannot use {format:?} for {what}: it needs {needed:?}.");
-        return Err(Error::new(ErrorKind::Graphics, message));
-    }
-    Ok(())
-}
-
-fn is_srgb(format: vk::Format) -> bool {
-    use vk::Format as F;
-    matches!(format, F::R8G8B8A8_SRGB | F::B8G8R8A8_SRGB | F::A8B8G8R8_SRGB_PACK32 | F::R8G8B8_SRGB | F::B8G8R8_SRGB)
-}
 
 fn wrong(message: String) -> Error {
     Error::new(ErrorKind::InvalidArgument, message)

@@ -173,7 +173,7 @@ fn vulkan_device(device: Result<&vk::driver::headless::Headless, String>) -> (Op
         Ok(device) => device,
         Err(why) => return (None, why),
     };
-    let formats = device.api.usable_formats();
+    let formats = cupola::backend::vk::driver::formats::usable_formats(&device.api);
     if formats.is_empty() {
         return (Some(false), format!("{}: no usual image format can be both filtered and drawn to", device.driver));
     }

@@ -6,10 +6,10 @@ use crate::correct::passes::output_pass::Batch;
 use crate::correct::passes::source::Source;
 use crate::correct::plan::examiner::Examiner;
 use crate::correct::plan::needs::{self, Examined, Needs};
+use crate::correct::plan::picture::Picture;
 use crate::correct::plan::rectangles::{self, BLOCK};
-use crate::geom::ContentMap;
 use crate::geom::rectangle::PixelSpan;
-use crate::rig::{Flip, Rig};
+use crate::rig::Rig;
 use crate::views::{View, ViewPlan};
 
 /// At most so many batches of an output differ only in their neighbours and in the view that they
@@ -36,20 +36,6 @@ enum Class {
     Edge,
     /// Some pixels show nothing, and pictures overlap.
     EdgeOverlap,
-}
-
-/// Properties of an output's picture that the rig does not say.
-pub(in crate::correct) struct Picture {
-    /// Its map.
-    pub source: Source,
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    /// Its weight image.
-    pub mask: Option<Mask>,
-    /// Mirroring of the finished picture.
-    pub flip: Flip,
-    /// Place of a direction in the program's window, if that is shown as it is.
-    pub content: Option<ContentMap>,
 }
 
 /// Examines the blocks of output `index` of `rig`. `cache` may know the result, or keeps it.

@@ -2,8 +2,8 @@
 //! pixel where it is not.
 
 use crate::correct::passes::source::Source;
-use crate::correct::plan::blocks::Picture;
 use crate::correct::plan::needs::{Examined, MOST_UNSEEN, Needs};
+use crate::correct::plan::picture::Picture;
 use crate::correct::plan::rectangles::BLOCK;
 use crate::geom::rectangle::PixelSpan;
 use crate::geom::screen::Bounds;

@@ -14,6 +14,7 @@ pub mod cover;
 pub mod examiner;
 pub mod footprints;
 pub mod needs;
+pub mod picture;
 pub mod rectangles;
 pub mod unsampled;
 pub mod unsampled_cached;

@@ -1,6 +1,5 @@
 //! The functions of a program's device.
 
-use crate::backend::vk::images::{check_source_format, check_target_format};
 use crate::cache::Cache;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
@@ -136,15 +135,6 @@ impl Api {
     /// Whether corrections in queues of `family` can be timed.
     pub fn has_timestamps(&self, family: u32) -> bool {
         self.timestamp_bits(family) > 0
-    }
-
-    /// The names of those usual formats that views can be read from and corrected into.
-    pub fn usable_formats(&self) -> Vec<String> {
-        use vk::Format as F;
-        let usual = [F::B8G8R8A8_UNORM, F::R8G8B8A8_UNORM, F::A2B10G10R10_UNORM_PACK32, F::R16G16B16A16_SFLOAT];
-        let usable =
-            |format: &F| check_source_format(self, *format).is_ok() && check_target_format(self, *format).is_ok();
-        usual.into_iter().filter(usable).map(|format| format!("{format:?}")).collect()
     }
 
     /// How many bits the timestamps of queues of `family` have; 0: there are none.

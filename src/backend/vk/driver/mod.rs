@@ -1,5 +1,6 @@
-//! The device: its functions, its clock, a device without a program.
+//! The device: its functions, formats and clock, a device without a program.
 
 pub mod api;
+pub mod formats;
 pub mod headless;
 pub mod timers;

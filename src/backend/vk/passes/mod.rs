@@ -5,8 +5,9 @@ mod record;
 
 use crate::backend::vk::descriptors::{Descriptors, Reads};
 use crate::backend::vk::driver::api::{Api, refused};
+use crate::backend::vk::driver::formats::check_target_format;
 use crate::backend::vk::driver::timers::{Timers, Timing};
-use crate::backend::vk::images::{SourceImage, TargetImage, check_target_format};
+use crate::backend::vk::images::{SourceImage, TargetImage};
 use crate::backend::vk::memory::{Buffer, Image};
 use crate::backend::vk::program::Common;
 use crate::correct::OutputPass;

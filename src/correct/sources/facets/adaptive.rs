@@ -14,8 +14,18 @@ use std::collections::HashMap;
 /// bound.
 const MEASURED: f64 = 0.8;
 
+impl Facets {
+    /// The triangles for rectangles of an output all of whose pixels' centres show something: as
+    /// large as a greatest error in pixels allows. It is measured in the middle of each, of their
+    /// sides, and between; where the map is discontinuous, triangles are as small as pixels, and
+    /// exact at their centres.
+    pub(in crate::correct) fn within(sampler: &SurfaceSampler, rects: &[PixelRect], max_error: f64) -> Self {
+        Builder::new(sampler, max_error).build(rects)
+    }
+}
+
 /// Makes the triangles of one output.
-pub(super) struct Builder<'a> {
+struct Builder<'a> {
     sampler: &'a SurfaceSampler<'a>,
     max_error: f64,
     facets: Facets,
@@ -38,12 +48,12 @@ struct Cut {
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(sampler: &'a SurfaceSampler<'a>, max_error: f64) -> Self {
+    fn new(sampler: &'a SurfaceSampler<'a>, max_error: f64) -> Self {
         let facets = Facets { fills: true, ..Facets::default() };
         Self { sampler, max_error, facets, numbers: HashMap::new(), seen: HashMap::new() }
     }
 
-    pub(super) fn build(mut self, rects: &[PixelRect]) -> Facets {
+    fn build(mut self, rects: &[PixelRect]) -> Facets {
         for rect in rects {
             self.fill(*rect);
         }

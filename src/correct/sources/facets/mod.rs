@@ -10,8 +10,7 @@ mod dome;
 pub(in crate::correct) mod lit_parts;
 
 use crate::correct::passes::facets::{FacetCorner, Facets};
-use crate::correct::sources::surface_sample::{SurfaceSample, SurfaceSampler};
-use crate::geom::rectangle::PixelRect;
+use crate::correct::sources::surface_sample::SurfaceSample;
 use glam::DVec2;
 
 pub(in crate::correct) use dome::dome_facets;
@@ -20,14 +19,6 @@ pub(in crate::correct) use dome::dome_facets;
 pub const WEIGHT_ERROR: f64 = 1e-3;
 
 impl Facets {
-    /// The triangles for rectangles of an output all of whose pixels' centres show something: as
-    /// large as a greatest error in pixels allows. It is measured in the middle of each, of their
-    /// sides, and between; where the map is discontinuous, triangles are as small as pixels, and
-    /// exact at their centres.
-    pub(in crate::correct) fn within(sampler: &SurfaceSampler, rects: &[PixelRect], max_error: f64) -> Self {
-        adaptive::Builder::new(sampler, max_error).build(rects)
-    }
-
     fn push(&mut self, place: DVec2, sample: SurfaceSample) -> u32 {
         self.corners.push(FacetCorner { place, direction: sample.vector, weight: sample.weight });
         self.corners.len() as u32 - 1

@@ -5,7 +5,7 @@ use crate::intercept::ending;
 use crate::intercept::gl::context::current::{CURRENT, HANDLE, after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::registry::{Entry, contexts};
-use crate::intercept::gl::frame::present;
+use crate::intercept::gl::frame::leaving;
 use crate::intercept::gl::state::drawable::window::Window;
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ pub fn leaving(handle: usize, window: Option<&Window>) {
     if HANDLE.get() == handle && ctx.drawable.window.as_ref() == window {
         return;
     }
-    if crate::fence::guard(|| present::leave(ctx)).is_none() {
+    if crate::fence::guard(|| leaving::leave(ctx)).is_none() {
         after_panic("leaving a window");
     }
     if handle == 0 {
@@ -54,7 +54,7 @@ pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>, read
     if ending::has_begun() {
         return;
     }
-    ending::watch(Some(present::at_end));
+    ending::watch(Some(leaving::at_end));
     if let Some(ctx) = current()
         && !ctx.switched_off
         && crate::fence::guard(|| ctx.attach(window, reads_elsewhere)).is_none()

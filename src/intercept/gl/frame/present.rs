@@ -6,7 +6,7 @@ use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::frame::{frame_number, front_buffer, in_turn, publish, report};
+use crate::intercept::gl::frame::{frame_number, in_turn, publish, report};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::{inspected, view_copies};
 use crate::intercept::gl::state::drawable::Drawable;
@@ -106,33 +106,6 @@ pub fn show_front(ctx: &mut Context) {
     next_frame(ctx);
 }
 
-/// The program turns to another window before it swaps this one.
-pub fn leave(ctx: &mut Context) {
-    if front_buffer::draws_to_front(&ctx.app, &ctx.drawable) {
-        front_buffer::show(ctx, true);
-    } else {
-        correct(ctx);
-        // The frame may be swapped by a thread without a context, which can read nothing.
-        if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
-            && last_frame::is_last(settings, frame_number::next(window.handle()))
-        {
-            inspected::end_frame(ctx);
-            report::keep(ctx, settings);
-        }
-    }
-}
-
-/// The thread or the process ends. A picture that was asked for and is not swapped any more is kept
-/// now: later the driver may be unable to draw.
-pub fn at_end() {
-    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
-    let next = ctx.drawable.window.as_ref().map(|window| frame_number::next(window.handle()));
-    if next.is_some() && settings::settings().is_some_and(|settings| settings.frames == next) {
-        // A panic at the end has nobody left to tell.
-        let _ = crate::fence::guard(|| leave(ctx));
-    }
-}
-
 /// Runs `run` with the window's own framebuffer bound for drawing.
 fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
     let Some(target) = ctx.drawable.target() else { return };
@@ -145,7 +118,7 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 }
 
 /// Corrects the views into the window. Allocates nothing.
-fn correct(ctx: &mut Context) {
+pub(super) fn correct(ctx: &mut Context) {
     correct_now(&mut OwnCalls::begin(ctx));
 }
 

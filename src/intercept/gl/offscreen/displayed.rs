@@ -14,7 +14,6 @@ use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::displayed::Shows;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
-use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use std::cell::Cell;
 
 /// Looks at a flat draw to the window, of which `main` tells whether it has the main viewport.
@@ -47,11 +46,6 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
             Shows::Nothing
         }
     }
-}
-
-/// Something else than a draw changed the window.
-pub fn window_changed(view_copies: &mut ViewCopies) {
-    view_copies.displayed.current = None;
 }
 
 /// Issues a draw that shows the images in `sampled`.

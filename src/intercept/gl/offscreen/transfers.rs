@@ -4,7 +4,6 @@ use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::view_copies::{
     self, copy_count, look, make_framebuffer, own_tile, possible, supply, views,
 };
@@ -219,7 +218,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         }
     }
     if to.0 == Side::Window {
-        displayed::window_changed(&mut ctx.view_copies);
+        ctx.view_copies.window_changed();
     }
     match to.0 {
         Side::ViewCopies(index) => ctx.view_copies.changed(index),

@@ -9,7 +9,7 @@ use crate::intercept::gl::framebuffer::commands::accumulation;
 use crate::intercept::gl::framebuffer::target::enlarge::want_panel;
 use crate::intercept::gl::framebuffer::target::replan;
 use crate::intercept::gl::framebuffer::target::unsampled_areas::{self, Cleared};
-use crate::intercept::gl::offscreen::{displayed, view_copies};
+use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::culling::cleared_views;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::own_window_space;
@@ -27,7 +27,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         return false;
     }
     ctx.note_drawn();
-    displayed::window_changed(&mut ctx.view_copies);
+    ctx.view_copies.window_changed();
     let Some(target) = ctx.drawable.target() else { return false };
     let window = target.size();
     let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));

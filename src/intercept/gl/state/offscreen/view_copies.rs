@@ -75,6 +75,11 @@ impl ViewCopies {
         !self.images.is_empty()
     }
 
+    /// Something else than a draw changed the window.
+    pub fn window_changed(&mut self) {
+        self.displayed.current = None;
+    }
+
     /// Gives up what the group knows together: the context is not current any more.
     pub fn deposit(&mut self, group: &Mutex<Option<SharedViewCopies>>) {
         if !std::mem::take(&mut self.shared) {
