@@ -182,5 +182,5 @@ impl Recorder<'_> {
 /// A name as part of a file's name.
 fn file_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c == '/' || c.is_control() { '_' } else { c }).collect();
-    if safe.starts_with('.') { format!("_{}", &safe[1..]) } else { safe }
+    safe.strip_prefix('.').map_or_else(|| safe.clone(), |rest| format!("_{rest}"))
 }
