@@ -744,9 +744,9 @@ enum cupola_status cupola_gl_get_statistics(struct cupola_gl *gl,
  - `gl`: the object, or null, which does nothing.
 
  # Returns
- - `CUPOLA_INVALID_STATE`: called in `draw` of `cupola_gl_draw_frame`; the object lives on. Or its
-   context is not current; the object is destroyed, and what it made on the context is left to
-   the end of the context.
+ - `CUPOLA_INVALID_STATE`: called in `draw` of `cupola_gl_draw_frame`; the object lives on. Or
+   its context is not current; the object is destroyed, and what it made on the context is left
+   to the end of the context.
 
  # Threads
  Context current.
@@ -836,8 +836,8 @@ enum cupola_status cupola_gl_begin_frame(struct cupola_gl *gl);
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or there is no such view.
- - `CUPOLA_INVALID_STATE`: no frame has begun, a view has begun and not ended, or the context is not
-   current.
+ - `CUPOLA_INVALID_STATE`: no frame has begun, a view has begun and not ended, or the context is
+   not current.
 
  # Threads
  Context current.
@@ -877,7 +877,8 @@ enum cupola_status cupola_gl_end_view(struct cupola_gl *gl);
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or the context has no such framebuffer, or it is not
    complete. The frame has not ended then.
- - `CUPOLA_INVALID_STATE`: no frame has begun, a view has not ended, or the context is not current.
+ - `CUPOLA_INVALID_STATE`: no frame has begun, a view has not ended, or the context is not
+   current.
 
  # Threads
  Context current.
@@ -903,8 +904,8 @@ enum cupola_status cupola_gl_end_frame(struct cupola_gl *gl,
  - `framebuffer`, `x`, `y`: as for `cupola_gl_end_frame`.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, the planes are wrong, or the context has no such
-   framebuffer. `draw` was not called.
+ - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, the planes are wrong, or the context has no
+   such framebuffer. `draw` was not called.
  - `CUPOLA_INVALID_STATE`: a frame has begun and not ended, or the context is not current.
 
  # Threads

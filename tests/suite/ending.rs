@@ -4,7 +4,7 @@
 use crate::compare::{compare, expect_good};
 use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::harness::tests;
-use crate::programs::Run;
+use crate::programs::{Finished, Run};
 use crate::reference::Fisheye;
 
 tests! {
@@ -32,6 +32,9 @@ const WAYS: [&str; 12] = [
     "closed-current",
 ];
 
+/// Exit status of a program that ends by SIGSEGV, as a shell tells it.
+const FAULT: i32 = 139;
+
 fn end_alike(way: &str, windows: &[&str], rigs: &[&str]) {
     let extra: Vec<&str> = ["--mode", way].iter().chain(windows).copied().collect();
     // Before the first swap, and after some.
@@ -39,9 +42,18 @@ fn end_alike(way: &str, windows: &[&str], rigs: &[&str]) {
         // Threads that still draw may draw many frames before the process ends.
         let cupola_frames = if way == "drawing" { 1_000_000 } else { frames + 1 };
         let run = Run { frames, extra: &extra, cupola_frames, ..Run::new("ending") };
-        let Some(plain) = run.plain() else { return };
+        // Mesa alone ends 3 of 120 processes by a fault whose threads still draw: then once more.
+        let attempts = if way == "drawing" { 3 } else { 1 };
+        let again = |start: &dyn Fn() -> Option<Finished>| {
+            let mut finished = start();
+            for _ in 1..attempts {
+                finished = finished.and_then(|ended| if ended.status() == FAULT { start() } else { Some(ended) });
+            }
+            finished
+        };
+        let Some(plain) = again(&|| run.plain()) else { return };
         for rig in rigs {
-            let Some(under) = run.under(rig) else { return };
+            let Some(under) = again(&|| run.under(rig)) else { return };
             let what = format!("{way} {windows:?}, {frames} frames, {rig}:\n{}", under.words());
             assert_eq!(under.status(), plain.status(), "{what}");
             assert!(!under.words().contains("defect"), "{what}");
