@@ -592,9 +592,9 @@ int main(int argc, char **argv)
                 write_memory(options.memory, getpid());
         }
         frame();
-        if (options.direction.shot != NULL)
-            window_shot(&w, options.direction.shot);
     }
+    if (options.direction.shot != NULL)
+        window_shot(&w, options.direction.shot);
     close_all();
     return 0;
 }

@@ -71,9 +71,9 @@ void run_frames(const vulkan_window *w, const frame_objects *objects, VkCommandB
         const uint32_t index = next_image(w, objects);
         record(index);
         end_frame(w, objects, commands, index);
-        if (shot != NULL)
-            window_shot(w, shot);
     }
+    if (shot != NULL)
+        window_shot(w, shot);
 }
 
 void change_layout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,

@@ -22,7 +22,8 @@ uint32_t next_image(const vulkan_window *w, const frame_objects *objects);
 /* Submits, presents, and waits until the commands are done. Whether the swapchain is as it should be. */
 bool end_frame(const vulkan_window *w, const frame_objects *objects, VkCommandBuffer commands, uint32_t index);
 
-/* `count` frames by one command buffer, which `record` records for an image. With the path `shot` the window is written to it after each. */
+/* Draws `count` frames with one command buffer, which `record` records for an image. With the path `shot` the window is
+   written to it after the last frame. */
 void run_frames(const vulkan_window *w, const frame_objects *objects, VkCommandBuffer commands, int count,
                 const char *shot, void (*record)(uint32_t index));
 

@@ -533,11 +533,10 @@ int main(int argc, char **argv)
     parse(argc, argv);
     open_all();
     uint64_t number = 0;
-    for (int left = options.direction.frames; left > 0; left -= frame_counts()) {
+    for (int left = options.direction.frames; left > 0; left -= frame_counts())
         frame(++number);
-        if (options.direction.shot != NULL)
-            window_shot(&w, options.direction.shot);
-    }
+    if (options.direction.shot != NULL)
+        window_shot(&w, options.direction.shot);
     if (options.picture != NULL)
         write_picture(options.picture);
     close_all();
