@@ -102,8 +102,6 @@ fn read() -> crate::Result<Settings> {
     if is_privileged() {
         return Err(Error::new(ErrorKind::InvalidState, "the program has more rights than its user"));
     }
-    let text = |name: &str| variable(name)?.into_string().ok().filter(|v| !v.is_empty());
-    let path = |name: &str| variable(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let name = text("CUPOLA_RIG").unwrap_or_else(|| "fisheye".to_owned());
     let is_preset = rig::presets().iter().any(|preset| preset.name == name);
     let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();
@@ -114,55 +112,13 @@ fn read() -> crate::Result<Settings> {
         content: text("CUPOLA_CONTENT"),
         method: text("CUPOLA_METHOD"),
     };
-    let window_size = match text("CUPOLA_SIZE") {
-        Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),
-        None => None,
-    };
-    let frames = match text("CUPOLA_FRAMES") {
-        Some(n) => Some(n.parse().ok().filter(|n| *n > 0).ok_or_else(|| wrong("CUPOLA_FRAMES", &n, "100"))?),
-        None => None,
-    };
-    let end = match text("CUPOLA_SECONDS") {
-        Some(n) => Some(parse_seconds(&n).ok_or_else(|| wrong("CUPOLA_SECONDS", &n, "10"))?),
-        None => None,
-    };
-    let stats_every = match text("CUPOLA_STATS_EVERY") {
-        Some(n) => Some(parse_length(&n).ok_or_else(|| wrong("CUPOLA_STATS_EVERY", &n, "1"))?),
-        None => None,
-    };
-    let mask = match text("CUPOLA_MASK").as_deref() {
-        None | Some("auto") => Mask::Auto,
-        Some("0") => Mask::Never,
-        Some("1") => Mask::Always,
-        Some(other) => return Err(wrong("CUPOLA_MASK", other, "0")),
-    };
-    let duplicate = match text("CUPOLA_DUPLICATE").as_deref() {
-        None => None,
-        Some("auto") => Some(Duplicate::Auto),
-        Some("never") => Some(Duplicate::Never),
-        Some("always") => Some(Duplicate::Always),
-        Some("in-turn") => Some(Duplicate::InTurn),
-        Some(other) => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
-    };
-    let domemaster = match text("CUPOLA_DOMEMASTER") {
-        Some(n) => Some(parse_side(&n).ok_or_else(|| wrong("CUPOLA_DOMEMASTER", &n, "1024"))?),
-        None => None,
-    };
+    let duplicate = parsed("CUPOLA_DUPLICATE", "never", parse_duplicate)?;
+    let domemaster = parsed("CUPOLA_DOMEMASTER", "1024", parse_side)?;
     let profile = profile(text("CUPOLA_PROFILE").as_deref())?;
     let rig = loaded(Path::new(&name), profile.as_ref(), &overrides, (duplicate, domemaster))?;
-    let publish = match path("CUPOLA_PUBLISH") {
-        Some(path) if path == Path::new("0") => None,
-        Some(path) if path != Path::new("1") => Some(std::path::absolute(&path).unwrap_or(path)),
-        None if !rig.publishes() => None,
-        _ => Some(ring::default_path()),
-    };
-    let publish_interval = match text("CUPOLA_PUBLISH_RATE") {
-        Some(rate) => interval(&rate).ok_or_else(|| wrong("CUPOLA_PUBLISH_RATE", &rate, "30"))?,
-        None => 0,
-    };
     Ok(Settings {
-        publish,
-        publish_interval,
+        publish: publish_path(&rig),
+        publish_interval: parsed("CUPOLA_PUBLISH_RATE", "30", parse_interval)?.unwrap_or(0),
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
         domemaster,
         rig,
@@ -171,33 +127,59 @@ fn read() -> crate::Result<Settings> {
         rig_stamp,
         overrides,
         duplicate,
-        window_size,
-        frames,
-        end,
+        window_size: parsed("CUPOLA_SIZE", "1024x768", parse_size)?,
+        frames: parsed("CUPOLA_FRAMES", "100", |n| n.parse().ok().filter(|n| *n > 0))?,
+        end: parsed("CUPOLA_SECONDS", "10", parse_seconds)?,
         capture: path("CUPOLA_CAPTURE"),
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
         inspect: path("CUPOLA_INSPECT"),
         stats: path("CUPOLA_STATS"),
-        stats_every,
+        stats_every: parsed("CUPOLA_STATS_EVERY", "1", parse_length)?,
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
-        mask,
+        mask: parsed("CUPOLA_MASK", "0", parse_mask)?.unwrap_or(Mask::Auto),
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
         cull_all: text("CUPOLA_CULL").is_some_and(|v| v == "all"),
     })
 }
 
+/// A variable of the environment; `None` if it is unset, empty or not Unicode.
+fn text(name: &str) -> Option<String> {
+    variable(name)?.into_string().ok().filter(|value| !value.is_empty())
+}
+
+/// A variable that names a file or folder; `None` if it is unset or empty.
+fn path(name: &str) -> Option<PathBuf> {
+    variable(name).filter(|value| !value.is_empty()).map(PathBuf::from)
+}
+
+/// A variable that `parse` reads; the error for a value that it refuses names `example`.
+fn parsed<T>(name: &str, example: &str, parse: impl FnOnce(&str) -> Option<T>) -> crate::Result<Option<T>> {
+    let Some(value) = text(name) else { return Ok(None) };
+    parse(&value).map(Some).ok_or_else(|| wrong(name, &value, example))
+}
+
+/// The file of the published frames; `None` if none are published.
+fn publish_path(rig: &Rig) -> Option<PathBuf> {
+    match path("CUPOLA_PUBLISH") {
+        Some(path) if path == Path::new("0") => None,
+        Some(path) if path != Path::new("1") => Some(std::path::absolute(&path).unwrap_or(path)),
+        None if !rig.publishes() => None,
+        _ => Some(ring::default_path()),
+    }
+}
+
 impl Settings {
-    /// Whether the program has run for as long as was asked for.
+    /// True if the program has run for as long as was asked for.
     pub fn is_time_over(&self) -> bool {
         self.end.is_some_and(|end| Instant::now() >= end)
     }
 
-    /// Whether something is written when the program ends.
+    /// True if something is written when the program ends.
     pub fn has_report(&self) -> bool {
         self.needs_statistics() || self.capture.is_some() || self.capture_views.is_some()
     }
 
-    /// Whether statistics are written.
+    /// True if statistics are kept: for `--stats` or for `cupola inspect`.
     pub fn needs_statistics(&self) -> bool {
         self.stats.is_some() || self.inspect.is_some()
     }
@@ -278,8 +260,27 @@ fn parse_side(text: &str) -> Option<u32> {
     text.parse().ok().filter(|side| (1..=16384).contains(side))
 }
 
-/// Nanoseconds between frames of this number in a second, above 0 and up to 1000.
-fn interval(rate: &str) -> Option<u64> {
+fn parse_mask(text: &str) -> Option<Mask> {
+    match text {
+        "auto" => Some(Mask::Auto),
+        "0" => Some(Mask::Never),
+        "1" => Some(Mask::Always),
+        _ => None,
+    }
+}
+
+fn parse_duplicate(text: &str) -> Option<Duplicate> {
+    match text {
+        "auto" => Some(Duplicate::Auto),
+        "never" => Some(Duplicate::Never),
+        "always" => Some(Duplicate::Always),
+        "in-turn" => Some(Duplicate::InTurn),
+        _ => None,
+    }
+}
+
+/// Nanoseconds between frames at a rate per second, which is above 0 and at most 1000.
+fn parse_interval(rate: &str) -> Option<u64> {
     let rate: f64 = rate.parse().ok().filter(|rate| *rate > 0.0 && *rate <= 1000.0)?;
     Some((1e9 / rate) as u64)
 }

@@ -60,7 +60,7 @@ pub const ORDERS: [Order; 4] = [
         folder: "src/correct",
         rooms: &["shaders", "plan", "sources", "passes", "projected"],
         most_against: 0,
-        largest_circle: 2,
+        largest_circle: 0,
     },
     Order {
         folder: "src/views",

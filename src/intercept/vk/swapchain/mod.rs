@@ -12,7 +12,9 @@
 //! ```
 
 pub mod create;
+mod images;
 pub mod present;
 pub mod publish;
 pub mod read_back;
+mod record;
 pub mod stand_in;

@@ -7,6 +7,7 @@ use crate::intercept::ending;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::flat_program::OffScreen;
 use crate::intercept::scene::report;
+use crate::intercept::settings::Settings;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
@@ -100,73 +101,112 @@ unsafe fn prepare(
     device.frame.locked().end(device.draws_views(), || off_screen(device));
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return true };
-    let mut complete = true;
-    let pictures = last_frame::wants_outputs(settings) || last_frame::wants_views(settings);
-    let timed = settings.needs_statistics();
-    if timed {
+    if settings.needs_statistics() {
         device.presented.times.locked().end_frame();
     }
-    let keep = (last || settings.frames.is_none()) && settings.has_report();
     // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
-    let (swapchains, indices, mut waits) = unsafe {
+    let (swapchains, indices, waits) = unsafe {
         (
             slice(info.p_swapchains, info.swapchain_count),
             slice(info.p_image_indices, info.swapchain_count),
             slice(info.p_wait_semaphores, info.wait_semaphore_count),
         )
     };
-    let queue = device.queue(queue);
+    let mut complete = true;
+    let mut presentation =
+        Presentation { device, settings, queue: device.queue(queue), number: frames, last, waits, ready };
     for (handle, &index) in swapchains.iter().zip(indices) {
         let Some(managed) = device.swapchains.managed(*handle) else { continue };
-        let mut managed = managed.locked();
-        // SAFETY: as above.
-        match unsafe { timed_make(device, queue, &mut managed, index as usize, waits, timed) } {
-            Made::Submitted(signal) => {
-                ready.get_or_insert_default().push(signal);
-                // The first submission waits for everything; what follows on the queue comes after
-                // it.
-                waits = &[];
-            }
-            Made::Lost => complete = false,
-            Made::AsItIs => {}
+        // SAFETY: as promised; the handle is that of the swapchain.
+        complete &= unsafe { presentation.prepare(*handle, &mut managed.locked(), index as usize) };
+    }
+    complete
+}
+
+/// One call of `vkQueuePresentKHR`.
+struct Presentation<'a> {
+    device: &'a Device,
+    settings: &'a Settings,
+    queue: Queue,
+    /// Number of this frame, from 1.
+    number: u64,
+    /// The program ends after this frame.
+    last: bool,
+    /// What the next submission has to wait for. The first one waits for everything; what follows on
+    /// the queue comes after it.
+    waits: &'a [vk::Semaphore],
+    /// What the presentation waits for, as for [`prepare`].
+    ready: &'a mut Option<Vec<vk::Semaphore>>,
+}
+
+impl Presentation<'_> {
+    /// Corrects, publishes and captures image `index` of a swapchain. Returns whether the image has
+    /// a picture.
+    ///
+    /// # Safety
+    /// As for [`present`].
+    unsafe fn prepare(&mut self, handle: vk::SwapchainKHR, managed: &mut Swapchain, index: usize) -> bool {
+        let timed = self.settings.needs_statistics();
+        // SAFETY: as promised.
+        let made = unsafe { timed_make(self.device, self.queue, managed, index, self.waits, timed) };
+        if let Made::Submitted(signal) = made {
+            self.submitted(Some(signal));
         }
         if publishing::wants(handle.as_raw()) {
-            // SAFETY: as above.
-            match unsafe { publish::frame(device, queue, &mut managed, index as usize, waits, frames) } {
-                Ok(Some(copied)) => {
-                    ready.get_or_insert_default().push(copied);
-                    waits = &[];
-                }
-                Ok(None) => {}
-                Err(error) => log::once(&format!("Vulkan: a frame could not be published: {error}")),
-            }
-            if let Some(reading) = managed.publishing.as_mut().filter(|_| last) {
-                reading.publish(&device.driver, true);
-            }
+            // SAFETY: as promised.
+            unsafe { self.publish(managed, index) };
         }
-        if !keep {
-            continue;
+        if (self.last || self.settings.frames.is_none()) && self.settings.has_report() {
+            // SAFETY: as promised.
+            unsafe { self.store(managed, index, timed) };
         }
+        !matches!(made, Made::Lost)
+    }
+
+    /// Notes a submission that waited for [`Presentation::waits`], and the semaphore that it signals.
+    fn submitted(&mut self, signal: Option<vk::Semaphore>) {
+        self.ready.get_or_insert_default().extend(signal);
+        self.waits = &[];
+    }
+
+    /// # Safety
+    /// As for [`present`].
+    unsafe fn publish(&mut self, managed: &mut Swapchain, index: usize) {
+        // SAFETY: as promised.
+        match unsafe { publish::frame(self.device, self.queue, managed, index, self.waits, self.number) } {
+            Ok(Some(copied)) => self.submitted(Some(copied)),
+            Ok(None) => {}
+            Err(error) => log::once(&format!("Vulkan: a frame could not be published: {error}")),
+        }
+        if let Some(reading) = managed.publishing.as_mut().filter(|_| self.last) {
+            reading.publish(&self.device.driver, true);
+        }
+    }
+
+    /// Stores pictures and statistics for the report at the program's end.
+    ///
+    /// # Safety
+    /// As for [`present`].
+    unsafe fn store(&mut self, managed: &Swapchain, index: usize, timed: bool) {
+        let (device, settings) = (self.device, self.settings);
         let mut kept = LastFrame { statistics: None, times: None, pictures: Vec::new(), views: Vec::new() };
-        if pictures {
-            // SAFETY: as above.
-            match unsafe { captured(device, queue, &managed, index as usize, waits, settings) } {
+        if last_frame::wants_outputs(settings) || last_frame::wants_views(settings) {
+            // SAFETY: as promised.
+            match unsafe { captured(device, self.queue, managed, index, self.waits, settings) } {
                 Ok((outputs, views)) => {
                     (kept.pictures, kept.views) = (outputs, views);
-                    ready.get_or_insert_default();
-                    waits = &[];
+                    self.submitted(None);
                 }
                 Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
             }
         }
-        if last {
-            wait_for_counts(device, &managed);
+        if self.last {
+            wait_for_counts(device, managed);
         }
         kept.times = timed.then(|| Arc::clone(&device.presented.times));
-        kept.statistics = timed.then(|| statistics(device, &managed, &settings.rig, frames));
+        kept.statistics = timed.then(|| statistics(device, managed, &settings.rig, self.number));
         device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
-    complete
 }
 
 /// What is counted in the last frame is counted when this returns.
@@ -257,7 +297,7 @@ unsafe fn captured(
     managed: &Swapchain,
     index: usize,
     mut waits: &[vk::Semaphore],
-    settings: &settings::Settings,
+    settings: &Settings,
 ) -> Result<(Vec<Picture>, Vec<Picture>)> {
     let failed = |error: vk::Result| Error::new(ErrorKind::Graphics, error.to_string());
     let vk::Extent2D { width, height } = managed.extent;
