@@ -53,7 +53,7 @@ pub fn set_default(write: fn(&str)) {
     }
 }
 
-/// Whether the process has the logger of this module; installs it if there is none.
+/// True if the process has the logger of this module; installs it if there is none.
 fn is_installed() -> bool {
     static INSTALLED: OnceLock<bool> = OnceLock::new();
     *INSTALLED.get_or_init(|| log::set_logger(&Logger).is_ok())

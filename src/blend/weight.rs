@@ -73,7 +73,7 @@ impl<'rig> Weights<'rig> {
         self.ramps_at(output, point) * if is_shared { self.overlap_weight_at(output, point) } else { 1.0 }
     }
 
-    /// Whether an output lights the dome.
+    /// True if an output lights the dome.
     fn is_projector(&self, output: usize) -> bool {
         self.rig.outputs[output].kind.is_projector()
     }

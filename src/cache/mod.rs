@@ -99,7 +99,7 @@ impl Cache {
         Self::default()
     }
 
-    /// Whether it keeps nothing.
+    /// True if it keeps nothing.
     pub fn is_none(&self) -> bool {
         self.0.is_none()
     }

@@ -58,7 +58,7 @@ impl Codes {
         pictures
     }
 
-    /// Whether a pixel is white in a picture.
+    /// True if a pixel is white in a picture.
     pub fn is_white(&self, picture: Picture, (x, y): (u32, u32)) -> bool {
         match picture {
             Picture::White => true,

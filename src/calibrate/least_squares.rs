@@ -23,7 +23,7 @@ pub trait Model {
     fn residual(&self, state: &Self::State, observation: usize) -> Option<DVec2>;
     /// The parameters that an observation depends on.
     fn depends(&self, observation: usize) -> impl Iterator<Item = usize>;
-    /// Whether a parameter is held at its value. No observation depends on it then.
+    /// True if a parameter is held at its value. No observation depends on it then.
     fn is_held(&self, _parameter: usize) -> bool {
         false
     }

@@ -52,7 +52,7 @@ const REAL: [&str; 37] = [
 /// verdict about that one.
 static SEEN: [AtomicUsize; 1024] = [const { AtomicUsize::new(0) }; 1024];
 
-/// Whether a call that returns to `address` gets virtual time.
+/// True if a call that returns to `address` gets virtual time.
 pub fn is_served(address: usize) -> bool {
     if settings::settings().is_none() {
         return false;
@@ -67,7 +67,7 @@ pub fn is_served(address: usize) -> bool {
     served
 }
 
-/// Whether the library at `address` gets real time. Code without a library is the program's.
+/// True if the library at `address` gets real time. Code without a library is the program's.
 fn is_real(address: usize) -> bool {
     // SAFETY: asks the dynamic linker about an address; the answer's text is its own.
     let path = unsafe {

@@ -261,7 +261,7 @@ unsafe fn epolled(
 #[derive(Clone, Copy)]
 struct Timer {
     file: c_int,
-    /// When it fires next, in nanoseconds since the start; 0: it is not set.
+    /// Next time at which it fires, in nanoseconds since the start; 0: it is not set.
     deadline: u64,
     /// Time between its later ones; 0: it fires once.
     interval: u64,

@@ -62,7 +62,7 @@ fn thread() -> libc::pid_t {
     })
 }
 
-/// Whether this thread draws the frames.
+/// True if this thread draws the frames.
 pub fn draws() -> bool {
     match THREAD.load(Ordering::Relaxed) {
         // SAFETY: returns a number.
@@ -162,7 +162,7 @@ pub fn frame(window: u64) {
     grow(u64::try_from(u128::from(next) * length / frames).unwrap_or(u64::MAX));
 }
 
-/// Whether the swaps of this window count: those of the first one, until only others are swapped.
+/// True if the swaps of this window count: those of the first one, until only others are swapped.
 fn leads(window: u64) -> bool {
     let leading = WINDOW.load(Ordering::Relaxed);
     if leading != window && leading != 0 && OTHERS.fetch_add(1, Ordering::Relaxed) < GONE {
@@ -183,7 +183,7 @@ impl Blocked {
     }
 }
 
-/// Whether the drawing thread waits so.
+/// True if the drawing thread waits so.
 pub fn is_blocked() -> bool {
     BLOCKED.load(Ordering::Acquire) != 0
 }

@@ -63,7 +63,7 @@ impl Division {
         (WIDTH_SQUARED * self.max_error / pixels_per_radian).sqrt().min(WIDEST)
     }
 
-    /// Whether the edge between two vertices, as the viewer sees them in lens axes, is too
+    /// True if the edge between two vertices, as the viewer sees them in lens axes, is too
     /// straight.
     pub fn cuts(&self, a: DVec3, b: DVec3) -> bool {
         let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
@@ -84,7 +84,7 @@ impl Division {
         }
     }
 
-    /// Whether an edge with these ends and middle is so far outside the picture that its curve
+    /// True if an edge with these ends and middle is so far outside the picture that its curve
     /// cannot be seen: beyond the circle of a fisheye, or beyond one side.
     fn is_outside(&self, places: [DVec2; 3]) -> bool {
         match self.map.lens {
@@ -143,7 +143,7 @@ impl Division {
         outcome
     }
 
-    /// Whether a part may show in the picture, if none of its edges needs to be cut.
+    /// True if a part may show in the picture, if none of its edges needs to be cut.
     fn is_near(&self, corners: &[DVec3]) -> bool {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut seen = false;

@@ -17,7 +17,7 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// Whether all sides are finite.
+    /// True if all sides are finite.
     pub fn is_finite(&self) -> bool {
         [self.left, self.right, self.bottom, self.top].iter().all(|side| side.is_finite())
     }
@@ -65,7 +65,7 @@ impl Frustum {
         }
     }
 
-    /// Whether the direction `(tan_x, tan_y, −1)` is inside; the sides belong to it, NaN does not.
+    /// True if the direction `(tan_x, tan_y, −1)` is inside; the sides belong to it, NaN does not.
     pub fn contains(&self, tan_x: f64, tan_y: f64) -> bool {
         tan_x >= self.left && tan_x <= self.right && tan_y >= self.bottom && tan_y <= self.top
     }

@@ -44,7 +44,7 @@ impl Quadric {
         self.level - self.product(point, point)
     }
 
-    /// Whether a point is inside, no farther from the middle or the axis than `part` of the way to
+    /// True if a point is inside, no farther from the middle or the axis than `part` of the way to
     /// the surface.
     pub fn contains(&self, point: DVec3, part: f64) -> bool {
         let squares = self.weights * point * point;
@@ -52,7 +52,7 @@ impl Quadric {
         outward <= part * part * (self.level - inward) && self.half * point.y >= 0.0
     }
 
-    /// Whether a line meets it where it goes out at one place at most; false for double cones.
+    /// True if a line meets it where it goes out at one place at most; false for double cones.
     pub fn is_convex(&self) -> bool {
         self.weights.min_element() >= 0.0
     }

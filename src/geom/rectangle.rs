@@ -24,7 +24,7 @@ impl PixelRect {
         (self.width, self.height)
     }
 
-    /// Whether both have a pixel in common.
+    /// True if both have a pixel in common.
     pub fn meets(self, other: Self) -> bool {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
@@ -105,7 +105,7 @@ impl LowerLeftRect {
         [self.x, self.y, self.width, self.height]
     }
 
-    /// Whether all of `other` lies in it.
+    /// True if all of `other` lies in it.
     pub fn contains(self, other: Self) -> bool {
         let holds = |start: i32, length: i32, other_start: i32, other_length: i32| {
             let end = |start: i32, length: i32| i64::from(start) + i64::from(length);
@@ -114,12 +114,12 @@ impl LowerLeftRect {
         holds(self.x, self.width, other.x, other.width) && holds(self.y, self.height, other.y, other.height)
     }
 
-    /// Whether both have a pixel in common.
+    /// True if both have a pixel in common.
     pub fn meets(self, other: Self) -> bool {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
 
-    /// Whether it has more than half of the pixels of a picture of this size.
+    /// True if it has more than half of the pixels of a picture of this size.
     pub fn is_most_of(self, (width, height): (u32, u32)) -> bool {
         2 * i64::from(self.width) * i64::from(self.height) > i64::from(width) * i64::from(height)
     }
@@ -152,7 +152,7 @@ impl UpperLeftRect {
         Self { x, y, width, height }
     }
 
-    /// Whether both have a pixel in common.
+    /// True if both have a pixel in common.
     pub fn meets(self, other: Self) -> bool {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
@@ -164,13 +164,13 @@ impl From<[i32; 4]> for LowerLeftRect {
     }
 }
 
-/// Whether two intervals, each a start and a length, have a number in common.
+/// True if two intervals, each a start and a length, have a number in common.
 fn meet<T: Into<i64>>((start, length): (T, T), (other, other_length): (T, T)) -> bool {
     let (start, other) = (start.into(), other.into());
     start < other + other_length.into() && other < start + length.into()
 }
 
-/// Whether no two of these rectangles have a pixel in common. `meets` tells it of two.
+/// True if no two of these rectangles have a pixel in common. `meets` tells it of two.
 pub fn apart<R: Copy>(rectangles: &[R], meets: impl Fn(R, R) -> bool) -> bool {
     (1..=rectangles.len()).all(|next| {
         let (earlier, one) = (&rectangles[..next - 1], rectangles[next - 1]);

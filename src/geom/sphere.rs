@@ -32,7 +32,7 @@ impl Sphere {
         self.hit(origin, direction, -1.0)
     }
 
-    /// Whether `point` is inside or on the sphere.
+    /// True if `point` is inside or on the sphere.
     pub fn contains(&self, point: DVec3) -> bool {
         point.distance_squared(self.center) <= self.radius * self.radius
     }

@@ -30,7 +30,7 @@ fn clock() -> Option<&'static Clock> {
         .as_ref()
 }
 
-/// Whether the program has a virtual clock.
+/// True if the program has a virtual clock.
 pub fn is_there() -> bool {
     clock().is_some()
 }

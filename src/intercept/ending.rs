@@ -57,13 +57,13 @@ pub fn watch(act: Option<fn()>) {
     let _ = LAST_ACT.try_with(|last| last.0.set(act.or(last.0.get())));
 }
 
-/// Whether the process ends.
+/// True if the process ends.
 #[inline]
 pub fn of_process() -> bool {
     PROCESS.load(Ordering::Relaxed)
 }
 
-/// Whether the process ends, or this thread.
+/// True if the process ends, or this thread.
 pub fn has_begun() -> bool {
     of_process() || THREAD.get()
 }

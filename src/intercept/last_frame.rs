@@ -35,7 +35,7 @@ struct Latest {
 static LAST_FRAME: Mutex<Latest> =
     Mutex::new(Latest { frame: None, number: 0, is_described: false, is_written: false });
 
-/// Whether the program ends after the frame with this number: it was asked for, the time is over,
+/// True if the program ends after the frame with this number: it was asked for, the time is over,
 /// or a signal ends the program.
 pub fn is_last(settings: &Settings, number: u64) -> bool {
     if settings.has_report() {
@@ -55,17 +55,17 @@ pub fn begin(settings: &Settings, number: u64) {
     inspection::begin_frame(settings, settings.frames == Some(number) || is_over(settings));
 }
 
-/// Whether pictures of the outputs of this frame are kept, if it is kept.
+/// True if pictures of the outputs of this frame are kept, if it is kept.
 pub fn wants_outputs(settings: &Settings) -> bool {
     settings.capture.is_some() || inspection::is_recording()
 }
 
-/// Whether pictures of the views of this frame are kept, if it is kept.
+/// True if pictures of the views of this frame are kept, if it is kept.
 pub fn wants_views(settings: &Settings) -> bool {
     settings.capture_views.is_some() || inspection::is_recording()
 }
 
-/// Whether a frame is stored that is not written yet, and described if that was asked for.
+/// True if a frame is stored that is not written yet, and described if that was asked for.
 fn is_kept() -> bool {
     let latest = LAST_FRAME.locked();
     let wants_description = settings::settings().is_some_and(|settings| settings.inspect.is_some());

@@ -193,7 +193,7 @@ pub fn field_of_view(lens: &Intrinsics) -> String {
 /// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
 const TOLERANCE: f64 = 1e-5;
 
-/// Whether two lenses are one.
+/// True if two lenses are one.
 pub fn same(a: &Intrinsics, b: &Intrinsics) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= TOLERANCE * x.abs().max(y.abs()).max(1.0);
     near(a.a, b.a) && near(a.b, b.b) && near(a.c, b.c) && near(a.d, b.d) && near(a.e, b.e)

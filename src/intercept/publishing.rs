@@ -35,7 +35,7 @@ struct Pace {
 }
 
 impl Pace {
-    /// Whether a frame of this time is published; `least`: nanoseconds from one to the next.
+    /// True if a frame of this time is published; `least`: nanoseconds from one to the next.
     fn takes(&mut self, now: u64, least: u64) -> bool {
         if self.last.is_some_and(|last| now < last + least) {
             return false;
@@ -70,7 +70,7 @@ impl Stamp {
     }
 }
 
-/// Whether this frame of a window is published. To be asked once for each frame.
+/// True if this frame of a window is published. To be asked once for each frame.
 pub fn wants(window: u64) -> bool {
     let Some(settings) = settings::settings().filter(|settings| settings.publish.is_some()) else { return false };
     let mut publishing = PUBLISHING.locked();
@@ -87,7 +87,7 @@ pub fn wants(window: u64) -> bool {
     settings.publish_interval == 0 || publishing.pace.takes(crate::system::monotonic(), settings.publish_interval)
 }
 
-/// Whether the program waits for its readers.
+/// True if the program waits for its readers.
 pub fn waits() -> bool {
     settings::settings().is_some_and(|settings| settings.publish_waits)
 }

@@ -240,7 +240,7 @@ impl Writer {
         }
     }
 
-    /// Whether the process of a reader that uses its place, or is expected there, lives. A reader
+    /// True if the process of a reader that uses its place, or is expected there, lives. A reader
     /// locks its next place before it leaves the last one: asked in this order, one is found.
     fn is_alive(&self, reader: ReaderWords<'_>) -> bool {
         let is_locked = |memory: &SharedMemory| memory.is_locked(reader.lock_byte());

@@ -28,7 +28,7 @@ pub fn of_process() -> &'static Cache {
     })
 }
 
-/// Whether a folder, or the one in which it would be made, is this user's. With `sudo` the home of
+/// True if a folder, or the one in which it would be made, is this user's. With `sudo` the home of
 /// another may be named.
 fn is_own(folder: &Path) -> bool {
     let there = folder.ancestors().find_map(|folder| folder.metadata().ok());

@@ -168,7 +168,7 @@ impl Embedded {
         Ok(())
     }
 
-    /// How an output is blended.
+    /// Returns the blending of an output.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an output that does not exist.

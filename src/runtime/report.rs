@@ -49,7 +49,7 @@ pub struct Statistics {
     pub draws_out_of_sight: u64,
     /// Draws of the scene of which it was known where their vertices are.
     pub bounded_draws: u64,
-    /// Those of them that are partly in the program's own picture, until it is known whether the
+    /// Draws of these that are partly in the program's own picture, until it is known whether the
     /// program leaves out what is beside it.
     pub draws_at_border: u64,
     /// Those of them until then that are wholly beside it, or behind the eye.

@@ -17,7 +17,7 @@ pub fn user() -> u32 {
     unsafe { libc::getuid() }
 }
 
-/// Whether this program has more rights than the user who started it, as set-user-ID programs have:
+/// True if this program has more rights than the user who started it, as set-user-ID programs have:
 /// what the user's environment asks for does not count then.
 pub fn is_privileged() -> bool {
     // SAFETY: reads a number that the kernel gave to this process.
@@ -137,7 +137,7 @@ pub fn note_end_signals() {
     }
 }
 
-/// Whether a signal has asked this process to end.
+/// True if a signal has asked this process to end.
 pub fn end_was_asked_for() -> bool {
     END_ASKED_FOR.load(Ordering::SeqCst)
 }

@@ -122,7 +122,7 @@ impl SharedMemory {
         self.ask(libc::F_OFD_SETLK, libc::F_UNLCK, byte);
     }
 
-    /// Whether another opener of the file has the lock on this byte.
+    /// True if another opener of the file has the lock on this byte.
     pub fn is_locked(&self, byte: usize) -> bool {
         let found = self.ask(libc::F_OFD_GETLK, libc::F_WRLCK, byte);
         found.is_some_and(|found| i32::from(found.l_type) != libc::F_UNLCK)

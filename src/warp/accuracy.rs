@@ -85,7 +85,7 @@ pub fn compare_each(
 pub(super) struct ExactPixel {
     /// Direction at its middle.
     pub(super) direction: Option<DVec3>,
-    /// As of [`pixel_angle`].
+    /// Angle of the pixel, as [`pixel_angle`] defines it.
     angle: Option<f64>,
 }
 
@@ -155,14 +155,14 @@ pub(super) fn compare_pixels(
     result
 }
 
-/// Whether what the exact map shows begins or ends within [`EDGE`] of a pixel.
+/// True if what the exact map shows begins or ends within [`EDGE`] of a pixel.
 fn is_edge(exact: &WarpMap, pixel: DVec2) -> bool {
     let here = exact.direction(pixel).is_some();
     let around = [(EDGE, 0.0), (-EDGE, 0.0), (0.0, EDGE), (0.0, -EDGE)];
     around.into_iter().any(|(x, y)| exact.direction(pixel + DVec2::new(x, y)).is_some() != here)
 }
 
-/// Whether `found`, of unit length, is what the exact map shows within [`EDGE`] of a pixel.
+/// True if `found`, of unit length, is what the exact map shows within [`EDGE`] of a pixel.
 fn is_beside(exact: &WarpMap, pixel: DVec2, found: DVec3) -> bool {
     [EDGE, -EDGE].into_iter().any(|x| {
         let at = |part: f64| exact.direction(pixel + DVec2::new(part * x, 0.0));

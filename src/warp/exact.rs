@@ -204,7 +204,7 @@ impl WarpMap {
         }
     }
 
-    /// Whether the light of a pixel, whose ray goes through `point`, ends there and not at another
+    /// True if the light of a pixel, whose ray goes through `point`, ends there and not at another
     /// point on the way.
     fn lights(&self, pixel: DVec2, point: DVec3) -> bool {
         self.hit(pixel).is_some_and(|hit| hit.distance(point) <= ALIKE * self.screen.size())

@@ -177,7 +177,7 @@ pub fn content_goes_on_across_its_seams(driver: &dyn Driver) {
     }
 }
 
-/// Whether a direction in the picture's axes is within two rows of a pole of an unrolled picture,
+/// True if a direction in the picture's axes is within two rows of a pole of an unrolled picture,
 /// or of a corner of a cube, where three faces meet.
 fn is_pole(map: &ContentMap, local: DVec3) -> bool {
     let direction = local.normalize();

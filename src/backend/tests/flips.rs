@@ -91,7 +91,7 @@ fn mirrored(picture: &Picture, flip: Flip) -> Picture {
     Picture { size: picture.size, pixels: flip.items(&picture.pixels, picture.size.0 as usize) }
 }
 
-/// What is interpolated over a mirrored rectangle is rounded anew: places by parts of 2⁻²³, so that
+/// Rounding differs over a mirrored rectangle: interpolated places move by parts of 2⁻²³, so that
 /// a code may change by one, and a pixel on a rim may show nothing. A copy is the same to the bit
 /// but for such pixels.
 pub fn a_mirrored_output_shows_the_mirrored_picture(driver: &dyn Driver) {

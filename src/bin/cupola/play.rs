@@ -126,7 +126,7 @@ impl Source {
     }
 }
 
-/// Whether a file's name is that of a picture.
+/// True if a file's extension is that of a picture.
 fn is_picture(file: &Path) -> bool {
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     extension.is_some_and(|e| ["png", "jpg", "jpeg", "tif", "tiff", "exr", "tga", "bmp", "webp"].contains(&e.as_str()))

@@ -31,13 +31,13 @@ impl Mask {
         Self { weights: flip.items(&self.weights, self.width as usize), ..self }
     }
 
-    /// Whether the weight is 0 everywhere in a block of an output of `size` pixels, over which
+    /// True if the weight is 0 everywhere in a block of an output of `size` pixels, over which
     /// the mask is stretched with bilinear filtering.
     pub fn is_black(&self, block: PixelSpan, size: (u32, u32)) -> bool {
         self.is_all(0, block, size)
     }
 
-    /// Whether the weight is 1 everywhere in a block, as for [`Mask::is_black`].
+    /// True if the weight is 1 everywhere in a block, as for [`Mask::is_black`].
     pub fn is_white(&self, block: PixelSpan, size: (u32, u32)) -> bool {
         self.is_all(u16::MAX, block, size)
     }

@@ -201,7 +201,7 @@ impl OpticsSource {
         Some(error <= allowed)
     }
 
-    /// Whether light sets out well inside the surface from everywhere, and the whole picture looks
+    /// True if light sets out well inside the surface from everywhere, and the whole picture looks
     /// towards a mirror: the formula would also meet one behind the lens.
     fn is_sound(&self) -> bool {
         let quadric = &self.quadric;

@@ -144,7 +144,7 @@ impl Source {
         ((2.0 * column - width) / across, (height - 2.0 * row) / up)
     }
 
-    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are
+    /// True if the picture is a circle inscribed in the output, and normalised coordinates are
     /// units of its radius.
     pub fn is_circular(&self) -> bool {
         match self {

@@ -6,7 +6,7 @@ use crate::views::{Tile, ViewPlan};
 /// Arrangement of the views' pictures in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Arrangement {
-    /// As tiles of one picture.
+    /// Tiles of one picture.
     #[default]
     Atlas,
     /// As the layers of one image, in the views' order, all of the size of the largest: what is

@@ -162,7 +162,7 @@ impl<'a> Examiner<'a> {
         needs
     }
 
-    /// Whether a block shows nothing, told without looking at its pixels.
+    /// True if a block shows nothing, told without looking at its pixels.
     fn surely_dark(&self, block: PixelSpan, corners: &[Corner; 4]) -> bool {
         match self.source {
             source if source.is_circular() => {
@@ -178,7 +178,7 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// Whether no pixel of a block whose corners show something can miss the screen.
+    /// True if no pixel of a block whose corners show something can miss the screen.
     fn surely_on_screen(&self, corners: &[Corner; 4]) -> bool {
         match self.source {
             Source::Projector(projector) => {

@@ -34,12 +34,12 @@ impl TexelSpan {
     /// All texels.
     pub const EVERYTHING: Self = Self { left: i32::MIN, bottom: i32::MIN, right: i32::MAX, top: i32::MAX };
 
-    /// Whether it has no texels.
+    /// True if it has no texels.
     pub fn is_empty(&self) -> bool {
         self.left >= self.right || self.bottom >= self.top
     }
 
-    /// Whether both have a texel in common.
+    /// True if both have a texel in common.
     pub fn meets(&self, other: &Self) -> bool {
         self.left < other.right && other.left < self.right && self.bottom < other.top && other.bottom < self.top
     }

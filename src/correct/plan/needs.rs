@@ -86,7 +86,7 @@ fn runs(needs: &[Needs]) -> Vec<(u32, Needs)> {
     needs.chunk_by(|one, other| one == other).map(|run| (run.len() as u32, run[0])).collect()
 }
 
-/// Whether the runs are those of so many blocks.
+/// True if the runs are those of so many blocks.
 fn is_sound(runs: &[(u32, Needs)], blocks: usize) -> bool {
     runs.iter().map(|(length, _)| u64::from(*length)).sum::<u64>() == blocks as u64
 }

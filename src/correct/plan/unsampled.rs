@@ -149,7 +149,7 @@ impl Marker<'_> {
         Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
     }
 
-    /// Whether a block lies amid what one view shows, at least `distance` radians from the sides of
+    /// True if a block lies amid what one view shows, at least `distance` radians from the sides of
     /// all views and not next to what shows nothing: a rectangle around its texels then reaches no
     /// unsampled ones.
     fn is_amid(&self, block: PixelSpan, corners: &[DVec3; 4], distance: f64) -> bool {

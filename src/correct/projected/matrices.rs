@@ -134,7 +134,7 @@ impl LensConstants {
         }
     }
 
-    /// Whether primitives have to be divided for a view with this lens.
+    /// True if primitives have to be divided for a view with this lens.
     pub fn divides(&self) -> bool {
         self.max_error > 0.0
     }

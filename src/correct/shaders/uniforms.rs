@@ -134,12 +134,12 @@ fn turned(base: DMat3, axes: DMat3) -> DMat3 {
     if base == axes.transpose() { DMat3::IDENTITY } else { base * axes }
 }
 
-/// Whether a batch samples a view with the program's own lens.
+/// True if a batch samples a view with the program's own lens.
 fn samples_program_lens(plan: &Plan, batch: &Batch) -> bool {
     batch.views.iter().filter_map(|&index| plan.views.views.get(index)).any(|view| view.program_lens)
 }
 
-/// Whether a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
+/// True if a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
 /// nearest texel is what a perfect bilinear filter would give.
 pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     if let Some((_, view)) = own_picture(plan, batch) {

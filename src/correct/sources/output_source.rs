@@ -119,7 +119,7 @@ fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
 /// that is left.
 const TOLD_APART: f64 = 3e-7;
 
-/// Whether f32 tells neighbouring pixels of a picture of directions apart, `pixel` radians wide.
+/// True if f32 tells neighbouring pixels of a picture of directions apart, `pixel` radians wide.
 fn are_told_apart(pixel: f64, offset: DVec3) -> bool {
     pixel * (1.0 - offset.length()) >= TOLD_APART
 }

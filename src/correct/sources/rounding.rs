@@ -27,7 +27,7 @@ pub(in crate::correct) struct Sum {
     pub terms: DVec3,
 }
 
-/// Whether rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how
+/// True if rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how
 /// its forms are added up: directions by no more than 0.002 pixels of a picture 4096 wide, or
 /// 6·10⁻⁷ radians, whichever is more, but by no more than a quarter of the picture's own pixels,
 /// and rims by a hundredth of them.
@@ -70,7 +70,7 @@ pub(in crate::correct) fn is_exact(
     true
 }
 
-/// Whether rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in
+/// True if rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in
 /// normalised coordinates.
 fn is_sharp(
     rim: &QuadraticForm,

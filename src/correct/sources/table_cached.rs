@@ -41,7 +41,7 @@ struct CachedTable<'bytes> {
     texels: RawBytes<'bytes>,
 }
 
-/// Whether an entry is stored: of a table of all pixels only those that show something.
+/// True if an entry is stored: of a table of all pixels only those that show something.
 fn is_stored(step: u32, lit: &[bool], entry: usize) -> bool {
     step > 1 || lit.get(entry).is_none_or(|lit| *lit)
 }

@@ -77,7 +77,7 @@ impl Levels {
         Self { size, values: vec![[level; 3]; size.0 as usize * size.1 as usize] }
     }
 
-    /// Whether all channels are the same.
+    /// True if all channels are the same.
     pub fn is_grey(&self) -> bool {
         self.values.iter().all(|[red, green, blue]| red == green && green == blue)
     }

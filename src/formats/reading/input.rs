@@ -18,8 +18,8 @@ pub const LONGEST_DOCUMENT: usize = 1 << 24;
 pub struct Noted<T> {
     /// Content of the file.
     pub value: T,
-    /// What the file leaves open or says in a way that readers disagree about, and how it was
-    /// taken; for people.
+    /// Notes for people: what the file leaves open or says in a way that readers disagree about,
+    /// and how it was taken.
     pub notes: Vec<String>,
 }
 

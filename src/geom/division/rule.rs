@@ -12,6 +12,6 @@ pub const NARROWEST: f64 = 0.003;
 /// The part of the error allowed that the middle of an edge may have: in between, and amid a
 /// triangle, it is greater by a third at most.
 pub const EDGE_SHARE: f64 = 0.7;
-/// How far outside the picture an edge has to be for its shape not to count, in halves of the
-/// picture.
+/// Distance from the picture's middle, in halves of the picture, beyond which the shape of an edge
+/// does not count.
 pub const OUTSIDE: f64 = 1.05;

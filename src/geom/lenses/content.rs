@@ -97,7 +97,7 @@ impl ContentMap {
         Some(self.region.origin + (0.5 + 0.5 * place) * self.region.size)
     }
 
-    /// Whether all directions within `reach` radians of one of `directions` are in the picture;
+    /// True if all directions within `reach` radians of one of `directions` are in the picture;
     /// `false` where that is not clear.
     pub fn surely_shows(&self, directions: &[DVec3], reach: f64) -> bool {
         let ContentPicture::Directions(panorama) = &self.picture else { return false };

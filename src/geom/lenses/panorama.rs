@@ -86,7 +86,7 @@ impl Panorama {
         }
     }
 
-    /// Where a direction of any length appears; `None` where the picture does not show it. A
+    /// Returns the place of a direction of any length; `None` where the picture does not show it. A
     /// direction at which a picture is torn is put on one of the sides.
     pub fn picture(&self, direction: DVec3, aspect: f64) -> Option<DVec2> {
         match self {
@@ -138,7 +138,7 @@ impl Panorama {
         }
     }
 
-    /// Whether the picture is a circle.
+    /// True if the picture is a circle.
     pub fn is_circular(&self) -> bool {
         matches!(self, Self::Fisheye(_))
     }

@@ -57,7 +57,7 @@ pub const LEAST_AHEAD: f64 = 0.05;
 const GIVEN_UP: f64 = 1.0;
 
 impl PictureMap {
-    /// Whether all numbers are finite.
+    /// True if all numbers are finite.
     pub fn is_finite(&self) -> bool {
         let lens = match &self.lens {
             PictureLens::Pinhole(frustum) => frustum.is_finite(),
@@ -219,7 +219,7 @@ mod tests {
         [theta * azimuth.cos(), theta * azimuth.sin()].map(|part| part / std::f32::consts::FRAC_PI_2)
     }
 
-    /// What our shaders compute, in 32 bits.
+    /// Place of a direction as our shaders compute it, in 32 bits.
     fn ours(v: [f32; 3]) -> [f32; 2] {
         let [x, y, z] = v;
         let h = (x * x + y * y).sqrt();
@@ -325,7 +325,7 @@ mod tests {
         assert!((0.2..1.0).contains(&worst), "with a good arc cosine {worst} pixels");
     }
 
-    /// What vertices go through instead, in 32 bits, over the same picture.
+    /// Error of our own formula over the same picture, in 32 bits.
     #[test]
     fn ours_does_not_fail_there() {
         let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());

@@ -55,7 +55,7 @@ impl PinholeRays {
         }
     }
 
-    /// Whether no pixel (x and y in −1…1) has the surface behind it: the condition under which the
+    /// True if no pixel (x and y in −1…1) has the surface behind it: the condition under which the
     /// forms have no ghosts, but for those of double cones, which [`crate::geom::screen::Bounds`]
     /// tell. True for every pinhole inside; for one outside, or before a plane, whose whole picture
     /// looks towards the surface.
@@ -70,14 +70,14 @@ impl PinholeRays {
         self.is_inside(1.0) || ahead()
     }
 
-    /// Whether the pinhole is inside a surface that has an inside, no farther from its middle or
+    /// True if the pinhole is inside a surface that has an inside, no farther from its middle or
     /// axis than `part` of the way to it.
     pub fn is_inside(&self, part: f64) -> bool {
         matches!(&self.surface, ClosedSurface::Quadric(quadric) if quadric.contains(self.origin, part))
     }
 
-    /// Where the ray of a pixel, inside or outside, lights the surface, in its own axes; `None`
-    /// where it does not.
+    /// Returns the point that the ray of a pixel, inside or outside, lights, in the surface's own
+    /// axes; `None` where it lights none.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
         let ray = self.rays * DVec3::new(x, y, 1.0);
         let distance = match &self.surface {
@@ -111,7 +111,7 @@ impl RimForms {
         Self { limits: pinhole.within(bounds.limits), sides: bounds.sides.as_ref().map(side) }
     }
 
-    /// Whether a pixel's point is on the screen, `pinhole` being theirs.
+    /// True if a pixel's point is on the screen, `pinhole` being theirs.
     pub fn allow(&self, pinhole: &PinholeRays, x: f64, y: f64) -> bool {
         let holds = |form: &QuadraticForm| pinhole.evaluate(form, x, y).map(|value| value.cmpge(DVec3::ZERO));
         let within = holds(&self.limits).is_some_and(|limits| limits.all());

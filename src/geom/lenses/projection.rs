@@ -97,7 +97,7 @@ impl Projection {
 }
 
 impl FisheyeLens {
-    /// Whether the radius grows over the whole aperture, so that the lens has an inverse.
+    /// True if the radius grows over the whole aperture, so that the lens has an inverse.
     pub fn is_monotone(&self) -> bool {
         const SAMPLES: u32 = 4096;
         let slope = |i: u32| self.projection.radius(0.5 * self.aperture * f64::from(i) / f64::from(SAMPLES)).1;

@@ -36,7 +36,7 @@ pub enum Direction {
     FromClip,
 }
 
-/// What a matrix takes for clip coordinates.
+/// Coordinates that a matrix takes for clip coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Coordinates {
     /// Themselves.
@@ -123,7 +123,7 @@ impl CameraFunction {
         })
     }
 
-    /// Whether the matrix is written for row vectors.
+    /// True if the matrix is written for row vectors.
     pub fn is_transposed(&self) -> bool {
         self.transposed
     }

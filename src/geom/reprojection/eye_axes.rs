@@ -42,7 +42,7 @@ fn turn_of_rows(rows: DMat4) -> Option<DMat4> {
     Some(DMat4::from_mat3(DMat3::from_cols(right, up, back).transpose()))
 }
 
-/// Whether a matrix only turns, scales evenly and moves.
+/// True if a matrix only turns, scales evenly and moves.
 pub fn is_rigid(matrix: &[f64; 16], transposed: bool) -> bool {
     let matrix = DMat4::from_cols_array(matrix);
     let matrix = if transposed { matrix.transpose() } else { matrix };
@@ -75,7 +75,7 @@ impl ViewMatrix {
 }
 
 impl CameraFunction {
-    /// Whether `matrix`, of which this is the function, is one of the projection alone, whichever
+    /// True if `matrix`, of which this is the function, is one of the projection alone, whichever
     /// way its y points.
     pub fn is_of_projection(&self, matrix: &[f64; 16], lens: &Intrinsics) -> bool {
         let projection = lens.projection(lens.f.unwrap_or(-1.0));

@@ -59,12 +59,12 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Whether a point of the surface is on the screen.
+    /// True if a point of the surface is on the screen.
     pub fn contain(&self, point: DVec3) -> bool {
         self.hold_all(&[point; 4], 0.0) == Some(true)
     }
 
-    /// Whether all points of the surface that are no farther than `reach` from each of `points` are
+    /// True if all points of the surface that are no farther than `reach` from each of `points` are
     /// on the screen; `None` if that is not clear.
     pub fn hold_all(&self, points: &[DVec3; 4], reach: f64) -> Option<bool> {
         let holds = |space: &HalfSpace| {
@@ -84,7 +84,7 @@ impl Bounds {
         self.limits.iter().flatten().map(holds).chain(sides).fold(Some(true), both)
     }
 
-    /// Whether all of the surface is screen.
+    /// True if all of the surface is screen.
     pub fn is_all(&self) -> bool {
         *self == Self::default()
     }

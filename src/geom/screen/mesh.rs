@@ -302,7 +302,7 @@ impl Ray {
         Self { origin, inverse: direction.recip(), axes: [x, y, z], shear }
     }
 
-    /// Whether the ray goes through a box before the distance `nearest`.
+    /// True if the ray goes through a box before the distance `nearest`.
     fn meets(&self, node: &Node, nearest: f64) -> bool {
         // An axis along which the ray does not move gives ±∞, or NaN on a side itself, which min
         // and max pass over. No loop over the axes: nothing else is done as often.

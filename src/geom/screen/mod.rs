@@ -149,7 +149,7 @@ impl Screen {
         self.surface().size()
     }
 
-    /// Whether the screen is smooth between its rims, so that what it shows changes smoothly across
+    /// True if the screen is smooth between its rims, so that what it shows changes smoothly across
     /// a picture.
     pub fn is_smooth(&self) -> bool {
         !matches!(self.shape, Shape::Mesh(_))

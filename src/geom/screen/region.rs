@@ -18,7 +18,7 @@ impl Region {
     /// The whole surface.
     pub const ALL: Self = Self { polar: PI, azimuth: None };
 
-    /// Whether the direction of `point` from the centre, any length, is in the region; its rims
+    /// True if the direction of `point` from the centre, any length, is in the region; its rims
     /// belong to it.
     pub fn contains(&self, point: DVec3) -> bool {
         // By the cosine: near the pole, too, as exact as the point.
@@ -48,7 +48,7 @@ impl Region {
     }
 }
 
-/// Whether a point's azimuth is in a range.
+/// True if a point's azimuth is in a range.
 pub(super) fn within(point: DVec3, [from, to]: [f64; 2]) -> bool {
     (point.x.atan2(-point.z) - from).rem_euclid(TAU) <= to - from
 }

@@ -78,7 +78,7 @@ const UNKNOWN: u8 = 0;
 const OFF: u8 = 1;
 const ON: u8 = 2;
 
-/// Whether the frame that is drawn is the one to be described.
+/// True if the frame that is drawn is the one to be described.
 #[inline]
 pub fn is_recording() -> bool {
     match RECORDING.load(Ordering::Relaxed) {

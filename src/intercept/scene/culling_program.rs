@@ -56,12 +56,12 @@ impl CullingProgram {
         }
     }
 
-    /// Whether it needs no more draws.
+    /// True if it needs no more draws.
     pub fn is_decided(&self) -> bool {
         self.decided
     }
 
-    /// Whether this frame is the one that shows that the program leaves out something.
+    /// True if this frame is the one that shows that the program leaves out something.
     fn leaves_out(&mut self, draws: Places) -> bool {
         let crossing = draws.crossing - self.before.crossing;
         let outside = draws.outside - self.before.outside;

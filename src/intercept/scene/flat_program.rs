@@ -63,7 +63,7 @@ impl FlatProgram {
         }
     }
 
-    /// Whether the program has drawn enough, and nothing of a scene. It is asked until it has drawn
+    /// True if the program has drawn enough, and nothing of a scene. It is asked until it has drawn
     /// enough, or a scene.
     fn is_flat(&mut self, draws: u64, has_scene: bool) -> bool {
         let flat = !self.decided && !has_scene && draws >= ENOUGH;

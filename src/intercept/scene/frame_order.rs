@@ -24,7 +24,7 @@ impl FrameOrder {
         self.flat_first |= !self.scene;
     }
 
-    /// Whether a flat draw goes behind the scene now.
+    /// True if a flat draw goes behind the scene now.
     pub fn is_behind(&self) -> bool {
         self.flat_was_first && !self.scene
     }

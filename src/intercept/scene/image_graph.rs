@@ -8,7 +8,7 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
-/// What is made of an image.
+/// Result that is made of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Made<Id> {
     /// A part of the window's picture.
@@ -55,12 +55,12 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         self.scenes.iter().copied()
     }
 
-    /// Whether `made` is made of `image`.
+    /// True if `made` is made of `image`.
     pub fn makes(&self, image: Id, made: Made<Id>) -> bool {
         self.made.get(&image).is_some_and(|all| all.contains(&made))
     }
 
-    /// Whether anything is made of `image`.
+    /// True if anything is made of `image`.
     pub fn makes_anything(&self, image: Id) -> bool {
         self.made.get(&image).is_some_and(|all| !all.is_empty())
     }
@@ -114,7 +114,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         found
     }
 
-    /// Those of `images` that reach the window through others of them.
+    /// Returns those of `images` that reach the window through others of them.
     fn to_window(&self, images: &HashSet<Id>) -> HashSet<Id> {
         let on_window = |image: &Id| self.makes(*image, Made::Window);
         let mut shown: HashSet<Id> = images.iter().copied().filter(on_window).collect();

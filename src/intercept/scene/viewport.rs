@@ -1,18 +1,18 @@
 //! Viewports: the program's main picture, pictures within it, and pictures of the window's shape.
 
-/// Whether a viewport of `width` × `height` pixels shows the main picture and not one within it: it
+/// True if a viewport of `width` × `height` pixels shows the main picture and not one within it: it
 /// covers more than half of `picture_area`, so that side-by-side pictures stay what they are.
 pub fn is_main(width: f64, height: f64, picture_area: f64) -> bool {
     width * height * 2.0 > picture_area
 }
 
-/// Whether a picture has the window's shape, up to rounding to whole pixels, and at least a quarter
+/// True if a picture has the window's shape, up to rounding to whole pixels, and at least a quarter
 /// of its width. Then it holds the scene as the window would, and not what a lamp or a mirror sees.
 pub fn has_shape_of_window(width: i64, height: i64, window: (u32, u32)) -> bool {
     4 * width >= i64::from(window.0) && has_shape(width, height, window)
 }
 
-/// Whether a picture has the window's shape, up to rounding to whole pixels.
+/// True if a picture has the window's shape, up to rounding to whole pixels.
 pub fn has_shape(width: i64, height: i64, window: (u32, u32)) -> bool {
     let (across, up) = (i64::from(window.0), i64::from(window.1));
     (width * up - height * across).abs() <= across.max(up)

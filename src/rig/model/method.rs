@@ -88,12 +88,12 @@ impl Method {
         }
     }
 
-    /// Whether vertices are projected straight to the output's pixels.
+    /// True if vertices are projected straight to the output's pixels.
     pub fn projects_vertices(&self) -> bool {
         matches!(self, Self::Vertex | Self::Primitive { .. })
     }
 
-    /// Whether lines and triangles are divided before that.
+    /// True if lines and triangles are divided before that.
     pub fn divides(&self) -> bool {
         matches!(self, Self::Primitive { .. })
     }

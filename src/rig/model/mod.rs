@@ -62,7 +62,7 @@ impl Rig {
         Cow::Owned(all)
     }
 
-    /// Whether the rig itself asks for published pictures.
+    /// True if the rig itself asks for published pictures.
     pub fn publishes(&self) -> bool {
         !self.beside.is_empty() || self.outputs.iter().any(|output| output.publish)
     }
@@ -253,12 +253,12 @@ pub enum OutputKind {
 }
 
 impl OutputKind {
-    /// Whether the output lights the screen from a place of its own.
+    /// True if the output lights the screen from a place of its own.
     pub fn is_projector(&self) -> bool {
         matches!(self, Self::Projector { .. } | Self::Optics { .. })
     }
 
-    /// Whether the picture is a circle inscribed in the output, black around it.
+    /// True if the picture is a circle inscribed in the output, black around it.
     pub fn is_circular(&self) -> bool {
         match self {
             Self::Domemaster { .. } => true,

@@ -18,7 +18,7 @@ pub enum Transfer {
 }
 
 impl Transfer {
-    /// Whether it is the same power for all channels, so that a factor on light is one on values.
+    /// True if it is the same power for all channels, so that a factor on light is one on values.
     pub fn is_plain(&self) -> bool {
         matches!(self, Self::Power)
     }

@@ -99,12 +99,12 @@ impl Filter {
     /// along rows and columns meet four different distances.
     pub const FOUR_PLACES: [[f64; 2]; 4] = [[0.125, 0.375], [-0.375, 0.125], [-0.125, -0.375], [0.375, -0.125]];
 
-    /// Whether the kernel is Catmull-Rom's.
+    /// True if the kernel is Catmull-Rom's.
     pub fn is_cubic(self) -> bool {
         matches!(self, Self::CatmullRom | Self::CatmullRom4)
     }
 
-    /// Whether four places of a pixel are sampled.
+    /// True if four places of a pixel are sampled.
     pub fn has_four_places(self) -> bool {
         matches!(self, Self::Bilinear4 | Self::CatmullRom4)
     }

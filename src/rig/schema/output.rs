@@ -40,7 +40,7 @@ const KINDS_OF_KEYS: [(&str, &str); 21] = [
     ("density", "method = \"cube-mesh\""),
 ];
 
-/// What `kind` says.
+/// Values of the key `kind`.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Domemaster,
@@ -124,7 +124,7 @@ pub(super) fn output(
     output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, black, eye, flip, publish, shown })
 }
 
-/// Whether the output has a place in the window.
+/// True if the output has a place in the window.
 fn shown(
     section: &mut Section,
     kind: Kind,

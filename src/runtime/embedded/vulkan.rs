@@ -165,7 +165,7 @@ impl EmbeddedVulkan {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of
+    /// Returns the numbers of `cupola_view` for a view, for the functions of
     /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
     /// draws with the perspective `matrix` (column by column) of Vulkan's clip space, with y down.
     ///

@@ -61,18 +61,18 @@ impl OutputSamples {
         }
     }
 
-    /// Whether its own views have been planned.
+    /// True if its own views have been planned.
     #[cfg(test)]
     pub fn is_planned(&self) -> bool {
         self.tight.get().is_some()
     }
 
-    /// It needs no resampling, or is drawn with the program's own lens.
+    /// True if it needs no resampling, or is drawn with the program's own lens.
     pub fn is_exact(&self) -> bool {
         self.given.as_ref().is_some_and(|given| given.exact.is_some())
     }
 
-    /// Whether all that it shows lies so near to the `middle` that it certainly can have a view of
+    /// True if all that it shows lies so near to the `middle` that it certainly can have a view of
     /// its own.
     fn has_narrow_picture(&self, middle: DVec3) -> bool {
         !self.fine.is_empty() && self.fine.iter().all(|sample| sample.direction.dot(middle) > NARROW)

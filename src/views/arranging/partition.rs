@@ -60,7 +60,7 @@ pub(crate) struct Task<'a> {
     pub pixel: f64,
     /// Cost of a view beside its texels, in texels.
     pub beside: f64,
-    /// Whether upper and lower faces may be narrower or wider than a cube's: that saves texels, but
+    /// True if upper and lower faces may be narrower or wider than a cube's: that saves texels, but
     /// of those that are left more are sampled, and so shaded.
     any_height: bool,
 }

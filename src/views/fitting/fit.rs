@@ -156,7 +156,7 @@ impl Axes {
         Self { rows: [lanes(rows.x_axis), lanes(rows.y_axis), lanes(rows.z_axis)], rotation }
     }
 
-    /// Whether a sample is near enough to the axis.
+    /// True if a sample is near enough to the axis.
     fn shows(&self, sample: &Sample) -> bool {
         -(self.rotation * sample.direction).z >= LEAST_COSINE
     }

@@ -40,12 +40,12 @@ impl Search<'_> {
         self.output_map.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
     }
 
-    /// Whether the view answers for a direction.
+    /// True if the view answers for a direction.
     fn answers(&self, direction: DVec3) -> bool {
         self.view.contains(direction) && !self.earlier.iter().any(|other| other.contains(direction))
     }
 
-    /// Whether there is such a pixel among a few.
+    /// True if there is such a pixel among a few.
     fn finds_at_once(&self) -> bool {
         let pixel = |step: u32, length: u32| (u64::from(2 * step + 1) * u64::from(length) / u64::from(2 * FEW)) as u32;
         let (width, height) = self.output_map.size;
@@ -53,8 +53,8 @@ impl Search<'_> {
         places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
     }
 
-    /// Whether such a pixel is in a block: by quarters, but for blocks that lie clear of the view
-    /// or inside an earlier one.
+    /// True if the view answers for a pixel of a block: by quarters, but for blocks that lie clear
+    /// of the view or inside an earlier one.
     fn finds(&self, block: PixelSpan) -> bool {
         let PixelSpan { left, top, right, bottom } = block;
         let (middle_x, middle_y) = (left + (right - left) / 2, top + (bottom - top) / 2);
@@ -77,7 +77,7 @@ impl Search<'_> {
             .any(|part| self.finds(part))
     }
 
-    /// Whether the corners of a block tell that no pixel of it is answered by the view.
+    /// True if the corners of a block tell that no pixel of it is answered by the view.
     fn hopeless(&self, block: PixelSpan) -> bool {
         let PixelSpan { left, top, right, bottom } = block;
         let places = [(left, top), (right - 1, top), (left, bottom - 1), (right - 1, bottom - 1)];

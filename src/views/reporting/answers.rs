@@ -35,7 +35,7 @@ impl<'a> Answers<'a> {
         }
     }
 
-    /// Whether the plan has a view with this index.
+    /// True if the plan has a view with this index.
     pub fn has(&self, view: usize) -> bool {
         view < self.plan.views.len()
     }

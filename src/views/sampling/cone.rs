@@ -69,7 +69,7 @@ impl Cone {
         directions.map(|direction| self.axes * direction)
     }
 
-    /// Whether a direction lies inside.
+    /// True if a direction lies inside.
     pub fn contains(&self, direction: DVec3) -> bool {
         self.depths(direction).iter().all(|&depth| depth >= 0.0)
     }

@@ -161,13 +161,13 @@ impl OutputMap {
         Ok(Self { size, inset, map })
     }
 
-    /// Whether the pixel of a sample is so much narrower than others of a calibration that it
+    /// True if the pixel of a sample is so much narrower than others of a calibration that it
     /// counts as wider.
     pub fn is_widened(&self, sample: &Sample) -> bool {
         matches!(self.map, Map::Traced { least, .. } if least > 0.0 && pixel_width::is_narrowest(&sample.spread, least))
     }
 
-    /// Whether the picture is a circle.
+    /// True if the picture is a circle.
     pub fn is_circular(&self) -> bool {
         match &self.map {
             Map::Fisheye { .. } => true,
@@ -176,7 +176,7 @@ impl OutputMap {
         }
     }
 
-    /// Whether what is shown changes smoothly over the picture, but for rims.
+    /// True if what is shown changes smoothly over the picture, but for rims.
     pub fn is_smooth(&self) -> bool {
         !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
     }

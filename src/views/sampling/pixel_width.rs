@@ -37,7 +37,7 @@ pub(super) fn widened(direction: DVec3, spread: DMat3, least: f64) -> DMat3 {
     spread + (DMat3::IDENTITY - along) * missing
 }
 
-/// Whether a spread is as narrow as those that [`widened`] has changed.
+/// True if a spread is as narrow as those that [`widened`] has changed.
 pub(super) fn is_narrowest(spread: &DMat3, least: f64) -> bool {
     squared_width(spread) <= least * (1.0 + 1e-6)
 }

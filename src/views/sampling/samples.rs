@@ -54,7 +54,7 @@ impl Cap {
         Self { axis, cosine: samples.map(|sample| sample.direction.dot(axis)).fold(1.0, f64::min) }
     }
 
-    /// Whether all of it lies beyond the side with this inward unit normal, widened by `slack`.
+    /// True if all of it lies beyond the side with this inward unit normal, widened by `slack`.
     fn is_beyond(&self, normal: DVec3, slack: f64) -> bool {
         // The cosine of the angle between the normal and the nearest of the cone.
         let cosine = normal.dot(self.axis);
@@ -62,7 +62,7 @@ impl Cap {
         nearest + slack < -Self::ROUNDING
     }
 
-    /// Whether all of it lies on the inner side.
+    /// True if all of it lies on the inner side.
     fn is_inside(&self, normal: DVec3, slack: f64) -> bool {
         let cosine = normal.dot(self.axis);
         let farthest = if -cosine >= self.cosine { -1.0 } else { cosine * self.cosine - self.sine() * sine_of(cosine) };
@@ -126,7 +126,7 @@ impl Samples {
         found
     }
 
-    /// Whether [`Samples::within`] finds any.
+    /// True if [`Samples::within`] finds any.
     pub fn reach_into(&self, normals: &[DVec3], slack: f64) -> bool {
         let beyond = normals.iter().any(|&normal| self.cap.is_beyond(normal, slack));
         let of_lines = || self.lines.iter().any(|line| meets(line, normals, slack));
@@ -152,7 +152,7 @@ impl Samples {
         })
     }
 
-    /// Whether the output shows nothing at all.
+    /// True if the output shows nothing at all.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
@@ -272,13 +272,13 @@ fn add_pieces(line: &[Sample], normals: &[DVec3], slack: f64, found: &mut Vec<Sa
     found.extend(line.last().filter(|last| is_within(last, normals, slack)));
 }
 
-/// Whether some of a line is within a cone.
+/// True if some of a line is within a cone.
 fn meets(line: &[Sample], normals: &[DVec3], slack: f64) -> bool {
     let crosses = |pair: &[Sample]| cut(pair[0].direction, pair[1].direction, normals, slack).is_some();
     line.windows(2).any(crosses) || line.last().is_some_and(|last| is_within(last, normals, slack))
 }
 
-/// Whether a sample is within a cone.
+/// True if a sample is within a cone.
 fn is_within(sample: &Sample, normals: &[DVec3], slack: f64) -> bool {
     normals.iter().all(|normal| normal.dot(sample.direction) >= -slack)
 }

@@ -42,7 +42,7 @@ impl Gl {
         }
     }
 
-    /// Whether the current context is OpenGL ES.
+    /// True if the current context is OpenGL ES.
     pub fn is_es(&self) -> bool {
         self.text(GL_VERSION).starts_with("OpenGL ES")
     }

@@ -45,7 +45,7 @@ fn name(gl: &Gl, (generate, delete): Commands) -> u32 {
     names[PROGRAM_NAMES - 1]
 }
 
-/// Whether programs may use names that they did not ask for.
+/// True if programs may use names that they did not ask for.
 fn takes_any_name(gl: &Gl) -> bool {
     if gl.is_es() {
         return true;

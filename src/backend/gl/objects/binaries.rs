@@ -27,7 +27,7 @@ impl Binaries {
         Self { cache, driver: if formats > 0 { driver() } else { String::new() } }
     }
 
-    /// Whether a program may be asked for after `link` made it, so that it has to say so to the
+    /// True if a program may be asked for after `link` made it, so that it has to say so to the
     /// driver.
     pub fn are_kept(&self) -> bool {
         !self.driver.is_empty()

@@ -188,7 +188,7 @@ impl Surface {
     }
 }
 
-/// Whether a texture's storage can be seen in another format.
+/// True if a texture's storage can be seen in another format.
 fn views_textures(gl: &Gl) -> bool {
     let mut version = [0; 2];
     // SAFETY: each writes one integer.

@@ -60,7 +60,7 @@ pub(in crate::backend::gl) fn part(
 }
 
 impl Draw {
-    /// Whether what shows a colour shows that same colour.
+    /// True if what shows a colour shows that same colour.
     fn keeps(&self, color: [f32; 3]) -> bool {
         match self.shows {
             Shows::Same => true,
@@ -69,12 +69,12 @@ impl Draw {
         }
     }
 
-    /// Whether it shows the colour of views wherever they hold it.
+    /// True if it shows the colour of views wherever they hold it.
     pub fn narrows(&self, cleared: &ClearedViews) -> bool {
         self.views != 0 && self.keeps(cleared.color)
     }
 
-    /// Whether it shows the colour of these views and nothing else. What shows nothing at all is
+    /// True if it shows the colour of these views and nothing else. What shows nothing at all is
     /// black.
     pub fn shows_cleared(&self, cleared: &ClearedViews) -> bool {
         self.keeps(cleared.color) && self.views & !cleared.views == 0

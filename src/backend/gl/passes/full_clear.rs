@@ -46,7 +46,7 @@ impl FullClear {
         cleared.filter(|_| self.covered).or((!self.covered || self.dark || cleared == Some(BLACK)).then_some(BLACK))
     }
 
-    /// Whether `targets` are in that framebuffer.
+    /// True if `targets` are in that framebuffer.
     pub fn serves(&self, targets: &[Target]) -> bool {
         targets.iter().all(|target| target.framebuffer == self.framebuffer)
     }

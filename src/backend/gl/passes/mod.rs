@@ -285,7 +285,7 @@ impl GlBackend {
         self.names.vertex_array
     }
 
-    /// Whether the current context is that of the backend: vertex arrays are not shared between
+    /// True if the current context is that of the backend: vertex arrays are not shared between
     /// contexts. A context that happens to have one of the same name is not told apart.
     pub fn is_of_current_context(&self, gl: &Gl) -> bool {
         // SAFETY: asks; without a context functions of OpenGL do nothing and answer 0.

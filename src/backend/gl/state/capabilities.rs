@@ -82,7 +82,7 @@ impl Capabilities {
         if self.gles { 0 } else { self.version }
     }
 
-    /// Whether the context knows the switch.
+    /// True if the context has the switch, by its version or an extension.
     pub(super) fn knows(&self, switch: u32) -> bool {
         let (desktop, version) = (!self.gles, self.version);
         match switch {

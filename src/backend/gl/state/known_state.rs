@@ -87,7 +87,7 @@ impl KnownState {
         self.no_subroutines.set(false);
     }
 
-    /// Whether subroutines may have been chosen.
+    /// True if subroutines may have been chosen.
     pub(in crate::backend::gl) fn may_have_subroutines(&self) -> bool {
         !self.no_subroutines.get()
     }
@@ -130,7 +130,7 @@ impl KnownState {
         self.known.set(self.known.get() & !bit(switch));
     }
 
-    /// Whether a switch is on, one that the context has; of blending, that of the first colour
+    /// True if a switch is on, one that the context has; of blending, that of the first colour
     /// buffer.
     pub fn is_on(&self, gl: &Gl, switch: u32) -> bool {
         let bit = bit(switch);

@@ -21,7 +21,7 @@ const SWITCHES: [u32; 25] = match known_state::SWITCHES.first_chunk() {
 /// Units whose bindings are kept at most: the atlas, the mask, a table, a picture of black.
 pub(in crate::backend::gl) const UNITS: usize = 4;
 
-/// What was found before drawing.
+/// State of the program before drawing, to be put back.
 pub(in crate::backend::gl) struct Saved {
     /// Bit i: `SWITCHES[i]` was on.
     switches: u32,
@@ -41,7 +41,7 @@ pub(in crate::backend::gl) struct Saved {
     feedback: bool,
 }
 
-/// Whether anything can be drawn: not while a display list is compiled or picking is under way,
+/// True if anything can be drawn: not while a display list is compiled or picking is under way,
 /// both of which would swallow our calls.
 pub(in crate::backend::gl) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
     !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)

@@ -110,7 +110,7 @@ impl Api {
         self.limits.max_image_dimension2_d
     }
 
-    /// How many descriptor sets a pipeline can have.
+    /// Greatest number of descriptor sets of a pipeline.
     pub fn descriptor_sets(&self) -> u32 {
         self.limits.max_bound_descriptor_sets
     }
@@ -132,7 +132,7 @@ impl Api {
         Err(Error::new(ErrorKind::InvalidArgument, message))
     }
 
-    /// Whether corrections in queues of `family` can be timed.
+    /// True if corrections in queues of `family` can be timed.
     pub fn has_timestamps(&self, family: u32) -> bool {
         self.timestamp_bits(family) > 0
     }

@@ -99,7 +99,7 @@ impl VkBackend {
         Self::for_stage(api, Stage::Present)
     }
 
-    /// As [`VkBackend::new`], with another last stage.
+    /// Returns a backend as [`VkBackend::new`] does, with another last stage.
     pub(in crate::backend::vk) fn for_stage(api: &Api, stage: Stage) -> Self {
         Self {
             api: api.clone(),

@@ -16,7 +16,7 @@ pub struct Row {
 pub struct Case {
     /// Text of the file.
     pub text: String,
-    /// Whether the projector is outside the screen.
+    /// True if the projector is outside the screen.
     pub outside: bool,
 }
 

@@ -55,7 +55,7 @@ struct Found {
     /// Greatest error of projectors within 0.9 radii, and of those farther out; `None` without such
     /// a case.
     worst: [Option<f64>; 2],
-    /// Whether a case exceeds its bound.
+    /// True if a case exceeds its bound.
     exceeded: bool,
     wrong: u64,
     squares: f64,

@@ -22,7 +22,7 @@ pub struct Contest {
 pub struct Outcome {
     /// Name of the method.
     pub name: String,
-    /// Whether this is Cupola's default.
+    /// True if this is Cupola's default.
     pub is_default: bool,
     /// Median over the rounds of its time divided by that of the first method.
     pub ratio: f64,

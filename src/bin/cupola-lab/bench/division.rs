@@ -16,7 +16,7 @@ use std::time::Instant;
 pub struct Outcome {
     /// Name of the method.
     pub name: String,
-    /// Whether triangles are divided by a bound on the error, not by fixed levels.
+    /// True if triangles are divided by a bound on the error, not by fixed levels.
     pub bounded: bool,
     /// Number of triangles that are drawn for each triangle of the scene.
     pub parts: f64,

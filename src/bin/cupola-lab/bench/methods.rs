@@ -36,7 +36,7 @@ pub enum Clock {
 pub struct Method {
     /// Name of the method.
     pub name: String,
-    /// Whether this is Cupola's default.
+    /// True if this is Cupola's default.
     pub is_default: bool,
     /// How its time is measured.
     pub clock: Clock,

@@ -20,7 +20,7 @@ impl Scene {
         self.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
     }
 
-    /// Whether the picture is a circle.
+    /// True if the picture is a circle.
     pub fn is_fisheye(&self) -> bool {
         matches!(self.rig.outputs[0].kind, cupola::rig::OutputKind::Domemaster { .. })
     }

@@ -23,7 +23,7 @@ pub const EXTENSIONS: &str = "AMD_draw_buffers_blend ARB_ES3_1_compatibility ARB
     NV_draw_buffers NV_primitive_restart NV_read_buffer OES_draw_buffers_indexed OES_framebuffer_object OES_mapbuffer \
     OES_texture_3D OES_texture_border_clamp OES_vertex_array_object OES_viewport_array";
 
-/// Whether a name begins so; `$` is its end.
+/// True if a name begins so; `$` is its end.
 pub fn begins(name: &str, beginning: &str) -> bool {
     beginning.strip_suffix('$').map_or_else(|| name.starts_with(beginning), |whole| name == whole)
 }

@@ -134,7 +134,7 @@ impl Runner {
         Ok(())
     }
 
-    /// Whether a test with this plain outcome is run with Cupola.
+    /// True if a test with this plain outcome is run with Cupola.
     pub fn is_compared(&self, plain: &Outcome) -> bool {
         plain.result != "skip" && plain.end != End::Hung && plain.seconds <= self.longest.as_secs_f64()
     }

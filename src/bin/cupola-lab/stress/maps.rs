@@ -194,7 +194,7 @@ impl Worst {
     }
 }
 
-/// Whether a map shows nothing at some place so many pixels from another one, or what is far from
+/// True if a map shows nothing at some place so many pixels from another one, or what is far from
 /// what it shows there.
 fn is_beside_silhouette(exact: &WarpMap, centre: DVec2, distance: f64) -> bool {
     let Some(here) = exact.direction(centre) else { return true };

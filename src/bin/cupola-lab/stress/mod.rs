@@ -46,7 +46,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What is tested.
+/// Part of the test, as `--only` takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Part {
     /// Maps of random rigs with pinholes, domemasters and flat pictures on domes

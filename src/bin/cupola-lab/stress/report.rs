@@ -16,7 +16,7 @@ pub struct Finding {
     pub bound: f64,
     /// Number of compared pixels, vertices or matrices.
     pub compared: u64,
-    /// Whether these count towards `--pixels`.
+    /// True if these count towards `--pixels`.
     pub pixels: bool,
     /// Description of the case, or its rig file.
     pub input: String,
@@ -59,7 +59,7 @@ impl Report {
         self.pixels
     }
 
-    /// Whether any bound was exceeded.
+    /// True if any bound was exceeded.
     pub fn failed(&self) -> bool {
         self.worst.iter().any(|worst| !worst.failed.is_empty())
     }

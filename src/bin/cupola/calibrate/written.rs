@@ -110,7 +110,7 @@ fn keys(document: &DocumentMut, name: &str, optics: &Optics, parts: &[Part]) -> 
     keys
 }
 
-/// Whether the rig gives the opening of an output by the angles of its sides.
+/// True if the rig gives the opening of an output by the angles of its sides.
 fn has_angles(document: &DocumentMut, name: &str) -> bool {
     output_mut(&mut document.clone(), name).is_some_and(|table| TableLike::contains_key(table, "angles"))
 }

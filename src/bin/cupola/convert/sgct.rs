@@ -241,7 +241,7 @@ fn multiply(light: &mut [f64], size: (u32, u32), weights: &[f64], of_weights: (u
 /// Exponent of the display's response that is assumed where the file does not contain it.
 const GAMMA: f64 = 2.2;
 
-/// Whether a file name has the extension of a warp mesh that rigs can use.
+/// True if a file name has the extension of a warp mesh that rigs can use.
 fn is_warp_mesh(name: &str) -> bool {
     let ending = Path::new(name).extension().unwrap_or_default();
     ["data", "map"].iter().any(|known| ending.eq_ignore_ascii_case(known))

@@ -196,7 +196,7 @@ impl Channel<'_> {
         self.black.clone().or_else(|| (level > 0.0).then(|| Levels::even((1, 1), level)))
     }
 
-    /// Whether there is a map, not only a projector.
+    /// True if there is a map, not only a projector.
     pub fn has_map(&self) -> bool {
         !matches!(&self.kind, Kind::Map(map) if map.grid.is_none())
     }

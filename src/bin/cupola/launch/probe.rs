@@ -35,7 +35,7 @@ pub struct Arguments {
 pub struct Answer {
     /// Name of the driver.
     pub driver: String,
-    /// Whether the driver draws in the program's process.
+    /// True if the driver draws in the program's process.
     pub direct: bool,
     /// File names of the loaded libraries of OpenGL and of Cupola.
     pub libraries: Vec<String>,
@@ -49,12 +49,12 @@ impl Answer {
         names.into_iter().find(|name| *name != "cupola")
     }
 
-    /// Whether Cupola's library was loaded.
+    /// True if Cupola's library was loaded.
     pub fn has_cupola(&self) -> bool {
         self.libraries.iter().any(|name| name.contains("cupola"))
     }
 
-    /// Whether libglvnd was loaded.
+    /// True if libglvnd was loaded.
     pub fn has_libglvnd(&self) -> bool {
         self.libraries.iter().any(|name| name.starts_with("libGLdispatch."))
     }

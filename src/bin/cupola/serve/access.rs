@@ -37,7 +37,7 @@ impl Access {
         format!("http://{host}:{}/#{}", self.port, self.token)
     }
 
-    /// Whether `word` is the secret one. Takes as long for any word.
+    /// True if `word` is the secret one. Takes as long for any word.
     pub fn knows(&self, word: Option<&str>) -> bool {
         let word = word.unwrap_or_default().as_bytes();
         let own = self.token.as_bytes();
@@ -45,7 +45,7 @@ impl Access {
         std::hint::black_box(differing) == 0 && word.len() == own.len()
     }
 
-    /// Whether a request has names that only a page of this server, or a program, sends. An address
+    /// True if a request has names that only a page of this server, or a program, sends. An address
     /// in numbers is not a name that somebody else's name server could lead here.
     pub fn is_own_name(&self, host: Option<&str>, origin: Option<&str>) -> bool {
         let Some(host) = host else { return false };

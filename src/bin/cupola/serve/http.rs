@@ -58,7 +58,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// With content of this type.
+    /// Returns an answer with a body of this content type.
     pub fn new(status: u16, kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
         Self { status, kind, headers: Vec::new(), body: body.into() }
     }

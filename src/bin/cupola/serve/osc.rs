@@ -45,7 +45,7 @@ fn flatten(packet: OscPacket, messages: &mut Vec<OscMessage>) {
     }
 }
 
-/// Whether a packet of this machine is from this user. Packets of other machines come only where
+/// True if a packet of this machine is from this user. Packets of other machines come only where
 /// the operator asked for it.
 fn is_from_this_user(from: SocketAddr) -> bool {
     if !from.ip().is_loopback() {

@@ -24,7 +24,7 @@ const FOLLOWS: &str = "the rig's file has changed, and windows follow it";
 /// twice as many as the page takes keep the delay small.
 const RATE: &str = "30";
 
-/// How programs are started.
+/// Options and files with which programs are started.
 #[derive(Clone)]
 pub struct Launch {
     /// Options of `cupola run`.

@@ -92,7 +92,7 @@ impl Working {
         self.version
     }
 
-    /// Whether the rig's file lacks changes.
+    /// True if the rig's file lacks changes.
     pub fn is_changed(&self) -> bool {
         self.text() != self.saved
     }

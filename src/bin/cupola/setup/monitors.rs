@@ -13,7 +13,7 @@ pub struct Monitor {
     pub size: (u32, u32),
     /// Place of the upper left corner on the desktop, pixels.
     pub corner: (i64, i64),
-    /// Whether the desktop has its panel there.
+    /// True if the desktop has its panel there.
     pub primary: bool,
 }
 

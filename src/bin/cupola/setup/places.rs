@@ -5,7 +5,7 @@ use glam::DVec3;
 /// What is said of a projector. Angles in degrees, lengths in metres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Place {
-    /// Where it stands, seen from the dome's centre: 0 front, 90 right.
+    /// Direction to it from the dome's centre: 0 front, 90 right.
     pub azimuth: Option<f64>,
     /// Horizontal distance from the centre.
     pub distance: Option<f64>,

@@ -143,7 +143,7 @@ impl Picture {
         }
     }
 
-    /// Whether light that goes to a triangle meets its inner side.
+    /// True if light that goes to a triangle meets its inner side.
     fn lights(&self, [a, b, c]: &[DVec3; 3]) -> bool {
         let Self::Projector { pose, .. } = self else { return true };
         let normal = (*b - *a).cross(*c - *a);

@@ -56,7 +56,7 @@ fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
     values[1] -= f64::from(y);
 }
 
-/// Whether the driver answers a question, which it gets with room for the answer. Where it does
+/// True if the driver answers a question, which it gets with room for the answer. Where it does
 /// not, as for state that the context's version does not have, it has said its error, and the
 /// program gets no answer from us either.
 pub(super) fn is_answered<T>(ask: impl FnOnce(*mut T)) -> bool {

@@ -65,7 +65,7 @@ mod tests {
         }
     }
 
-    /// Whether a point is within the six planes.
+    /// True if a point is within the six planes.
     fn is_inside(matrix: &[f64; 16], point: DVec3) -> bool {
         let clip = DMat4::from_cols_array(matrix) * point.extend(1.0);
         clip.truncate().abs().max_element() <= clip.w

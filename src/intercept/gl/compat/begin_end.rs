@@ -149,7 +149,7 @@ fn issue_recorded(ctx: &mut Context, own_end: bool) {
     ctx.compat.immediate.recorder = recorder;
 }
 
-/// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be
+/// True if Begin/End becomes a command of its own in the list that is compiled, so that it can be
 /// divided when the list runs.
 fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
     lists.recording.is_some() && !projected.views_only && methods::division_asked_for()

@@ -76,7 +76,7 @@ fn call_at(ctx: &mut Context, offset: u32, depth: u32) {
     }
 }
 
-/// Whether a command runs other lists, which is allowed between Begin and End.
+/// True if a command runs other lists, which is allowed between Begin and End.
 fn calls(command: &Command) -> bool {
     matches!(command, Command::CallList(_) | Command::CallLists(_))
 }

@@ -38,7 +38,7 @@ impl<'a> Placed<'a> {
         Self { gl, position, present: Present::of(gl), mode, keeps }
     }
 
-    /// Whether the raster position is put back at the end.
+    /// True if the raster position is put back at the end.
     pub fn keeps(&self) -> bool {
         self.keeps
     }
@@ -81,7 +81,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// What setting a position again would change, as it is when a draw begins.
+/// State that setting a position again would change, as it is when a draw begins.
 struct Present {
     /// Whether each of [`Present::SWITCHES`] is on.
     on: [bool; 2],
@@ -127,7 +127,7 @@ impl Present {
     }
 }
 
-/// Whether the raster position lay within the clip volume when it was set.
+/// True if the raster position lay within the clip volume when it was set.
 pub fn is_valid(gl: &Gl) -> bool {
     let mut valid = 0;
     // SAFETY: writes one boolean.

@@ -118,7 +118,7 @@ impl Context {
         }
     }
 
-    /// Whether OpenGL does what a call of the program says if its arguments are right: not where it
+    /// True if OpenGL does what a call of the program says if its arguments are right: not where it
     /// may be between Begin and End.
     pub fn takes_calls(&self) -> bool {
         !self.compat.immediate.under_way() && !self.app.picking && self.session().is_some()

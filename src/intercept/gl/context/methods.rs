@@ -21,24 +21,24 @@ pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
     if asked_for() && !ctx.projected.views_only { Session::projecting } else { Session::new }
 }
 
-/// Whether some output of the rig has a method of this kind.
+/// True if some output of the rig has a method of this kind.
 pub(in crate::intercept::gl) fn any_method(wanted: impl Fn(&Method) -> bool) -> bool {
     let rig = crate::intercept::settings::settings().map(|settings| &settings.rig);
     rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
 }
 
-/// Whether an output of the rig is one for which primitives are divided.
+/// True if an output of the rig is one for which primitives are divided.
 pub fn division_asked_for() -> bool {
     any_method(|method| matches!(method, Method::Primitive { .. }))
 }
 
-/// Whether primitives are to be divided by tessellation shaders where possible, as the rig is now.
+/// True if primitives are to be divided by tessellation shaders where possible, as the rig is now.
 pub(in crate::intercept::gl) fn tessellation_asked_for() -> bool {
     let by = |method: &Method| matches!(method, Method::Primitive { by: Divider::Tessellation, .. });
     live::rig().is_some_and(|live| live.rig.outputs.iter().any(|output| by(&output.method)))
 }
 
-/// Whether an output of the rig is one to which vertices are projected.
+/// True if an output of the rig is one to which vertices are projected.
 pub fn asked_for() -> bool {
     any_method(Method::projects_vertices)
 }

@@ -11,7 +11,7 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
 
-/// Whether the parameter is left at its default.
+/// True if the parameter is left at its default.
 fn left_out(driver: &Driver, drawable: &Drawable, parameter: u32) -> bool {
     let turned = |t: &DefaultFramebuffer| t.session.views().iter().any(|v| !v.program_lens);
     parameter == api::GL_TEXTURE_MAX_ANISOTROPY && driver.endless_anisotropy && drawable.target().is_some_and(turned)

@@ -151,7 +151,7 @@ fn inspect(ctx: &mut Context, class: DrawClass, why: Option<&str>) {
     inspected::note(ctx, &Seen { class, sampled: 0, why });
 }
 
-/// Whether a flat draw computes places of the scene from its pixels, of which it has no image.
+/// True if a flat draw computes places of the scene from its pixels, of which it has no image.
 fn is_screen_pass(ctx: &Context) -> bool {
     !several_viewports(ctx) && upload::holds_inverse(ctx) && sampling::sampled(ctx) == 0
 }

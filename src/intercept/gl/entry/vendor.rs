@@ -27,7 +27,7 @@ pub unsafe fn entry<T: Copy>(file: &str, symbol: &CStr, variable: &str) -> Optio
     }
 }
 
-/// Whether the program's calls are to go through our functions.
+/// True if the program's calls are to go through our functions.
 pub fn wanted() -> bool {
     !settings::switched_off() && settings::settings().is_some()
 }

@@ -14,7 +14,7 @@ use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::drawable::Drawable;
 use std::time::Instant;
 
-/// Whether what is drawn is meant to be seen without a swap.
+/// True if what is drawn is meant to be seen without a swap.
 pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
     let front = matches!(
         app.draw_buffer,

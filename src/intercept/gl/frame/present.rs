@@ -21,12 +21,12 @@ use crate::runtime::frame_times::FrameTimes;
 use crate::system::thread_time;
 use std::sync::Arc;
 
-/// Whether the current context draws to `window`.
+/// True if the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
     current().and_then(|c| c.drawable.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
 }
 
-/// Whether the current context draws to `window` and corrects what it draws.
+/// True if the current context draws to `window` and corrects what it draws.
 pub fn corrects(window: &Window) -> bool {
     is_current(window)
         && !ending::has_begun()
@@ -203,7 +203,7 @@ fn frame(ctx: &mut Context) -> bool {
     true
 }
 
-/// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that
+/// True if nothing of the window can be seen: neither after the last swap nor now. So windows that
 /// are seen cost one question in a frame, and those that come back are corrected at once.
 fn is_occluded(drawable: &Drawable) -> bool {
     drawable.occluded && drawable.window.as_ref().is_some_and(|window| window.look().occluded)

@@ -10,7 +10,7 @@ use crate::intercept::publishing::{self, Stamp};
 use crate::intercept::settings;
 use std::sync::Arc;
 
-/// Whether frames of the context's window are published.
+/// True if frames of the context's window are published.
 pub fn wants(ctx: &Context) -> bool {
     ctx.drawable.window.as_ref().is_some_and(|window| publishing::wants(window.handle() as u64))
 }

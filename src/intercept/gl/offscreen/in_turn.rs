@@ -100,7 +100,7 @@ impl Target for OwnImages {
     }
 }
 
-/// Whether the views are drawn in turn.
+/// True if the views are drawn in turn.
 pub fn is_on(ctx: &Context) -> bool {
     ctx.session().and_then(Session::turns).is_some()
 }

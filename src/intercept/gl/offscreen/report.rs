@@ -37,7 +37,7 @@ pub fn off_screen(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer])
     }
 }
 
-/// Why a framebuffer is drawn once only; `None`: it is drawn once per view.
+/// Returns the reason why a framebuffer is drawn once only; `None` if it is drawn once per view.
 pub fn reason(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Option<String> {
     let obstacle = obstacle(ctx, images, framebuffer)?;
     Some(obstacle.reason().unwrap_or("everything is shown flat").to_owned())
@@ -72,7 +72,7 @@ fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Optio
     Some(reason.into())
 }
 
-/// Whether any of a framebuffer's colour images has this property.
+/// True if any of a framebuffer's colour images has this property.
 fn any_colour(images: &[Image], framebuffer: &Framebuffer, test: impl Fn(&Image) -> bool) -> bool {
     framebuffer.colours().filter_map(|name| images.iter().find(|image| image.name == name)).any(test)
 }

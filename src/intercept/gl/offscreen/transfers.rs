@@ -54,7 +54,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
     }
 }
 
-/// Whether a copy covers (nearly) all of the window.
+/// True if a copy covers (nearly) all of the window.
 pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
     let Some(target) = drawable.target() else { return false };
     let (width, height) = target.size();
@@ -62,7 +62,7 @@ pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
 }
 
-/// Whether the window's views show anything: a program that draws nothing in perspective has its
+/// True if the window's views show anything: a program that draws nothing in perspective has its
 /// picture on the panel.
 fn window_has_scene(frame: &Frame, view_copies: &ViewCopies) -> bool {
     let shown = || view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
@@ -153,7 +153,7 @@ fn depth_of_read(ctx: &Context) -> Option<Name> {
     ctx.view_copies.framebuffers[index].depth()
 }
 
-/// What a side is for a view: its framebuffer, and where its picture is there.
+/// Framebuffer of a side for a view, and the place of its picture there.
 struct Region {
     framebuffer: u32,
     rect: LowerLeftRect,

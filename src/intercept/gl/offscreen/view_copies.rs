@@ -31,7 +31,7 @@ pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
 
-/// Whether images have copies: there are views of ours, which are not the program's own picture,
+/// True if images have copies: there are views of ours, which are not the program's own picture,
 /// and not drawn in turn.
 pub(super) fn possible(ctx: &Context) -> bool {
     let has_other_lenses = |s: &Session| s.turns().is_none() && s.views().iter().any(|v| !v.program_lens);
@@ -160,7 +160,7 @@ pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
     forget_images(ctx, |image| image.name == Name::Renderbuffer(renderbuffer));
 }
 
-/// Whether a texture is followed that has this size and format already, so that nothing changes.
+/// True if a texture is followed that has this size and format already, so that nothing changes.
 pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
     let images = ctx.view_copies.images.iter();
     let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));

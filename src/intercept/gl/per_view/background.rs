@@ -6,7 +6,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::classify;
 
-/// Whether a flat draw with the present state goes behind the scene.
+/// True if a flat draw with the present state goes behind the scene.
 pub fn is_behind(ctx: &mut Context) -> bool {
     if !ctx.frame.background.order.is_behind() || !classify::main_viewport(&ctx.app, &ctx.frame) {
         return false;

@@ -15,7 +15,7 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
     if main_viewport(&ctx.app, &ctx.frame) { classify_by_projection(ctx) } else { DrawClass::Flat }
 }
 
-/// Whether primitives of a draw may go to viewports that differ.
+/// True if primitives of a draw may go to viewports that differ.
 pub fn several_viewports(ctx: &Context) -> bool {
     let chooses = || ctx.shaders.program.as_ref().is_some_and(|program| program.chooses_viewport);
     ctx.app.arrays().is_some_and(WindowArrays::differ) && chooses()
@@ -61,7 +61,7 @@ fn of_lens(ctx: &mut Context, lens: Lens) -> DrawClass {
     DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))
 }
 
-/// Whether the viewport is the program's main one; pictures within the picture are flat.
+/// True if the viewport is the program's main one; pictures within the picture are flat.
 pub fn main_viewport(app: &AppState, frame: &Frame) -> bool {
     let [width, height] = app.viewport.size().map(f64::from);
     viewport::is_main(width, height, frame.main_area() as f64)

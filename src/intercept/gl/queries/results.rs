@@ -7,7 +7,7 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::queries::{Count, Queries, available};
 use crate::intercept::gl::vertex_input::buffers;
 
-/// Whether the program's query runs, which is an error where its result is asked for.
+/// Returns true if the program's query runs; then it notes the error of asking for its result.
 fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
     let runs = queries.running.iter().any(|r| r.name == name);
     if runs {

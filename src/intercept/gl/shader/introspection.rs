@@ -37,7 +37,7 @@ fn own_uniforms(ctx: &Context, program: u32) -> Own {
     Own { indices: programs::record(&ctx.share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
-/// Whether a program is to be deleted once it is in use no longer.
+/// True if a program is to be deleted once it is in use no longer.
 fn is_deleted(ctx: &Context, program: u32) -> bool {
     ctx.share.programs.locked().uses.is_deleted(program)
 }

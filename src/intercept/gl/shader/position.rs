@@ -7,7 +7,8 @@ use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use std::ffi::CString;
 
 impl Position {
-    /// For a linked program whose only stage before rasterisation is the vertex shader `source`.
+    /// Returns the position of a linked program whose only stage before rasterisation is the vertex
+    /// shader `source`; `None` if the text proves none.
     pub fn of_shader(gl: &Gl, program: u32, source: &str, es_context: bool, uniforms: &Uniforms) -> Option<Self> {
         let Proof { factors, attribute, components } = prover::prove(source, es_context)?;
         let array = match attribute {

@@ -17,7 +17,7 @@ use std::ffi::{CStr, CString, c_char};
 /// those that the shader names by their numbers.
 const LONGEST: u32 = 8;
 
-/// Whether Cupola adds this uniform to shaders.
+/// True if Cupola adds this uniform to shaders.
 fn is_own(name: &str) -> bool {
     let array = name.strip_suffix("[0]").unwrap_or(name);
     let of_cameras =

@@ -85,12 +85,12 @@ pub(in crate::intercept::gl) const OWN_NAMES: usize = 16;
 pub(in crate::intercept::gl) const PROGRAM_NAMES: usize = 1024;
 
 impl Queries {
-    /// Whether any query runs.
+    /// True if any query runs.
     pub fn any(&self) -> bool {
         !self.running.is_empty()
     }
 
-    /// Whether it is counted how many primitives there are, so that no draw may be left out.
+    /// True if it is counted how many primitives there are, so that no draw may be left out.
     pub fn primitives(&self) -> bool {
         self.running.iter().any(|r| quantity(r.target) == Quantity::Primitives)
     }

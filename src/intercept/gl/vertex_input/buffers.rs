@@ -34,7 +34,7 @@ fn bound(ctx: &mut Context, target: u32) -> u32 {
     buffer_bindings::buffer(ctx, target).unwrap_or(0)
 }
 
-/// Whether what is bound at `target` may be written by the device.
+/// True if what is bound at `target` may be written by the device.
 fn is_written_to(target: u32) -> bool {
     matches!(
         target,

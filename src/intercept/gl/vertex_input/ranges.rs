@@ -205,7 +205,7 @@ unsafe fn mapped_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
     }
 }
 
-/// Whether some index begins a new primitive instead of naming a vertex.
+/// True if some index begins a new primitive instead of naming a vertex.
 pub fn restarts(driver: &Driver) -> bool {
     let (gl, version) = (driver.gl, driver.profile.version);
     let on = |switch: u32| driver.known_state.is_on(gl, switch);

@@ -71,7 +71,7 @@ fn ask_conventional(gl: &Gl) -> Option<Pointer> {
     Some(Pointer { components, kind, source: Source { buffer, start: start as usize, stride } })
 }
 
-/// Whether a generic attribute is an array.
+/// True if a generic attribute is an array.
 pub fn is_on(ctx: &mut Context, location: u32) -> bool {
     let gl = ctx.driver.gl;
     let attribute = object(&ctx.driver, &mut ctx.vertex_input).asked_attribute(location);
@@ -97,7 +97,7 @@ pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)
     Some((format, Source { start: source.start.checked_add(format.offset)?, ..source }, divisor))
 }
 
-/// Whether attributes have bindings, which then count, whatever call set them.
+/// True if attributes have bindings, which then count, whatever call set them.
 pub fn has_bindings(profile: &Profile) -> bool {
     profile.version >= if profile.es { 31 } else { 43 }
 }

@@ -11,7 +11,7 @@ use ash::vk;
 
 /// Tiles that a clear goes to.
 struct Cleared {
-    /// It clears the whole window, and so each view as a whole.
+    /// True if the clear is of the whole window, and so of each view as a whole.
     whole: bool,
     /// In views, and in the program's own picture.
     pictures: Vec<AtlasRect>,

@@ -37,7 +37,7 @@ fn end_of(device: &Device, image: vk::Image) -> Made {
     }
 }
 
-/// Whether a copy takes all of an image to all of another one, which has an atlas if it is a
+/// True if a copy takes all of an image to all of another one, which has an atlas if it is a
 /// `target`.
 fn is_of_everything(device: &Device, (from, src): End, (to, dst): End, target: Option<&ViewTarget>) -> bool {
     let whole = |image: vk::Image, corners: [vk::Offset3D; 2]| {
@@ -114,7 +114,7 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
     }
 }
 
-/// Whether the program's own image has its own picture, of what compute shaders may write.
+/// True if the program's own image has its own picture, of what compute shaders may write.
 fn has_own_picture(device: &Device, target: &ViewTarget) -> bool {
     let drawn = device.images.is_attached(target.given);
     target.is_stored() && !device.images.lacks_own_picture(target.given) && (!drawn || target.layout.own().is_some())

@@ -69,7 +69,7 @@ unsafe fn candidates(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> 
     Some(views.filter_map(|view| device.images.candidate_of(*view)).collect())
 }
 
-/// Whether queries of the command buffer that executes it may count what a secondary one draws.
+/// True if queries of the command buffer that executes it may count what a secondary one draws.
 ///
 /// # Safety
 /// `info` must be the program's.

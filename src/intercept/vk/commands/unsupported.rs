@@ -8,7 +8,7 @@ use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use ash::vk;
 
-/// Whether an image of the program has an atlas copy, or stands for the window.
+/// True if an image of the program has an atlas copy, or stands for the window.
 fn is_followed(device: &Device, image: vk::Image) -> bool {
     device.images.target_of_image(image).is_some() || !device.images.atlas_copies(image).is_empty()
 }

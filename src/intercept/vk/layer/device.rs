@@ -139,7 +139,7 @@ unsafe fn role(given: &vk::DeviceCreateInfo<'_>, active: bool, enabled: &Enabled
     }
 }
 
-/// Whether there is anything to do on a device.
+/// True if there is anything to do on a device.
 ///
 /// # Safety
 /// `info` must be the program's.
@@ -157,7 +157,7 @@ unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
     !settings.rig.passthrough || is_counted || settings.capture.is_some() || settings.stats.is_some()
 }
 
-/// Whether the program enables an extension.
+/// True if the program enables an extension.
 ///
 /// # Safety
 /// `info` must be the program's.

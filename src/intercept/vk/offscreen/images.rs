@@ -18,7 +18,7 @@ use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;
 
-/// Why what a shader reads of the program's own image would be missing there.
+/// Reason for flat drawing: what a shader reads of the program's own image would be missing there.
 pub const READ_TOGETHER: &str = "its shaders read what it draws together with the window";
 
 /// Why a window is flat that compute shaders write.
@@ -205,7 +205,7 @@ impl Images {
     }
 }
 
-/// Whether the image may be an attachment, or be written by compute shaders.
+/// True if the image may be an attachment, or be written by compute shaders.
 fn may_be_drawn(info: &vk::ImageCreateInfo<'_>) -> bool {
     use vk::ImageUsageFlags as U;
     info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT | U::STORAGE)

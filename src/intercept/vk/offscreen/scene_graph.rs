@@ -63,7 +63,7 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// Whether what it makes of an image covers all that the image shows. `mapped`: unless it is
+    /// True if what it makes of an image covers all that the image shows. `mapped`: unless it is
     /// read at the fragment's place, it is a picture on something in the scene, as the depths of a
     /// shadow map are.
     fn follows(&self, mapped: bool) -> bool {

@@ -72,23 +72,23 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Whether what it draws can be seen.
+    /// True if what it draws can be seen.
     pub fn is_seen(&self) -> bool {
         !self.discards
     }
 
-    /// Whether it has the stages before rasterisation.
+    /// True if it has the stages before rasterisation.
     pub fn places_vertices(&self) -> bool {
         self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS)
     }
 
-    /// Whether it has what is drawn and all shaders.
+    /// True if it has what is drawn and all shaders.
     pub fn shades_all(&self) -> bool {
         let input = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
         input && self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }
 
-    /// Whether it has shaders, and so needs a layout.
+    /// True if it has shaders, and so needs a layout.
     pub fn shades(&self) -> bool {
         self.flags.intersects(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }

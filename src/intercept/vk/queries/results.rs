@@ -3,7 +3,7 @@
 use crate::intercept::vk::state::queries::{Pool, scaled};
 use ash::vk;
 
-/// How results are asked for, beside what the program says of waiting: wide, and with their
+/// Flags of each request for results, beside the program's own for waiting: wide, and with their
 /// availability behind them.
 pub const RAW: vk::QueryResultFlags = vk::QueryResultFlags::from_raw(
     vk::QueryResultFlags::TYPE_64.as_raw() | vk::QueryResultFlags::WITH_AVAILABILITY.as_raw(),

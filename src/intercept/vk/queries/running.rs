@@ -40,7 +40,7 @@ impl RunningQuery {
         Self { pool, query, sample_scale: None, drawn: 0.0, issued: 0.0 }
     }
 
-    /// Whether it is this one.
+    /// True if it is this one.
     pub fn is(&self, pool: &Arc<Pool>, query: u32) -> bool {
         Arc::ptr_eq(&self.pool, pool) && self.query == query
     }

@@ -26,7 +26,7 @@ pub struct ComputeUse {
     pub written: Vec<DescriptorPlace>,
     /// It changes images by atomic instructions.
     pub image_atomics: bool,
-    /// What it writes to buffers.
+    /// Kind of its writes to buffers.
     pub buffers: BufferWrites,
 }
 
@@ -36,8 +36,8 @@ const MOST_STEPS: usize = 256;
 /// Deeper chains of pointers, or of calls, are not followed.
 const DEEPEST: usize = 16;
 
-/// What the shader of a module reads and writes; in doubt all that it can. `None` where `words` are
-/// no module.
+/// Returns what the shader of a module reads and writes; in doubt all that it can. `None` where
+/// `words` are no module.
 pub fn compute_use(words: &[u32]) -> Option<ComputeUse> {
     let all = instructions(words)?;
     let declared = Declarations::new(&all);

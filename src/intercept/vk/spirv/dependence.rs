@@ -22,7 +22,7 @@ pub struct PositionLoads {
 }
 
 impl PositionLoads {
-    /// Whether what is loaded includes the member at `path` of a variable, or a part of it.
+    /// True if what is loaded includes the member at `path` of a variable, or a part of it.
     /// Elements of arrays count as one.
     pub fn contain(&self, variable: u32, path: &[u32]) -> bool {
         self.members.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))

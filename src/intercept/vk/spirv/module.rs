@@ -15,7 +15,7 @@ pub struct Instruction<'a> {
 }
 
 impl Instruction<'_> {
-    /// Whether it is this one.
+    /// True if it is this one.
     pub fn is(&self, op: Op) -> bool {
         self.opcode == op as u32
     }
@@ -121,7 +121,7 @@ impl<'a> Declarations<'a> {
         list.iter().find(|(decoration, _)| *decoration == kind as u32).map(|(_, operands)| *operands)
     }
 
-    /// Whether an id has a decoration, by its number.
+    /// True if an id has a decoration, by its number.
     pub fn has(&self, id: u32, decoration: u32) -> bool {
         self.decorations.get(&(id, None)).is_some_and(|list| list.iter().any(|(known, _)| *known == decoration))
     }
@@ -157,7 +157,7 @@ impl<'a> Declarations<'a> {
         self.by_id.iter().find(|(_, i)| i.is(op) && i.rest(1) == operands).map(|(id, _)| *id)
     }
 
-    /// Whether the type is a vector of four 32-bit floats.
+    /// True if the type is a vector of four 32-bit floats.
     pub fn is_vec4(&self, id: u32) -> bool {
         self.get(id, Op::TypeVector).is_some_and(|vector| {
             vector.operand(2) == 4

@@ -71,7 +71,7 @@ pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
     found
 }
 
-/// Whether a fragment shader asks for its place on the screen.
+/// True if a fragment shader asks for its place on the screen.
 pub fn asks_place(words: &[u32]) -> bool {
     let place = [Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];
     let asks = |i: &Instruction<'_>| i.is(Op::Decorate) && i.rest(1) == place;

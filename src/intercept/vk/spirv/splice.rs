@@ -166,7 +166,7 @@ fn epilogue(to: &mut Additions<'_>, position: Position, (fix, vector): (u32, u32
     made
 }
 
-/// Whether an instruction stands before types, constants and variables (sections 1 to 8 of a
+/// True if an instruction stands before types, constants and variables (sections 1 to 8 of a
 /// module).
 fn before_types(instruction: &Instruction<'_>) -> bool {
     let head = [

@@ -101,7 +101,7 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
 }
 
 impl Role {
-    /// Whether primitives are divided where the rig says so.
+    /// True if primitives are divided where the rig says so.
     pub fn divides(&self) -> bool {
         self.vertices.vertices == VertexProcessing::DivisionStatistics
     }
@@ -114,7 +114,7 @@ impl Device {
         self.view_constants.slot(parts).next_multiple_of(alignment)
     }
 
-    /// Whether draws are issued for each view.
+    /// True if draws are issued for each view.
     pub fn draws_views(&self) -> bool {
         self.flatness.draws_views()
     }

@@ -15,7 +15,7 @@ pub struct Flatness {
 }
 
 impl Flatness {
-    /// Whether draws are issued for each view.
+    /// True if draws are issued for each view.
     pub fn draws_views(&self) -> bool {
         self.note.get().is_none()
     }

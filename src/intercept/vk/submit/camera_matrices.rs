@@ -13,7 +13,7 @@ use crate::intercept::vk::state::views::view_constants::ConstantChunk;
 use crate::runtime::session::{Direction, Intrinsics};
 
 impl CameraFunctions {
-    /// Whether a matrix leads from clip coordinates, or its inverse does.
+    /// True if a matrix leads from clip coordinates, or its inverse does.
     pub fn holds_inverse(&self, facts: &DrawFacts) -> bool {
         self.functions.iter().zip(&facts.cameras).any(|(function, camera)| {
             function.is_some_and(|(function, _)| camera.inverted || function.direction() == Direction::FromClip)

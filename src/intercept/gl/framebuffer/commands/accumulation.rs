@@ -49,7 +49,7 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// Whether the window has such a buffer, which is then ours.
+/// True if the window has such a buffer, which is then ours.
 fn is_ours(ctx: &Context) -> bool {
     ctx.redirected() && ctx.drawable.target().is_some_and(|t| t.config().accumulation_bits > 0)
 }

@@ -34,7 +34,7 @@ pub(super) fn bound<R>(
     answer
 }
 
-/// Whether `name` is the window, and the window is ours.
+/// True if `name` is the window, and the window is ours.
 pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
     name == 0 && drawable.target().is_some()
 }
@@ -44,7 +44,7 @@ pub(super) fn real(ctx: &Context, name: u32) -> u32 {
     ctx.drawable.target().filter(|_| name == 0).map_or(name, |target| target.framebuffer())
 }
 
-/// Whether the name is the window, or an object that OpenGL has made: binding it makes none.
+/// True if the name is the window, or an object that OpenGL has made: binding it makes none.
 fn exists(ctx: &Context, name: u32) -> bool {
     // SAFETY: a question about a name.
     name == 0 || unsafe { ctx.driver.gl.is_framebuffer(name) } != 0

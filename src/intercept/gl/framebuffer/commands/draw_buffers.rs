@@ -7,7 +7,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::offscreen::view_copies;
 
-/// Whether `buffer` is a name of the window's colour buffers.
+/// True if `buffer` is a name of the window's colour buffers.
 fn is_window_buffer(buffer: u32) -> bool {
     matches!(
         buffer,

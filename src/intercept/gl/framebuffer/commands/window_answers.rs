@@ -5,7 +5,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::offscreen::view_copies;
 
-/// Whether `target` is the window, which is ours.
+/// True if `target` is the window, which is ours.
 fn is_window(ctx: &Context, target: u32) -> bool {
     if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() }
 }

@@ -79,7 +79,7 @@ pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl FnOnce(Lowe
     read(ctx, inside, true, |x, y| issue(LowerLeftRect { x, y, ..inside }, moved));
 }
 
-/// Whether pixels of this format have alpha.
+/// True if pixels of this format have alpha.
 fn has_alpha(format: u32) -> bool {
     !matches!(
         format,

@@ -28,7 +28,7 @@ pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
     }
 }
 
-/// Whether a clear reaches all of colour and depth.
+/// True if a clear reaches all of colour and depth.
 fn writes_all(driver: &Driver, app: &AppState) -> bool {
     let (mut color, mut depth) = ([0u8; 4], 0u8);
     // SAFETY: writes four values, and one.

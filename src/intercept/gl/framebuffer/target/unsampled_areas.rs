@@ -84,7 +84,7 @@ pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     }
 }
 
-/// Whether `unsampled` texels of `all` are to be closed.
+/// True if `unsampled` texels of `all` are to be closed.
 fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
     match mask {
         Mask::Always => unsampled > 0,

@@ -45,7 +45,7 @@ fn product(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// Whether no point of the box comes into the picture of a `view`, nor `beside` it (in parts of
+/// True if no point of the box comes into the picture of a `view`, nor `beside` it (in parts of
 /// half the picture's width and height).
 ///
 /// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 +

@@ -15,7 +15,7 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::runtime::session::Session;
 
-/// Whether draws may be left out at all.
+/// True if draws may be left out at all.
 pub fn enabled() -> bool {
     crate::intercept::settings::settings().is_some_and(|s| s.cull)
 }

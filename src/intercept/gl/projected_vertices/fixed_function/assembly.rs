@@ -28,7 +28,7 @@ impl Triangle {
     }
 }
 
-/// Whether primitives of `mode` are triangles, or become some.
+/// True if primitives of `mode` are triangles, or become some.
 pub fn fills(mode: u32) -> bool {
     matches!(mode, api::GL_TRIANGLES..=api::GL_POLYGON)
 }

@@ -109,7 +109,7 @@ impl Divided<'_> {
         unsafe { self.gl.end() };
     }
 
-    /// Whether the edge between two places of a triangle is a part of an outline of the program's.
+    /// True if the edge between two places of a triangle is a part of an outline of the program's.
     fn is_outline(&self, triangle: &Triangle, from: DVec3, to: DVec3) -> bool {
         // Both lie on the edge opposite of a corner whose weight is 0.
         let along = (0..3).find(|corner| from[(corner + 2) % 3] == 0.0 && to[(corner + 2) % 3] == 0.0);

@@ -108,7 +108,7 @@ fn light(text: &mut String, lighting: &Lighting) {
     }
 }
 
-/// Whether `property` of `face` follows the colour.
+/// True if `property` of `face` follows the colour.
 fn follows(followed: Followed, face: u32, property: u32) -> bool {
     let both = followed.property == api::GL_AMBIENT_AND_DIFFUSE;
     (followed.face == face || followed.face == api::GL_FRONT_AND_BACK)

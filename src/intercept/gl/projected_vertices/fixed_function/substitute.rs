@@ -88,12 +88,12 @@ pub fn end(ctx: &mut Context) {
     }
 }
 
-/// Whether a primitive has the colour of one vertex, and the normal where there is light.
+/// True if a primitive has the colour of one vertex, and the normal where there is light.
 pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
     matches!(&projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
 }
 
-/// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide
+/// True if the processor has to read the vertices of the next draw of `mode`, so that it can divide
 /// them for some view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));

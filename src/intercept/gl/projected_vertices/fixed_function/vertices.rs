@@ -17,7 +17,7 @@ pub enum Attribute {
     Fog,
     /// The texture coordinates of a unit.
     Texture(u32),
-    /// Whether the edge to the next vertex is an outline.
+    /// The flag that the edge to the next vertex is an outline.
     EdgeFlag,
 }
 

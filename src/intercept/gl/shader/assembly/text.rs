@@ -63,7 +63,7 @@ pub fn patch(source: &str, first_local: u32) -> Option<(String, Vec<ParameterMat
     writes.then(|| (format!("{HEADER}{options}\n{declared}{changed}\n{EPILOGUE}END\n"), found.matrices()))
 }
 
-/// Whether some local parameter from `first` on is used.
+/// True if some local parameter from `first` on is used.
 fn uses_from(body: &str, first: u32) -> bool {
     let numbers = |place: &str| -> Vec<u32> {
         let inner = place.trim_start().strip_prefix('[').and_then(|inner| inner.split(']').next());

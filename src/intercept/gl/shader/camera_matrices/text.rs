@@ -196,7 +196,7 @@ impl<'a> Declared<'a> {
         self.declarations.push(start..end);
     }
 
-    /// Whether a variable of the program's has the same name somewhere.
+    /// True if a variable of the program's has the same name somewhere.
     fn hidden(&self, spelling: &Spelling<'a>, words: &[&'a str]) -> bool {
         let name = spelling.instance.unwrap_or(spelling.name);
         (1..words.len()).any(|at| {
@@ -207,7 +207,7 @@ impl<'a> Declared<'a> {
     }
 }
 
-/// Whether the word at `at` is a part of what `inverse` is called with.
+/// True if the word at `at` is a part of what `inverse` is called with.
 fn is_inverted(words: &[&str], at: usize) -> bool {
     let mut closed = 0;
     for place in (1..at).rev() {

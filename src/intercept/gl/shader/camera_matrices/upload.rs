@@ -25,7 +25,7 @@ fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
     [drawn.filter(|program| holds(program)).cloned(), fragment.filter(|program| holds(program) && other(program))]
 }
 
-/// Whether what draws now holds a matrix that leads from the clip coordinates of a camera.
+/// True if what draws now holds a matrix that leads from the clip coordinates of a camera.
 pub fn holds_inverse(ctx: &Context) -> bool {
     let programs = drawing(ctx);
     programs.iter().flatten().any(|program| recognise(ctx, &mut program.camera_matrices.locked()))

@@ -146,7 +146,7 @@ fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> 
     record
 }
 
-/// Whether matrices of the fixed-function pipeline flow into positions, as far as the texts tell.
+/// True if matrices of the fixed-function pipeline flow into positions, as far as the texts tell.
 fn has_fixed_matrices(texts: &Texts<'_>) -> bool {
     let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
     match texts.position_names {

@@ -133,7 +133,7 @@ impl Texts<'_> {
     }
 }
 
-/// Whether all positions of a geometry shader are those of its input.
+/// True if all positions of a geometry shader are those of its input.
 fn passes_positions_on(source: &str) -> bool {
     let bare = tokens::bare(source);
     let directives = bare.lines().filter(|line| line.trim_start().starts_with('#'));

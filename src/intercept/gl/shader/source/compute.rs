@@ -22,7 +22,7 @@ fn all_words(bare: &str) -> Vec<&str> {
     words
 }
 
-/// Whether a text uses a 4×4 matrix that the program gives it. One that is only declared, as in a
+/// True if a text uses a 4×4 matrix that the program gives it. One that is only declared, as in a
 /// header that all shaders of an engine share, is not used.
 pub fn has_matrices(source: &str) -> bool {
     let bare = tokens::bare(source);
@@ -72,7 +72,7 @@ fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     (pictures, others)
 }
 
-/// Whether the first mention of an image, which declares it, says that it is only read.
+/// True if the first mention of an image, which declares it, says that it is only read.
 fn is_read_only(words: &[&str], name: &str) -> bool {
     let Some(at) = words.iter().position(|word| *word == name) else { return false };
     words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}")).any(|word| *word == "readonly")
@@ -134,7 +134,7 @@ fn shared_names<'a>(words: &[&'a str]) -> Vec<&'a str> {
     declared.flat_map(|(at, _)| words[at..].iter().take_while(|word| **word != ";").copied()).collect()
 }
 
-/// Whether a text may give one of `names`, or a part of it, a value other than by an atomic
+/// True if a text may give one of `names`, or a part of it, a value other than by an atomic
 /// function.
 fn assigns(words: &[&str], names: &[&str]) -> bool {
     const ASSIGNMENTS: [&str; 13] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>=", "++", "--"];

@@ -62,12 +62,12 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
     })
 }
 
-/// Whether a shader's text has the `main` of its stage.
+/// True if a shader's text has the `main` of its stage.
 pub fn has_main(source: &str) -> bool {
     defines_main(&strip_comments(source))
 }
 
-/// Whether the text names `word` as a whole identifier, outside comments.
+/// True if the text names `word` as a whole identifier, outside comments.
 pub fn mentions(source: &str, word: &str) -> bool {
     let bare = strip_comments(source);
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -141,7 +141,7 @@ fn end_of_directive(source: &str, bare: &str, directive: &str) -> usize {
     found.min(source.len())
 }
 
-/// Whether there is a `main` followed by `(` at brace depth 0.
+/// True if there is a `main` followed by `(` at brace depth 0.
 fn defines_main(bare: &str) -> bool {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     bare.match_indices("main").any(|(at, _)| {

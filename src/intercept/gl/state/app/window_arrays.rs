@@ -65,7 +65,7 @@ impl WindowArrays {
         Self { viewports: [viewport.into(); COUNT], scissors: [scissor; COUNT], tests: if test { u16::MAX } else { 0 } }
     }
 
-    /// Whether what is drawn with one index differs from what is drawn with another one.
+    /// True if what is drawn with one index differs from what is drawn with another one.
     pub fn differ(&self) -> bool {
         self.viewports.iter().any(|viewport| *viewport != self.viewports[0])
             || self.scissors.iter().any(|scissor| *scissor != self.scissors[0])

@@ -70,13 +70,13 @@ impl Immediate {
         self.used_lists = 0;
     }
 
-    /// Whether the driver is to refuse a command that is not allowed between Begin and End.
+    /// True if the driver is to refuse a command that is not allowed between Begin and End.
     pub fn refuses(&mut self, gl: &Gl) -> bool {
         self.close_elements(gl);
         self.under_way() || self.is_in_passed_on(gl)
     }
 
-    /// Whether the driver is between a Begin and End that were passed on. There it answers no
+    /// True if the driver is between a Begin and End that were passed on. There it answers no
     /// question; the error is the one of the command that follows.
     fn is_in_passed_on(&mut self, gl: &Gl) -> bool {
         if self.passed_on {

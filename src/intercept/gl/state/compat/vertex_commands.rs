@@ -47,7 +47,7 @@ pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
     }
 }
 
-/// Whether the components of the command of this number are numbers as they are.
+/// True if the components of the command of this number are numbers as they are.
 pub fn is_plain(number: u16) -> bool {
     PLAIN.get(usize::from(number)).copied().unwrap_or(false)
 }

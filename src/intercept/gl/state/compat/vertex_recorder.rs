@@ -67,7 +67,7 @@ impl Sets {
         Self::Material,
     ];
 
-    /// Whether it makes a vertex.
+    /// True if it makes a vertex.
     pub fn is_vertex(self, prefix: &[u64]) -> bool {
         let first = prefix.first().copied().unwrap_or(0);
         match self {
@@ -192,7 +192,7 @@ pub struct Recorded<'a> {
 }
 
 impl Recorded<'_> {
-    /// Whether it makes a vertex.
+    /// True if it makes a vertex.
     pub fn is_vertex(&self) -> bool {
         self.vertex
     }
@@ -274,7 +274,7 @@ impl Recorder {
         self.words.push(list.into());
     }
 
-    /// Whether there are display lists.
+    /// True if there are display lists.
     pub fn has_lists(&self) -> bool {
         self.lists
     }
@@ -290,7 +290,7 @@ impl Recorder {
         self.late & !(COLOR | NORMAL | TEXTURE) != 0
     }
 
-    /// Whether anything was set besides vertices.
+    /// True if anything was set besides vertices.
     pub fn sets_anything(&self) -> bool {
         self.set != 0
     }

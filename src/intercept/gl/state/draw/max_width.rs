@@ -22,7 +22,7 @@ impl MaxWidth {
         self.0 = f32::INFINITY;
     }
 
-    /// Whether something may reach over the border of its tile into the next one, which the gutter
+    /// True if something may reach over the border of its tile into the next one, which the gutter
     /// keeps a pixel away.
     pub fn exceeds_gutter(self) -> bool {
         self.0 > 2.0

@@ -19,7 +19,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Of a draw of this mode.
+    /// Returns the shape that draws of this mode make.
     pub fn of_mode(mode: u32) -> Self {
         match mode {
             api::GL_POINTS => Self::Points,

@@ -18,12 +18,12 @@ impl Views {
         Self { seen: if index < 64 { 1 << index } else { 0 }, bounded: false }
     }
 
-    /// Whether the draw goes to this view.
+    /// True if the draw goes to this view.
     pub fn contain(self, index: usize) -> bool {
         index >= 64 || self.seen >> index & 1 != 0
     }
 
-    /// Whether it is known where in each view the draw comes to be.
+    /// True if it is known where in each view the draw comes to be.
     pub fn bounded(self) -> bool {
         self.bounded
     }

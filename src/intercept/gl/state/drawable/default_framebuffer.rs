@@ -35,8 +35,8 @@ pub struct DefaultFramebuffer {
     /// is the atlas.
     pub(in crate::intercept::gl) collected: Option<Surface>,
     pub(in crate::intercept::gl) backend: GlBackend,
-    /// For each view the lens to which vertices are projected; empty where all views are
-    /// perspective ones.
+    /// Lens of each view, to which vertices are projected; empty where all views are perspective
+    /// ones.
     pub lenses: Vec<LensConstants>,
     /// What the views hold.
     pub content: Content,
@@ -71,7 +71,7 @@ impl DefaultFramebuffer {
         self.surface.framebuffer()
     }
 
-    /// Whether `name` is a framebuffer of ours.
+    /// True if `name` is a framebuffer of ours.
     pub fn is_ours(&self, name: u32) -> bool {
         let others = self.resolved.iter().chain(&self.collected);
         name == self.surface.framebuffer() || others.into_iter().any(|other| other.framebuffer() == name)

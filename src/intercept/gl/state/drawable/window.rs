@@ -110,7 +110,7 @@ impl Window {
         }
     }
 
-    /// Whether it has a back buffer; its own framebuffer must be bound for drawing.
+    /// True if it has a back buffer; its own framebuffer must be bound for drawing.
     pub fn double_buffered(&self, gl: &Gl, profile: &Profile) -> bool {
         if profile.es {
             return true;

@@ -74,7 +74,7 @@ pub(in crate::intercept::gl) fn profile(gl: &Gl) -> Profile {
     Profile { es, core, version, viewport_arrays, viewport_limits, generic_attributes }
 }
 
-/// Whether a context of version 3.0 or later has an extension.
+/// True if a context of version 3.0 or later has an extension.
 fn has_extension(gl: &Gl, name: &str) -> bool {
     let mut count = 0;
     // SAFETY: writes one integer; the driver's strings end with a zero and live as long as it.
@@ -87,7 +87,7 @@ fn has_extension(gl: &Gl, name: &str) -> bool {
     }
 }
 
-/// Whether the driver is such a renderer.
+/// True if the driver is such a renderer.
 pub fn is_endless(gl: &Gl) -> bool {
     gl.text(api::GL_RENDERER).starts_with("llvmpipe")
 }

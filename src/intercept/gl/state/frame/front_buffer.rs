@@ -16,7 +16,7 @@ pub(in crate::intercept::gl) const SPAN: Duration = Duration::from_millis(16);
 pub(in crate::intercept::gl) const MOST: u32 = 8;
 
 impl FrontBufferThrottle {
-    /// Whether one more frame may be shown `now`.
+    /// True if one more frame may be shown `now`.
     pub(in crate::intercept::gl) fn allows(&mut self, now: Instant) -> bool {
         if self.begun.is_none_or(|begun| now.duration_since(begun) > SPAN) {
             *self = Self { begun: Some(now), shown: 0 };

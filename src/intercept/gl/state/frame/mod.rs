@@ -81,7 +81,7 @@ impl Frame {
         self.shows_scene = true;
     }
 
-    /// Whether something of a scene was ever shown in the window.
+    /// True if something of a scene was ever shown in the window.
     pub fn shows_scene(&self) -> bool {
         self.shows_scene
     }
@@ -97,7 +97,7 @@ impl Frame {
         if self.viewport_area[1] > 0 { self.viewport_area[1] } else { self.viewport_area[0] }
     }
 
-    /// Whether a scene was drawn in this frame or in the last one.
+    /// True if a scene was drawn in this frame or in the last one.
     pub fn has_scene(&self) -> bool {
         self.viewport_area.iter().any(|area| *area > 0)
     }

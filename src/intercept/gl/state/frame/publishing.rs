@@ -117,7 +117,7 @@ impl Publishing {
         }
     }
 
-    /// Whether there is anything to publish.
+    /// True if there is anything to publish.
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
     }

@@ -43,7 +43,7 @@ impl DepthConverter {
         None
     }
 
-    /// Whether it is for this size and format.
+    /// True if it is for this size and format.
     pub fn is(&self, size: [i32; 2], format: u32) -> bool {
         self.size == size && self.format == format
     }

@@ -41,7 +41,7 @@ impl Framebuffer {
         self.attachments.iter().flatten().copied()
     }
 
-    /// Whether any of its images is drawn once per view, of these.
+    /// True if any of its images is drawn once per view, of these.
     pub fn has_view_copies(&self, images: &[Image]) -> bool {
         let has_view_copy = |name: Name| images.iter().any(|image| image.name == name && image.view_copy.is_some());
         self.known && self.obstacle.is_none() && self.images().any(has_view_copy)

@@ -205,7 +205,7 @@ impl Image {
         self.mask & api::GL_COLOR_BUFFER_BIT != 0
     }
 
-    /// Whether `name` is the OpenGL name of its texture.
+    /// True if `name` is the OpenGL name of its texture.
     pub fn is_texture(&self, name: u32) -> bool {
         matches!(self.name, Name::Texture { name: own, .. } if own == name)
     }

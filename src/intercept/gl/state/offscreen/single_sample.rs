@@ -46,7 +46,7 @@ impl SingleSampleImage {
         self.framebuffer
     }
 
-    /// Whether it has this size and format.
+    /// True if it has this size and format.
     pub fn is(&self, size: [i32; 2], format: u32) -> bool {
         self.size == size && self.format == format
     }

@@ -70,7 +70,7 @@ pub struct SharedViewCopies {
 }
 
 impl ViewCopies {
-    /// Whether any image of the program's is followed.
+    /// True if any image of the program's is followed.
     pub fn any(&self) -> bool {
         !self.images.is_empty()
     }

@@ -35,7 +35,7 @@ pub struct Followed {
     pub property: u32,
 }
 
-/// What lighting does.
+/// Switches of lighting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Lighting {
     /// A bit for each light that is on.
@@ -71,7 +71,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Whether `switch` of `glEnable` is one of these.
+    /// True if `switch` of `glEnable` is one of these.
     pub fn has(switch: u32) -> bool {
         matches!(
             switch,

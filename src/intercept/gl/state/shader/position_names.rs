@@ -79,7 +79,7 @@ impl PositionNames {
         }
     }
 
-    /// Whether the uniform that OpenGL calls `name` (`block.member`, `array[0]`, `array[2].member`)
+    /// True if the uniform that OpenGL calls `name` (`block.member`, `array[0]`, `array[2].member`)
     /// may flow into the position.
     pub fn contain(&self, name: &str) -> bool {
         let (before, member) = name.rsplit_once('.').unwrap_or(("", name));

@@ -64,7 +64,7 @@ impl Uses {
         used
     }
 
-    /// Whether the deletion of a program waits.
+    /// True if the deletion of a program waits.
     pub fn is_deleted(&self, name: u32) -> bool {
         self.deleted.contains(&name)
     }
@@ -148,7 +148,7 @@ pub struct ComputeStage {
     pub other_images: Vec<i32>,
     /// It has atomic functions on images.
     pub image_atomics: bool,
-    /// What it writes to buffers.
+    /// Kind of its writes to buffers.
     pub buffers: BufferWrites,
     /// It has matrices that may be the camera's, and gets none of a view.
     pub loses_cameras: bool,
@@ -188,7 +188,7 @@ pub enum Lens {
 }
 
 impl Program {
-    /// Whether vertices go through its own shaders rather than the fixed-function pipeline.
+    /// True if vertices go through its own shaders rather than the fixed-function pipeline.
     pub fn draws_vertices(&self) -> bool {
         self.stages != 0
     }

@@ -133,7 +133,7 @@ impl Uniforms {
         self.matrices.get(number).map(|matrix| &matrix.value)
     }
 
-    /// Whether there is a 4×4 matrix at all.
+    /// True if there is a 4×4 matrix at all.
     pub fn any(&self) -> bool {
         !self.matrices.is_empty()
     }
@@ -253,7 +253,7 @@ impl Uniforms {
         }
     }
 
-    /// Whether some matrix is made of vectors that are set by their locations.
+    /// True if some matrix is made of vectors that are set by their locations.
     pub(in crate::intercept::gl) fn has_vectors(&self) -> bool {
         self.matrices.iter().any(|matrix| matches!(matrix.place, MatrixLocation::Vectors(_)))
     }

@@ -46,7 +46,7 @@ impl Buffers {
         self.frame
     }
 
-    /// Whether this is certainly a buffer's name.
+    /// True if this is certainly a buffer's name.
     pub fn is_object(&self, name: u32) -> bool {
         self.objects.contains(&name)
     }

@@ -14,7 +14,7 @@ pub enum Vertices {
         /// How many.
         count: i32,
     },
-    /// Those that indices name.
+    /// Vertices that indices name.
     Elements {
         /// How many indices.
         count: i32,

@@ -150,7 +150,7 @@ impl TileDraws<'_> {
     }
 }
 
-/// Whether a viewport shows the main picture of an image of this size.
+/// True if a viewport shows the main picture of an image of this size.
 pub fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
     let area = f64::from(width) * f64::from(height);
     scene::viewport::is_main(viewport.width.into(), viewport.height.abs().into(), area)

@@ -126,7 +126,7 @@ fn anew(load: vk::AttachmentLoadOp) -> bool {
     load != vk::AttachmentLoadOp::LOAD
 }
 
-/// Whether an attachment of which a part is drawn can be drawn as a whole: all of it is kept, or
+/// True if an attachment of which a part is drawn can be drawn as a whole: all of it is kept, or
 /// none was.
 fn may_grow(load: vk::AttachmentLoadOp, layout: vk::ImageLayout) -> bool {
     load == vk::AttachmentLoadOp::LOAD || layout == vk::ImageLayout::UNDEFINED

@@ -90,7 +90,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     Some(replaced())
 }
 
-/// Whether an area is the whole window.
+/// True if an area is the whole window.
 pub fn is_whole(area: &vk::Rect2D, layout: &AtlasLayout) -> bool {
     area.offset == vk::Offset2D::default() && (area.extent.width, area.extent.height) == layout.window
 }

@@ -172,13 +172,13 @@ impl Descriptors {
         (picture.attachment.is_none() && !picture.stored).then_some(picture.view)
     }
 
-    /// Whether shaders can read attachments by a set.
+    /// True if shaders can read attachments by a set.
     pub fn reads_attachments(&self, set: vk::DescriptorSet) -> bool {
         let sets = self.sets.locked();
         sets.get(&set).is_some_and(|set| set.contents.reads_attachments())
     }
 
-    /// Whether any set was written by which shaders can read attachments.
+    /// True if any set was written by which shaders can read attachments.
     pub fn any_attachments(&self) -> bool {
         self.attachments.load(Ordering::Relaxed)
     }
@@ -218,7 +218,7 @@ impl Descriptors {
     }
 }
 
-/// Whether shaders read images by descriptors of this kind.
+/// True if shaders read images by descriptors of this kind.
 pub fn is_picture(kind: vk::DescriptorType) -> bool {
     use vk::DescriptorType as T;
     [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)

@@ -59,7 +59,7 @@ impl Contents {
         self.pictures.values().filter(|picture| picture.stored).map(|picture| picture.view)
     }
 
-    /// Whether shaders can read attachments.
+    /// True if shaders can read attachments.
     pub fn reads_attachments(&self) -> bool {
         self.pictures.values().any(|picture| picture.attachment.is_some())
     }

@@ -204,7 +204,7 @@ entry_points! {
 }
 
 impl NextLayer {
-    /// Whether there may be framebuffers without images, which tell how their images may be used.
+    /// True if there may be framebuffers without images, which tell how their images may be used.
     pub fn compares_usage(&self) -> bool {
         self.create_render_pass2.is_some()
     }

@@ -83,7 +83,7 @@ pub struct KnownScene {
 }
 
 impl KnownScene {
-    /// Whether an image of this kind and size is its counterpart for a window of another size.
+    /// True if an image of this kind and size is its counterpart for a window of another size.
     pub(in crate::intercept::vk) fn is_like(&self, kind: ImageKind, size: (u32, u32), window: (u32, u32)) -> bool {
         // Up to rounding to whole texels.
         let near = |size: u32, window: u32, own: u32, own_window: u32| {
@@ -113,7 +113,7 @@ pub struct Images {
     pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
     /// Former targets of scenes, as long as recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
-    /// What compute shaders write in the place of a window's images.
+    /// Target that compute shaders write in the place of a window's images.
     pub(in crate::intercept::vk) of_window: Mutex<Option<Arc<ViewTarget>>>,
     /// Compute shaders make pictures of a scene: each view of an off-screen scene is as large as
     /// the program's image.
@@ -122,7 +122,7 @@ pub struct Images {
     pub(in crate::intercept::vk) own_read: AtomicBool,
 }
 
-/// Whether an image has the shape of a window, in any size.
+/// True if an image has the shape of a window, in any size.
 fn has_shape((width, height): (u32, u32), window: (u32, u32)) -> bool {
     viewport::has_shape(width.into(), height.into(), window)
 }
@@ -150,7 +150,7 @@ pub struct LayoutChange {
 }
 
 impl Image {
-    /// Whether it may hold a scene on its way to the window.
+    /// True if it may hold a scene on its way to the window.
     pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
         use vk::ImageUsageFlags as U;
         self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT | U::STORAGE)
@@ -161,7 +161,7 @@ impl Image {
             && self.target.as_ref().is_none_or(|target| !target.window)
     }
 
-    /// Whether passes may draw to it. What only compute shaders write may have several levels.
+    /// True if passes may draw to it. What only compute shaders write may have several levels.
     pub(in crate::intercept::vk) fn may_be_attached(&self) -> bool {
         use vk::ImageUsageFlags as U;
         self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
@@ -172,7 +172,7 @@ impl Image {
         if self.may_hold_scene() { self.usage | ATLAS_COPY_USAGE } else { self.usage }
     }
 
-    /// Whether it has one sample in each pixel: pictures with more cannot be copied into view
+    /// True if it has one sample in each pixel: pictures with more cannot be copied into view
     /// copies.
     pub(in crate::intercept::vk) fn is_single(&self) -> bool {
         self.samples == vk::SampleCountFlags::TYPE_1
@@ -288,12 +288,12 @@ impl Images {
         std::mem::take(&mut self.pending.locked())
     }
 
-    /// Whether some image may hold a scene.
+    /// True if some image may hold a scene.
     pub fn has_candidates(&self) -> bool {
         self.candidates.load(Ordering::Relaxed)
     }
 
-    /// Whether an image may hold a scene on its way to the window: it has the window's shape, and
+    /// True if an image may hold a scene on its way to the window: it has the window's shape, and
     /// can be shown. Depths are shown by shaders that read them.
     pub fn is_candidate(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
@@ -305,7 +305,7 @@ impl Images {
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
-    /// Whether an image is as large as perspective draws for the window need it, not one of a chain
+    /// True if an image is as large as perspective draws for the window need it, not one of a chain
     /// for light around what is bright.
     pub fn is_large(&self, image: vk::Image) -> bool {
         let (size, window) = (self.size(image), *self.window.locked());
@@ -321,14 +321,14 @@ impl Images {
         }
     }
 
-    /// Whether passes draw to this image, and the program's own picture cannot be copied from their
+    /// True if passes draw to this image, and the program's own picture cannot be copied from their
     /// atlas.
     pub fn lacks_own_picture(&self, image: vk::Image) -> bool {
         let to = vk::ImageUsageFlags::TRANSFER_DST;
         self.images.locked().get(&image).is_some_and(|state| state.attached && !state.usage.contains(to))
     }
 
-    /// Whether a pass had this image as an attachment.
+    /// True if a pass had this image as an attachment.
     pub fn is_attached(&self, image: vk::Image) -> bool {
         self.images.locked().get(&image).is_some_and(|state| state.attached)
     }
@@ -338,7 +338,7 @@ impl Images {
         self.images.locked().get(&image).map(|state| state.format)
     }
 
-    /// Whether an image is as large as the window.
+    /// True if an image is as large as the window.
     pub fn has_size_of_window(&self, image: vk::Image) -> bool {
         self.size(image) == *self.window.locked()
     }
@@ -360,13 +360,13 @@ impl Images {
         self.images.locked().get(&image).map(Image::atlas_copy_usage)
     }
 
-    /// Whether an image holds depths.
+    /// True if an image holds depths.
     pub fn is_depth(&self, image: vk::Image) -> bool {
         let images = self.images.locked();
         images.get(&image).is_some_and(|state| !aspects(state.format).contains(vk::ImageAspectFlags::COLOR))
     }
 
-    /// Whether shaders read an image whose atlas copy a pass to the window or to a scene drew to.
+    /// True if shaders read an image whose atlas copy a pass to the window or to a scene drew to.
     pub fn is_read_and_drawn_together(&self, image: vk::Image) -> bool {
         let images = self.images.locked();
         images.get(&image).is_some_and(|state| state.described && state.drawn_together && state.target.is_none())
@@ -395,7 +395,7 @@ impl Images {
         self.target_of_image(image).filter(|target| !target.window)
     }
 
-    /// Whether a scene's image is drawn by another layout by now.
+    /// True if a scene's image is drawn by another layout by now.
     pub fn is_retired(&self, target: &Arc<ViewTarget>) -> bool {
         !target.window && self.scene(target.given).is_some_and(|now| !Arc::ptr_eq(&now, target))
     }

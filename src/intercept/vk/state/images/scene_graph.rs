@@ -80,7 +80,7 @@ impl SceneGraph {
         seen.news |= news;
     }
 
-    /// Whether something is made of `image` that cannot be followed.
+    /// True if something is made of `image` that cannot be followed.
     pub(in crate::intercept::vk) fn is_lost(&self, image: vk::Image) -> bool {
         let seen = self.seen.locked();
         seen.graph.makes(image, Made::Elsewhere)

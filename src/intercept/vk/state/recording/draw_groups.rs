@@ -165,12 +165,12 @@ impl DrawGroup {
         2 + if self.facts.in_views { self.layout.views.len() as u32 } else { 0 }
     }
 
-    /// Whether something of it may be seen with a slot of view constants.
+    /// True if something of it may be seen with a slot of view constants.
     pub(in crate::intercept::vk) fn is_in_sight(&self, slot: u32) -> bool {
         self.in_sight >> slot.min(63) & 1 == 1
     }
 
-    /// Whether draws are issued onto the panel: where the program's own lens shows everything there
+    /// True if draws are issued onto the panel: where the program's own lens shows everything there
     /// is none.
     pub fn is_on_panel(&self) -> bool {
         !self.facts.off_screen && !self.layout.shows_own_lens()
@@ -184,7 +184,7 @@ impl DrawGroup {
         [issued.clone().count(), issued.filter(|slot| self.is_in_sight(*slot)).count()].map(|times| times as u32)
     }
 
-    /// Whether a draw of this facts belongs to it.
+    /// True if a draw of this facts belongs to it.
     pub fn takes(&self, layout: &Arc<AtlasLayout>, facts: &DrawFacts) -> bool {
         Arc::ptr_eq(&self.layout, layout) && self.facts == *facts
     }

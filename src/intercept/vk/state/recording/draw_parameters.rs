@@ -63,7 +63,7 @@ impl DrawSize {
         }
     }
 
-    /// Whether it has so few vertices that it may be one triangle or square over a viewport.
+    /// True if it has so few vertices that it may be one triangle or square over a viewport.
     pub fn may_cover_viewport(&self) -> bool {
         self.vertices() <= COVERING_VERTICES
     }

@@ -68,7 +68,7 @@ fn from_half(bits: u16) -> u8 {
     (signed.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// Whether a colour space has its values encoded as a display of the usual kind takes them, which
+/// True if a colour space has its values encoded as a display of the usual kind takes them, which
 /// the correction's light is computed for.
 pub fn is_usual(space: vk::ColorSpaceKHR) -> bool {
     use vk::ColorSpaceKHR as C;

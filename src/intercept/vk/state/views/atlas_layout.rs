@@ -86,7 +86,7 @@ impl ViewTile {
         Self { rect: rect.into(), own_lens }
     }
 
-    /// Whether it is drawn with the program's own lens and as large as its window.
+    /// True if it is drawn with the program's own lens and as large as its window.
     fn is_window(&self, (width, height): (u32, u32)) -> bool {
         self.own_lens && (self.rect.width, self.rect.height) == (width as i32, height as i32)
     }
@@ -232,7 +232,7 @@ impl AtlasLayout {
         }
     }
 
-    /// Whether this and another are for the same window, and show the same views.
+    /// True if this and another are for the same window, and show the same views.
     pub fn has_views_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.session, &other.session)
     }
@@ -242,7 +242,7 @@ impl AtlasLayout {
         self.views.iter().map(|view| view.rect).chain(self.primary).chain([self.panel])
     }
 
-    /// Whether every view has the program's own lens, so that nothing is shown on the panel.
+    /// True if every view has the program's own lens, so that nothing is shown on the panel.
     pub fn shows_own_lens(&self) -> bool {
         self.views.iter().all(|view| view.own_lens)
     }

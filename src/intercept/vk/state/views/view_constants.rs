@@ -85,7 +85,7 @@ impl ConstantPool {
         Self { lenses, counts, counter: OnceLock::new(), set_layouts: Default::default(), free: Mutex::default() }
     }
 
-    /// Whether slots have lenses.
+    /// True if slots have lenses.
     pub fn have_lenses(&self) -> bool {
         self.lenses
     }

@@ -71,7 +71,7 @@ impl ViewTarget {
         }
     }
 
-    /// Whether compute shaders may write its view copies.
+    /// True if compute shaders may write its view copies.
     pub fn is_stored(&self) -> bool {
         self.nothing.is_some()
     }

@@ -110,7 +110,7 @@ impl<'a> Text<'a> {
         self.words.get(at).copied().unwrap_or_default()
     }
 
-    /// Whether a function may change variables that it is given.
+    /// True if a function may change variables that it is given.
     fn gives_back_arguments(&self) -> bool {
         self.declarations.functions.iter().any(|f| self.words[f.parameters.clone()].contains(&"out"))
     }
@@ -121,7 +121,7 @@ impl<'a> Text<'a> {
         ranges.flatten().filter(move |at| self.words[*at] == name && self.word(at.wrapping_sub(1)) != ".")
     }
 
-    /// Whether the word at `at` is declared there: it follows a type, or a comma outside of
+    /// True if the word at `at` is declared there: it follows a type, or a comma outside of
     /// parentheses.
     fn declares(&self, at: usize) -> bool {
         let before = self.word(at - 1);
@@ -133,7 +133,7 @@ impl<'a> Text<'a> {
         is_name(before) && !matches!(before, "return" | "else" | "case" | "do")
     }
 
-    /// Whether the word at `at` is assigned to, wholly or in part.
+    /// True if the word at `at` is assigned to, wholly or in part.
     fn writes(&self, at: usize) -> bool {
         let mut after = at + 1;
         loop {
@@ -185,7 +185,7 @@ impl<'a> Text<'a> {
         Some((at + 2, at + length))
     }
 
-    /// Whether a place is in `main`, within no other braces or parentheses.
+    /// True if a place is in `main`, within no other braces or parentheses.
     fn outermost(&self, at: usize) -> bool {
         if !self.main.body.contains(&at) {
             return false;
@@ -272,7 +272,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Whether a name of OpenGL's stands for what OpenGL says.
+    /// True if a name of OpenGL's stands for what OpenGL says.
     fn is_built_in(&self, word: &'a str) -> bool {
         let own =
             self.declarations.globals.contains_key(word) || self.declarations.functions.iter().any(|f| f.name == word);

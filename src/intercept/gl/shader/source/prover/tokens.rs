@@ -44,7 +44,7 @@ const KEYWORDS: [&str; 24] = [
     "mat4",
 ];
 
-/// Whether a word is a name.
+/// True if a word is a name.
 pub fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
