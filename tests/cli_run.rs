@@ -228,6 +228,13 @@ fn a_profile_is_chosen_by_the_programs_name() {
     assert!(environment.contains("CUPOLA_PROFILE=minetest\n") && !environment.contains("GAME_A"), "{environment}");
     let (environment, said, _) = run(&["--profile", "none"], &game);
     assert!(environment.contains("CUPOLA_PROFILE=none\n") && !said.contains("profile"), "{said}{environment}");
+    // The option goes before the variable, and the variable before the program's name.
+    for (options, expected) in [(&["--profile", "minetest"][..], "minetest"), (&[], "vtk")] {
+        let mut command = cupola(&folder);
+        command.env("XDG_CONFIG_HOME", folder.join("config")).env("CUPOLA_PROFILE", "vtk").args(options);
+        let environment = words(&command.arg("--").arg(&game).output().unwrap().stdout);
+        assert!(environment.contains(&format!("CUPOLA_PROFILE={expected}\n")), "{options:?} {environment}");
+    }
     // The library looks at the libraries of other programs.
     let (environment, _, _) = run(&[], Path::new("env"));
     assert!(!environment.contains("CUPOLA_PROFILE"), "{environment}");

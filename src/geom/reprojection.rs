@@ -169,6 +169,16 @@ fn positive_zero(x: f64) -> f64 {
 }
 
 impl ClipRows {
+    /// From a place of the view (−1…1 to the right and up, 1) to its direction (to the right, up,
+    /// ahead) in the camera's axes of a program with lens `p`. A motion of the eye is left out: what
+    /// lies there is far away.
+    pub fn directions(&self, p: &Intrinsics) -> DMat3 {
+        let row = |row: &[f64; 4]| DVec3::new(row[0], row[1], row[2]);
+        let to_view = DMat3::from_cols(row(&self.x), row(&self.y), row(&self.w)).transpose();
+        let eye = DMat3::from_cols(DVec3::X / p.a, DVec3::Y / p.c, DVec3::new(p.b / p.a, p.d / p.c, 1.0));
+        eye * to_view.inverse()
+    }
+
     /// The same rows for a view that is `frustum` wide, with planes so far apart that nothing which
     /// the program's own planes let through is lost.
     ///

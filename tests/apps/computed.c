@@ -5,7 +5,7 @@
  * of the camera (light), with a sum over the whole picture (exposure), with values of each place in a buffer (places), by a
  * separable program (pipeline), or blitted to the window (blit); with lists whose lengths are atomic sums (tiles), with an
  * image of three dimensions (volume), after dots that places in a buffer are stored with (dots), or with sums in an image
- * (gathered).
+ * (gathered); by one that declares a block of the camera's matrices and uses only its other member (declared).
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -50,6 +50,10 @@ static const char screen_fragment[] = "#version 430 core\n"
 #define SOURCE "layout(rgba8, binding = 1) uniform image2D source;\n"
 
 static const char sampled[] = HEAD PICTURE RESULT STORE("inverted(texelFetch(picture, at, 0))");
+/* As the header that all shaders of an engine share has it. */
+static const char declared[] = HEAD PICTURE RESULT
+    "layout(std140, binding = 0) uniform Camera { mat4 view, projection, inverse_all; vec4 screen; };\n"
+    STORE("inverted(texelFetch(picture, min(at, ivec2(screen.xy) - 1), 0))");
 static const char stored[] = HEAD "layout(rgba8, binding = 1) uniform readonly image2D source;\n" RESULT
     STORE("inverted(imageLoad(source, at))");
 static const char same[] = HEAD SOURCE
@@ -120,12 +124,13 @@ static const struct {
 } modes[] = {{"sampled", {sampled}}, {"stored", {stored}},           {"same", {same}},     {"indirect", {sampled}},
              {"half", {halve, join}}, {"depths", {depths}},           {"light", {light}},   {"exposure", {count, judge, expose}},
              {"places", {places, values}}, {"blit", {sampled}},             {"pipeline", {sampled}},
-             {"tiles", {tiles, values}}, {"volume", {volume}},        {"dots", {dots, stored}}, {"gathered", {gathered}}};
+             {"tiles", {tiles, values}}, {"volume", {volume}},        {"dots", {dots, stored}}, {"gathered", {gathered}},
+             {"declared", {declared}}};
 
 static mesh cube;
 static int chosen;
 static GLuint scene, screen, steps[MOST], framebuffers[2], textures[TEXTURES], depth, numbers, groups, pipeline, empty;
-static GLuint fog, sums;
+static GLuint fog, sums, camera;
 
 static bool is(const char *name)
 {
@@ -196,6 +201,10 @@ static void setup(app *a)
     first[1] = pixels_to_the_left(&back, (unsigned)width, (unsigned)height);
     glBufferData(GL_SHADER_STORAGE_BUFFER, 4 * (width * height + 3), first, GL_DYNAMIC_DRAW);
     free(first);
+    const matrix4 matrices[] = {a->view, a->projection, back, {{(float)width, (float)height}}};
+    glGenBuffers(1, &camera);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, camera);
+    glBufferData(GL_UNIFORM_BUFFER, sizeof matrices, matrices, GL_STATIC_DRAW);
     glGenBuffers(1, &groups);
     glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups);
     glBufferData(GL_DISPATCH_INDIRECT_BUFFER, sizeof size, size, GL_STATIC_DRAW);

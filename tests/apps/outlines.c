@@ -1,10 +1,12 @@
 /*
  * Wide points, wide lines and triangles drawn as wide lines, each small and in a colour of its own, in many directions:
- * number i lies 10 + 10 (i mod 8) degrees off the camera's axis, turned around it by 37 i degrees.
+ * number i lies 10 + 10 (i mod 8) degrees off the camera's axis, turned around it by 37 i degrees. --mode smooth: a fan of
+ * smooth lines instead.
  */
 #include "common/fixed.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { MARKS = 48 };
 static const double degree = 3.14159265358979323846 / 180.0;
@@ -24,6 +26,21 @@ static void colour(int i)
     glColor3f(0.3f + 0.1f * (float)(i % 8), 0.3f + 0.1f * (float)(i / 8), 0.4f);
 }
 
+static void draw_smooth_lines(void)
+{
+    glEnable(GL_LINE_SMOOTH);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glLineWidth(2.0f);
+    glColor3f(1.0f, 1.0f, 1.0f);
+    glBegin(GL_LINES);
+    for (int i = -20; i < 20; i++) {
+        glVertex3f(-20.0f, -1.0f + 0.13f * (float)i, -10.0f);
+        glVertex3f(20.0f, -2.0f + 0.1f * (float)i, -15.0f);
+    }
+    glEnd();
+}
+
 static void draw(app *a)
 {
     static GLuint list;
@@ -34,6 +51,10 @@ static void draw(app *a)
     glLoadMatrixf(a->projection.m);
     glMatrixMode(GL_MODELVIEW);
     glLoadIdentity();
+    if (a->mode != NULL && strcmp(a->mode, "smooth") == 0) {
+        draw_smooth_lines();
+        return;
+    }
     glPointSize(61.0f);
     glLineWidth(31.0f);
     for (int i = 0; i < MARKS; i++) {

@@ -45,10 +45,11 @@ fn right(modes: &[&str], limits: Limits) {
 /// One more image is rounded to bytes.
 const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
 
-/// One dispatch that samples the scene, loads from it or changes it, or reads its depth; what it
-/// makes is drawn or blitted to the window.
+/// One dispatch that samples the scene, loads from it or changes it, or reads its depth, also with
+/// matrices of the camera in its text that it does not use; what it makes is drawn or blitted to
+/// the window.
 fn pictures_that_compute_shaders_make() {
-    right(&["sampled", "stored", "same", "indirect", "depths", "pipeline", "blit"], ROUNDED);
+    right(&["sampled", "stored", "same", "indirect", "depths", "declared", "pipeline", "blit"], ROUNDED);
     planetarium_of("computed", &["--mode", "sampled"], |run, rig| {
         Some(run.under(rig)?.expect_success().expect_no_gl_errors())
     });

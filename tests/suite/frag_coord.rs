@@ -12,6 +12,7 @@ tests! {
     what_is_cut_at_the_window_fills_the_dome,
     each_view_is_a_window,
     own_pictures_are_as_before,
+    surfaces_with_edges,
 }
 
 const FORMS: [&str; 5] = ["core", "old", "upper", "pipeline", "off"];
@@ -83,5 +84,20 @@ fn own_pictures_are_as_before() {
         let Some(under) = finished(&run, "identity-captured") else { return };
         let (plain, under) = (plain.expect_success().picture("shot.ppm"), under.picture("shot.ppm"));
         crate::compare::expect_identical(&under, &plain, mode);
+    }
+}
+
+/// Places in the window that a geometry shader computes from positions are those of the view, as
+/// `gl_FragCoord` is.
+fn surfaces_with_edges() {
+    for (fov, yaw, pitch) in CAMERAS {
+        let run = Run { fov, yaw, pitch, extra: &["--shot", "shot.ppm"], ..Run::new("edges") };
+        let Some(plain) = run.plain() else { return };
+        let picture = plain.expect_success().picture("shot.ppm");
+        expect_good(&compare(&picture, shown_by_window(run.size, fov, camera_of(&run))), &picture, "edges plain");
+        let Some(under) = finished(&run, "fisheye") else { return };
+        let picture = under.picture("capture.png");
+        let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+        expect_good(&compare(&picture, shown_by_fisheye(circle, camera_of(&run))), &picture, "edges fisheye");
     }
 }

@@ -1,10 +1,10 @@
 //! Programs that draw their scene off screen: each view gets a picture of its own.
 
-use crate::compare::{EDGE, Limits, TOLERANCE, compare, compare_with, expect_good};
+use crate::compare::{EDGE, Limits, TOLERANCE, compare, compare_with, expect_good, expect_identical};
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
-use crate::programs::{Finished, Run};
-use crate::reference::{Fisheye, cube_colour, cube_face};
+use crate::programs::{Finished, Run, scratch};
+use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
 
 tests! {
     a_program_with_its_own_fbo,
@@ -24,6 +24,7 @@ tests! {
     attachments_and_textures_that_change,
     old_and_new_entry_points,
     flat_drawing_into_a_scene,
+    a_background_has_no_seams,
     a_flat_scene_is_found_wrong,
 }
 
@@ -143,17 +144,27 @@ fn a_scene_that_stays_flat_is_told() {
     assert!(statistics["single_framebuffers"]["it was not seen to fill the window"].is_u64(), "{statistics:#}");
 }
 
-/// The user's word goes before what is seen.
+/// The user's word goes before what is seen: that of the rig, before it that of the environment,
+/// before both that of the command line.
 fn duplication_can_be_switched_off_and_forced() {
-    let run = Run { cupola: &["--duplicate", "never"], ..Run::new("post_process") };
-    let Some(finished) = run.under("fisheye") else { return };
-    let statistics = finished.expect_success().statistics();
-    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(0), "{statistics:#}");
+    let rig = scratch("never").join("rig.toml");
+    let text = "[views]\nduplicate = \"never\"\n[[output]]\nkind = \"domemaster\"\naperture = 180\n";
+    std::fs::write(&rig, text).expect("a file can be written");
+    let rig = rig.to_str().expect("a UTF-8 path");
+    let (never, always) = (["--duplicate", "never"], [("CUPOLA_DUPLICATE", "always")]);
     // The shadow map, too: three passes in each of two frames.
-    let run = Run { environment: &[("CUPOLA_DUPLICATE", "always")], ..Run::new("post_process") };
-    let Some(finished) = run.under("fisheye") else { return };
-    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
-    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(6), "{statistics:#}");
+    for (rig, option, environment, expected) in [
+        ("fisheye", &never[..], &[][..], 0),
+        ("fisheye", &[], &always, 6),
+        (rig, &[], &[], 0),
+        (rig, &[], &always, 6),
+        (rig, &never, &always, 0),
+    ] {
+        let run = Run { cupola: option, environment, ..Run::new("post_process") };
+        let Some(finished) = run.under(rig) else { return };
+        let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+        assert_eq!(statistics["duplicated_draws"].as_u64(), Some(expected), "{rig} {option:?} {environment:?}");
+    }
 }
 
 fn samples_that_are_resolved() {
@@ -236,4 +247,49 @@ fn flat_drawing_into_a_scene() {
     let plain = plain.expect_success().picture("capture.png");
     let squares = pixels().filter(|(x, y)| far(plain.at(*x, *y), expected.at(*x, *y))).count();
     assert!(squares > 200, "{squares} pixels are of the squares");
+}
+
+/// Colours that change with the place in the program's window, as background of a scene's image:
+/// within the lens those of the window, beyond its sides those of equal elevation, and outside
+/// those of the border.
+fn a_background_has_no_seams() {
+    let tangent = (0.5 * 75.0_f64.to_radians()).tan();
+    let expected = |[x, y, z]: Vector| {
+        let nearest = (-z).max(x.hypot(z) / tangent.hypot(1.0)).max(1e-4);
+        let at = [x / tangent / (-z).max(1e-4), y / tangent / nearest];
+        let [right, up] = at.map(|at| 255.0 * (0.5 + 0.5 * at.clamp(-1.0, 1.0)));
+        [right, up, 0.25 * 255.0]
+    };
+    for mode in ["plain", "multisampled"] {
+        let extra = ["--mode", mode, "--shot", "shot.ppm"];
+        let run = Run { extra: &extra, frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
+        let Some(under) = run.under("fisheye") else { return };
+        let picture = under.expect_success().expect_no_gl_errors().picture("capture.png");
+        let off = |x: usize, y: usize| {
+            let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
+            // The scene, and where the picture's whole width meets above and below.
+            let direction = CIRCLE.direction(x, y);
+            if CIRCLE.inside_by(x, y) < 2.0 || direction[2] < -0.95 || direction[1].abs() > 0.98 {
+                return 0.0;
+            }
+            let found = picture.at(x as usize, y as usize).map(f64::from);
+            found.iter().zip(expected(direction)).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()))
+        };
+        let pixels = || (0..256).flat_map(|y| (0..256).map(move |x| (x, y)));
+        let wrong = pixels().filter(|(x, y)| off(*x, *y) > 4.0).count();
+        assert!(
+            wrong == 0,
+            "{mode}: {wrong} pixels are off, the worst by {}",
+            pixels().fold(0.0, |w: f64, (x, y)| w.max(off(x, y)))
+        );
+        let middle = picture.at(128, 128);
+        assert!(
+            expected([0.0, 0.0, -1.0]).iter().zip(middle).any(|(a, b)| (a - f64::from(b)).abs() > 30.0),
+            "the scene"
+        );
+        let Some(own) = run.under("identity-captured") else { return };
+        let own = own.expect_success().expect_no_gl_errors().picture("shot.ppm");
+        let Some(plain) = run.plain() else { return };
+        expect_identical(&own, &plain.expect_success().picture("shot.ppm"), mode);
+    }
 }

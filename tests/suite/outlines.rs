@@ -1,5 +1,6 @@
 //! Wide points and lines stay in their view: what is lit lies near what was drawn there.
 
+use crate::compare::expect_identical;
 use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::Run;
@@ -7,6 +8,7 @@ use crate::reference::{Fisheye, Vector, dot};
 
 tests! {
     what_is_wider_than_the_gutter_is_cut_at_its_tile,
+    smooth_lines_are_those_of_a_framebuffer_object,
 }
 
 /// Number i of `tests/apps/outlines.c`: where it is, and its colour.
@@ -60,4 +62,21 @@ fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
     // The judge judged: turned around, the same picture has its marks in wrong places.
     let turned = Picture::from_fn(256, 256, |x, y| picture.at(255 - x, y));
     assert!(stray(&turned, APART).1 > lit / 2);
+}
+
+/// Mesa stores windows from the top and framebuffer objects from the bottom, and its smooth lines
+/// lie a tenth of a pixel off in the direction of the rows. So a program without Cupola has other
+/// lines in its own framebuffer object than in its window, by up to 44 of 255. Those of a view are
+/// the former.
+fn smooth_lines_are_those_of_a_framebuffer_object() {
+    let extra = ["--mode", "smooth", "--shot", "shot.ppm"];
+    let run = Run { yaw: 0.0, pitch: 0.0, extra: &extra, ..Run::new("outlines") };
+    let Some(in_view) = run.under("identity-captured") else { return };
+    let in_view = in_view.expect_success().expect_no_gl_errors().picture("shot.ppm");
+    let off_screen = ["--mode", "smooth", "--shot", "shot.ppm", "--fbo"];
+    let Some(off_screen) = Run { extra: &off_screen, ..run.clone() }.plain() else { return };
+    let off_screen = off_screen.expect_success().picture("shot.ppm");
+    expect_identical(&in_view, &off_screen, "smooth lines in a view and in a framebuffer object");
+    let lit = in_view.pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
+    assert!(lit > 1000, "{lit} pixels are lit");
 }

@@ -18,7 +18,7 @@ pub use crate::correct::shaders::map::MapPixel;
 pub use map::gpu_map;
 pub use objects::own_framebuffer::OwnFramebuffer;
 pub use objects::target::Target;
-pub use passes::{ClearedViews, GlBackend};
+pub use passes::{ClearedViews, GlBackend, Spread};
 pub use state::current_program::CurrentProgram;
 pub use state::known_state::KnownState;
 

@@ -1,11 +1,13 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for what is
 //! black.
 
+mod backdrop;
 mod cleared_views;
 mod full_clear;
 mod present;
 mod unsampled_areas;
 
+pub use backdrop::Spread;
 pub use cleared_views::ClearedViews;
 
 use crate::backend::gl::driver::api::*;
@@ -15,6 +17,7 @@ use crate::backend::gl::objects::binaries::Binaries;
 use crate::backend::gl::objects::program;
 use crate::backend::gl::objects::target::Target;
 use crate::backend::gl::objects::textures;
+use crate::backend::gl::passes::backdrop::Backdrop;
 use crate::backend::gl::passes::cleared_views::{Draw, Shows};
 use crate::backend::gl::passes::full_clear::FullClear;
 use crate::backend::gl::passes::unsampled_areas::UnsampledAreas;
@@ -75,6 +78,7 @@ pub struct GlBackend {
     outputs: Vec<Output>,
     full_clear: Option<FullClear>,
     unsampled: Option<UnsampledAreas>,
+    backdrop: Option<Backdrop>,
     errors: Cell<u64>,
     left_out: Cell<u64>,
     narrowed: Cell<u64>,
@@ -110,6 +114,7 @@ impl GlBackend {
             outputs: Vec::new(),
             full_clear: None,
             unsampled: None,
+            backdrop: None,
             errors: Cell::new(0),
             left_out: Cell::new(0),
             narrowed: Cell::new(0),
@@ -212,6 +217,25 @@ impl GlBackend {
         texels
     }
 
+    /// Fills tiles of the framebuffer that is bound for drawing with a picture behind the scene.
+    /// `false`: nothing could be done. The program's state and errors are put back as by
+    /// [`GlBackend::close_unsampled`].
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses the shader or a copy of the picture.
+    pub fn spread(&mut self, gl: &Gl, what: &Spread<'_>, known: &KnownState) -> Result<bool> {
+        self.take_pending(gl);
+        let caps = self.caps;
+        let mut backdrop = match self.backdrop.take() {
+            Some(backdrop) => backdrop,
+            None => state::while_uploading(gl, &caps, || Backdrop::new(gl, &caps, &self.binaries))?,
+        };
+        let done = backdrop.spread(gl, &caps, what, known);
+        self.backdrop = Some(backdrop);
+        self.count_errors(gl);
+        done
+    }
+
     fn build(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
         self.make_objects(gl);
         let mut old = take(&mut self.names.programs);
@@ -295,6 +319,8 @@ impl GlBackend {
     /// Goes on in the current context, which shares objects with the one before. All bindings are
     /// put back.
     pub fn rehome(&mut self, gl: &Gl) {
+        // It is made anew when it is needed: names of its vertex array are another context's.
+        self.backdrop = None;
         if self.names.vertex_array != 0 {
             let caps = self.caps;
             state::while_uploading(gl, &caps, || self.make_vertex_array(gl));
@@ -375,6 +401,9 @@ impl GlBackend {
         self.outputs.clear();
         if let Some(unsampled) = self.unsampled.take() {
             unsampled.destroy(gl);
+        }
+        if let Some(backdrop) = self.backdrop.take() {
+            backdrop.destroy(gl);
         }
         let names = take(&mut self.names);
         // SAFETY: the context is current and gave these names; 0 is ignored.

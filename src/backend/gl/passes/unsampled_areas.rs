@@ -131,7 +131,7 @@ impl UnsampledAreas {
 }
 
 /// True if the program counts samples or primitives, and would count ours.
-fn counting(gl: &Gl, caps: &Capabilities) -> bool {
+pub(super) fn counting(gl: &Gl, caps: &Capabilities) -> bool {
     let desktop: &[u32] = &[GL_SAMPLES_PASSED, GL_PRIMITIVES_GENERATED];
     let conservative: &[u32] = &[GL_ANY_SAMPLES_PASSED_CONSERVATIVE];
     let targets = [

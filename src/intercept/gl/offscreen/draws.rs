@@ -7,7 +7,7 @@ use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{
     copy_count, duplicate_mode, enter, leave, look, own_tile, possible, supply, views, without_scissor,
 };
-use crate::intercept::gl::offscreen::{coverage, in_turn, sampling};
+use crate::intercept::gl::offscreen::{backdrop, coverage, in_turn, sampling};
 use crate::intercept::gl::per_view::background;
 use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
@@ -66,8 +66,12 @@ pub fn draw(
     };
     let count = views(ctx);
     ctx.view_copies.issued.count(shown, count);
-    let (class, measure) = if class == DrawClass::Flat && sampled == 0 { place(ctx, index) } else { (class, None) };
-    let measure = Cell::new(measure);
+    let placed = match class {
+        DrawClass::Flat if sampled == 0 => place(ctx, index),
+        _ => Placed { class, measure: None, fills: false },
+    };
+    let class = placed.class;
+    let measure = Cell::new(placed.measure);
     let issue = &mut |ctx: &mut Context, gl: &Gl| match measure.take() {
         Some(measure) => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),
         None => issue(ctx, gl),
@@ -76,7 +80,14 @@ pub fn draw(
         draw_through(ctx, attached, class, sampled, (changes, shown), issue);
         return true;
     }
-    draw_in_tiles(ctx, index, (class, sampled), (changes, shown), issue)
+    if !draw_in_tiles(ctx, index, (class, sampled), (changes, shown), issue) {
+        return false;
+    }
+    if placed.fills {
+        backdrop::spread(ctx, index);
+    }
+    ctx.view_copies.framebuffers[index].has_scene |= matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
+    true
 }
 
 /// Draws into the tile of each view in framebuffer `index`; each samples its own of the images
@@ -106,19 +117,29 @@ fn draw_in_tiles(
     true
 }
 
+/// Where a flat draw belongs in the views.
+struct Placed {
+    class: DrawClass,
+    /// It is to be measured.
+    measure: Option<Measure>,
+    /// It fills the picture.
+    fills: bool,
+}
+
 /// Where a flat draw that samples no image of the scene belongs in the views: what fills the
 /// picture, all of each; a text, where the panel would be.
-fn place(ctx: &mut Context, index: usize) -> (DrawClass, Option<Measure>) {
+fn place(ctx: &mut Context, index: usize) -> Placed {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);
     if ctx.app.scissor_test && !ctx.app.scissor.contains(ctx.app.viewport) {
-        return (DrawClass::Flat, None);
+        return Placed { class: DrawClass::Flat, measure: None, fills: false };
     }
-    match coverage::fills_viewport(ctx, samples) {
-        Err(measure) => (DrawClass::Flat, Some(measure)),
-        Ok(false) if background::prepare(ctx) => (DrawClass::Background, None),
-        Ok(_) => (DrawClass::Flat, None),
-    }
+    let (class, measure, fills) = match coverage::fills_viewport(ctx, samples) {
+        Err(measure) => (DrawClass::Flat, Some(measure), false),
+        Ok(false) if background::prepare(ctx) => (DrawClass::Background, None, false),
+        Ok(fills) => (DrawClass::Flat, None, fills),
+    };
+    Placed { class, measure, fills }
 }
 
 /// Draws in perspective that sample these images by places of their own find the last view's

@@ -428,6 +428,7 @@ pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
         return false;
     }
     let index = look(ctx);
+    ctx.view_copies.framebuffers[index].has_scene = false;
     if !enter(ctx, index) {
         return false;
     }

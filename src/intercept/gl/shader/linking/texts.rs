@@ -2,6 +2,7 @@
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::camera_matrices::text::{self, Named};
+use crate::intercept::gl::shader::source::dependence;
 use crate::intercept::gl::shader::source::frag_coord;
 use crate::intercept::gl::shader::source::patch::{self, Stage};
 use crate::intercept::gl::shader::source::prover::declarations::behind;
@@ -61,7 +62,7 @@ impl Texts<'_> {
     }
 
     /// The shader object with the `main` of the last stage that makes positions. A geometry shader
-    /// that only passes them on may compute with them what belongs to the pixels of the view.
+    /// that gets them in clip space may compute with them what belongs to the pixels of the view.
     pub fn position(&self) -> Option<(u32, Stage)> {
         let stages = [
             (api::GL_GEOMETRY_SHADER, Stage::Geometry),
@@ -74,8 +75,23 @@ impl Texts<'_> {
             self.of_kind(kind).find(|(_, source)| patched(source)).map(|(shader, _)| (shader, stage))
         });
         let last = mains.next()??;
-        let passed_on = last.1 == Stage::Geometry && !self.curved && passes_positions_on(self.source(last.0));
-        Some(mains.next().flatten().filter(|_| passed_on).unwrap_or(last))
+        let in_clip_space = last.1 == Stage::Geometry && !self.curved && self.works_in_clip_space(last.0);
+        Some(mains.next().flatten().filter(|_| in_clip_space).unwrap_or(last))
+    }
+
+    /// Whether a geometry shader passes positions on, or computes places in the window from them:
+    /// it divides by their w, or its fragments ask where they are. One with a matrix of its own
+    /// makes positions first.
+    fn works_in_clip_space(&self, shader: u32) -> bool {
+        let source = self.source(shader);
+        if passes_positions_on(source) {
+            return true;
+        }
+        let stage = [(shader, api::GL_GEOMETRY_SHADER)];
+        let Some(names) = dependence::position_names(self.sources, &stage) else { return false };
+        (names.contain("gl_in") || names.contain("gl_PositionIn"))
+            && (self.asking().next().is_some() || divides_by_w(source))
+            && !matrices(source).iter().any(|name| names.contain(name))
     }
 
     /// The fragment shaders that ask where on the screen they are.
@@ -133,6 +149,47 @@ impl Texts<'_> {
     }
 }
 
+/// The words of a text without its directives.
+fn words_of(bare: &str) -> Vec<&str> {
+    let mut words = Vec::new();
+    bare.lines().filter(|line| !line.trim_start().starts_with('#')).for_each(|line| tokens::words(line, &mut words));
+    words
+}
+
+/// True if something is divided by a component w.
+fn divides_by_w(source: &str) -> bool {
+    let bare = tokens::bare(source);
+    let words = words_of(&bare);
+    (0..words.len()).filter(|at| words[*at] == "/" || words[*at] == "/=").any(|at| {
+        let divisor = words[at + 1..].iter().take_while(|word| !matches!(**word, ";" | "," | "*" | "/" | "+" | "-"));
+        divisor.collect::<Vec<_>>().windows(2).any(|pair| *pair[0] == "." && *pair[1] == "w")
+    })
+}
+
+/// Names that a text declares as 4×4 matrices or as arrays of vectors that may be the rows of one,
+/// the matrices of the fixed-function pipeline, and the types themselves, where it makes one.
+fn matrices(source: &str) -> Vec<&str> {
+    let mut found = vec!["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix"];
+    let mut words = Vec::new();
+    source.lines().for_each(|line| tokens::words(line, &mut words));
+    for (at, word) in words.iter().enumerate() {
+        let matrix = matches!(*word, "mat4" | "mat4x4" | "dmat4" | "dmat4x4");
+        if !matrix && *word != "vec4" {
+            continue;
+        }
+        let declared: Vec<&str> =
+            words[at + 1..].iter().take_while(|word| !matches!(**word, ";" | "(" | ")" | "=")).copied().collect();
+        let array = words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "}")).any(|w| *w == "uniform")
+            && declared.contains(&"[");
+        match declared.is_empty() {
+            true if matrix => found.push(word),
+            _ if matrix || array => found.extend(declared.into_iter().filter(|word| tokens::is_name(word))),
+            _ => {}
+        }
+    }
+    found
+}
+
 /// True if all positions of a geometry shader are those of its input.
 fn passes_positions_on(source: &str) -> bool {
     let bare = tokens::bare(source);
@@ -140,8 +197,7 @@ fn passes_positions_on(source: &str) -> bool {
     if directives.clone().any(|line| line.contains("gl_Position") || line.contains('\\')) {
         return false;
     }
-    let mut words = Vec::new();
-    bare.lines().filter(|line| !line.trim_start().starts_with('#')).for_each(|line| tokens::words(line, &mut words));
+    let words = words_of(&bare);
     let mut written = (0..words.len())
         .filter(|at| words[*at] == "gl_Position" && at.checked_sub(1).is_none_or(|before| words[before] != "."))
         .peekable();
@@ -157,7 +213,49 @@ fn passes_positions_on(source: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::passes_positions_on;
+    use super::{Texts, divides_by_w, passes_positions_on};
+    use crate::backend::gl::driver::api;
+    use std::collections::HashMap;
+    use std::sync::Arc;
+
+    fn works_in_clip_space(geometry: &str, fragment: &str) -> bool {
+        let shaders = [(1, api::GL_GEOMETRY_SHADER), (2, api::GL_FRAGMENT_SHADER)];
+        let sources = HashMap::from([(1, Arc::from(geometry)), (2, Arc::from(fragment))]);
+        let texts = Texts { sources: &sources, shaders: &shaders, position_names: None, es: false, curved: false };
+        texts.works_in_clip_space(1)
+    }
+
+    #[test]
+    fn a_geometry_shader_with_a_matrix_of_its_own_is_the_last_stage() {
+        let main = |text: &str| format!("#version 330\n{text} EmitVertex(); }}");
+        let moved = "gl_Position = gl_in[0].gl_Position; gl_Position.xy += wide * gl_Position.w;";
+        let asks = "void main() { c = gl_FragCoord; }";
+        let divided = "void main() { vec2 p = gl_in[0].gl_Position.xy / gl_in[0].gl_Position.w;";
+        let beside = "uniform mat4 other; out vec4 o; void main() { o = other * vec4(1.0);";
+        assert!(works_in_clip_space(&main(&format!("void main() {{ {moved}")), asks));
+        assert!(works_in_clip_space(&main(&format!("{divided} {moved}")), ""));
+        assert!(works_in_clip_space(&main(&format!("{beside} {moved}")), asks), "it is not for positions");
+        assert!(!works_in_clip_space(&main(&format!("void main() {{ {moved}")), ""), "a billboard of the scene");
+        for own in [
+            "uniform mat4 P; void main() { gl_Position = P * gl_in[0].gl_Position;",
+            "uniform Camera { mat4 all[3]; } c; void main() { gl_Position = c.all[1] * gl_in[0].gl_Position;",
+            "uniform vec4 r[4]; void main() { gl_Position = vec4(dot(r[0], gl_in[0].gl_Position));",
+            "uniform vec4 a; void main() { gl_Position = mat4(a, a, a, a) * gl_in[0].gl_Position;",
+            "void main() { gl_Position = gl_ProjectionMatrix * gl_in[0].gl_Position;",
+        ] {
+            assert!(!works_in_clip_space(&main(own), asks), "{own}");
+        }
+    }
+
+    #[test]
+    fn divisions_by_w() {
+        for text in ["a = p.xy / p.w;", "a = p[i].xy/p[i].w;", "a.xyz /= (b.w);"] {
+            assert!(divides_by_w(text), "{text}");
+        }
+        for text in ["a = p.xy / 2.0 * p.w;", "a = b.w;", "// a / b.w\n"] {
+            assert!(!divides_by_w(text), "{text}");
+        }
+    }
 
     #[test]
     fn positions_are_passed_on_where_nothing_else_is_written() {

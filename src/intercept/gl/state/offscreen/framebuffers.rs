@@ -28,12 +28,14 @@ pub struct Framebuffer {
     pub obstacle: Option<Obstacle>,
     /// The framebuffer of ours with the view copies of what is attached; 0 = none.
     pub view_copy: u32,
+    /// A scene was drawn to it since it was cleared.
+    pub has_scene: bool,
 }
 
 impl Framebuffer {
     /// One of which nothing is known.
     pub fn new(name: u32) -> Self {
-        Self { name, attachments: [None; COLOURS + 2], known: false, obstacle: None, view_copy: 0 }
+        Self { name, attachments: [None; COLOURS + 2], known: false, obstacle: None, view_copy: 0, has_scene: false }
     }
 
     /// The images that are attached.

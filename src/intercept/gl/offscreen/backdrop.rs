@@ -1,0 +1,63 @@
+//! Flat drawing that fills a scene's image before the scene is drawn: a gradient or a picture as
+//! background.
+//!
+//! Drawn to each view as it is, it would have a seam between any two. It is seen as the program
+//! shows it, through the program's lens, and goes on around in the colours of its border.
+
+use crate::backend::gl::Spread;
+use crate::backend::gl::driver::api;
+use crate::correct::LowerLeftRect;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::view_copies::{own_tile, views};
+use crate::intercept::log;
+use crate::runtime::session::Session;
+use glam::DMat3;
+
+/// Formats of colours that are copied and filtered as they are.
+const FORMATS: [u32; 9] = [
+    api::GL_RGBA8,
+    api::GL_RGB8,
+    api::GL_RGB10_A2,
+    api::GL_RGBA16,
+    api::GL_RGBA16F,
+    api::GL_RGB16F,
+    api::GL_RGBA32F,
+    api::GL_RGB32F,
+    api::GL_R11F_G11F_B10F,
+];
+
+/// The draw before this call filled each tile of framebuffer `index`, which is bound, with the same
+/// picture. Unless a scene is there already, each view gets its own part of it.
+pub(super) fn spread(ctx: &mut Context, index: usize) {
+    let framebuffer = &ctx.view_copies.framebuffers[index];
+    let mut colours = framebuffer.colours();
+    let (Some(name), None, false) = (colours.next(), colours.next(), framebuffer.has_scene) else { return };
+    let Some(image) = ctx.view_copies.image(name).filter(|image| FORMATS.contains(&image.format)) else { return };
+    let [width, height] = image.size;
+    let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens) else { return };
+    let Some(session) = ctx.session().filter(|_| ctx.app.viewport == LowerLeftRect::new(0, 0, width, height)) else {
+        return;
+    };
+    let Some(directions) = directions(session, &lens) else { return };
+    let grid = copy.grid;
+    let tiles: Vec<_> = directions.into_iter().enumerate().map(|(view, matrix)| (grid.tile(view), matrix)).collect();
+    debug_assert_eq!(tiles.len(), views(ctx));
+    let what = Spread {
+        framebuffer: framebuffer.view_copy,
+        picture: grid.tile(own_tile(ctx)),
+        format: image.format,
+        lens: [lens.a, lens.b, lens.c, lens.d],
+        tiles: &tiles,
+    };
+    let Some(target) = ctx.drawable.target_mut() else { return };
+    match target.backend.spread(ctx.driver.gl, &what, &ctx.driver.known_state) {
+        Ok(_) => {}
+        Err(error) => log::once(&format!("the background of a scene has seams between the views: {error}")),
+    }
+}
+
+/// For each view, the directions of its places in the axes of a camera with this lens. `None` where
+/// a view is no perspective.
+fn directions(session: &Session, lens: &crate::runtime::session::Intrinsics) -> Option<Vec<DMat3>> {
+    session.rows(lens).map(|rows| (!rows.curved).then(|| rows.directions(lens))).collect()
+}
