@@ -50,6 +50,7 @@ pub mod geom;
 pub mod intercept;
 pub(crate) mod lock;
 pub mod message;
+pub mod nodes;
 pub mod rig;
 pub mod ring;
 pub mod runtime;

@@ -20,7 +20,7 @@ use uses::Uses;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` and `lock` are everybody's.
-const MAY_USE: [(&str, &[&str]); 23] = [
+const MAY_USE: [(&str, &[&str]); 24] = [
     ("error", &[]),
     ("system", &[]),
     ("testing", &[]),
@@ -39,10 +39,14 @@ const MAY_USE: [(&str, &[&str]); 23] = [
     ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
     ("ring", &["system"]),
+    ("nodes", &["system"]),
     ("runtime", &["cache", "fence", "system", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
     (
         "intercept",
-        &["cache", "digest", "fence", "message", "system", "rig", "ring", "views", "correct", "backend", "runtime"],
+        &[
+            "cache", "digest", "fence", "message", "system", "rig", "ring", "nodes", "views", "correct", "backend",
+            "runtime",
+        ],
     ),
     ("ffi", &["cache", "fence", "message", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),

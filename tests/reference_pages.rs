@@ -317,6 +317,9 @@ fn accepted(rig: &str, key: &str) -> String {
     if let Some(range) = range(&text) {
         return range;
     }
+    if about("true").is_some_and(|message| message.contains("is neither a whole number nor text")) {
+        return "whole number, text".to_owned();
+    }
     let number = about("1").unwrap_or_default();
     assert!(number.contains("is not text"), "{key} of {rig}: {text:?}, {number:?}");
     "text".to_owned()

@@ -23,12 +23,19 @@ mod sleeps;
 mod threads;
 mod timeline;
 
-use std::ffi::c_ulong;
+use std::ffi::{c_int, c_ulong};
 
-/// A frame of the window with this handle is complete. Cupola calls it before each swap.
+/// A frame of the window with this handle is complete. Cupola calls it before each swap. 1: the
+/// time has gone on; 0: the frames of another window lead.
 #[unsafe(no_mangle)]
-pub extern "C" fn cupola_clock_frame(window: c_ulong) {
-    timeline::frame(window);
+pub extern "C" fn cupola_clock_frame(window: c_ulong) -> c_int {
+    timeline::frame(window).into()
+}
+
+/// The program's monotonic clock goes on to this time in nanoseconds, unless it is later already.
+#[unsafe(no_mangle)]
+pub extern "C" fn cupola_clock_advance(time: u64) {
+    timeline::advance(time);
 }
 
 /// The program's monotonic clock, in nanoseconds.

@@ -145,11 +145,20 @@ fn grow(time: u64) {
     threads::wake(time);
 }
 
-/// A frame of this window is complete: the time goes on to the next one.
-pub fn frame(window: u64) {
-    let Some(settings) = settings() else { return };
+/// The monotonic clock goes on to `time`, unless it is later already.
+pub fn advance(time: u64) {
+    let time = time.saturating_sub(MONOTONIC_START);
+    if time > now() {
+        grow(time);
+    }
+}
+
+/// A frame of this window is complete: the time goes on to the next one. `false`: another window
+/// leads.
+pub fn frame(window: u64) -> bool {
+    let Some(settings) = settings() else { return false };
     if !leads(window) {
-        return;
+        return false;
     }
     THREAD.store(thread(), Ordering::Relaxed);
     let (frames, seconds) = settings.rate;
@@ -160,6 +169,7 @@ pub fn frame(window: u64) {
     let next = u64::try_from(nearest).unwrap_or(u64::MAX).max(FRAME.load(Ordering::Relaxed) + 1);
     FRAME.store(next, Ordering::Relaxed);
     grow(u64::try_from(u128::from(next) * length / frames).unwrap_or(u64::MAX));
+    true
 }
 
 /// True if the swaps of this window count: those of the first one, until only others are swapped.

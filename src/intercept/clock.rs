@@ -4,28 +4,33 @@
 //! It gets a call for each frame. Cupola itself runs in real time.
 
 use crate::lock::Lock;
-use std::ffi::{CStr, c_ulong};
+use std::ffi::{CStr, c_int, c_ulong, c_void};
+use std::ptr::NonNull;
 use std::sync::{Mutex, OnceLock};
 
 /// The functions of `libcupola_clock.so`.
 struct Clock {
-    end_frame: unsafe extern "C" fn(c_ulong),
+    end_frame: unsafe extern "C" fn(c_ulong) -> c_int,
+    advance: unsafe extern "C" fn(u64),
     time: unsafe extern "C" fn() -> u64,
 }
 
 fn clock() -> Option<&'static Clock> {
     static CLOCK: OnceLock<Option<Clock>> = OnceLock::new();
-    // SAFETY: asks the dynamic linker for a name.
-    let find = |name: &CStr| unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) };
     CLOCK
         .get_or_init(|| {
-            let (frame, time) = (find(c"cupola_clock_frame"), find(c"cupola_clock_time"));
-            (!frame.is_null() && !time.is_null()).then(|| Clock {
-                // SAFETY: the type that the library gives to this name.
-                end_frame: unsafe { std::mem::transmute::<*mut libc::c_void, unsafe extern "C" fn(c_ulong)>(frame) },
-                // SAFETY: as above.
-                time: unsafe { std::mem::transmute::<*mut libc::c_void, unsafe extern "C" fn() -> u64>(time) },
-            })
+            // SAFETY: asks the dynamic linker for a name.
+            let find = |name: &CStr| NonNull::new(unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) });
+            let (frame, advance) = (find(c"cupola_clock_frame")?, find(c"cupola_clock_advance")?);
+            let time = find(c"cupola_clock_time")?;
+            // SAFETY: the types that the library gives to these names.
+            unsafe {
+                Some(Clock {
+                    end_frame: std::mem::transmute::<NonNull<c_void>, unsafe extern "C" fn(c_ulong) -> c_int>(frame),
+                    advance: std::mem::transmute::<NonNull<c_void>, unsafe extern "C" fn(u64)>(advance),
+                    time: std::mem::transmute::<NonNull<c_void>, unsafe extern "C" fn() -> u64>(time),
+                })
+            }
         })
         .as_ref()
 }
@@ -42,11 +47,17 @@ pub fn time() -> Option<u64> {
 }
 
 /// A frame of the window with this handle is complete, and will be shown next. The program's time
-/// goes on.
-pub fn end_frame(window: u64) {
+/// goes on, unless the frames of another window lead. Returns whether it has.
+pub fn end_frame(window: u64) -> bool {
+    // SAFETY: takes a number and returns one.
+    clock().is_some_and(|clock| unsafe { (clock.end_frame)(window) } != 0)
+}
+
+/// The program's monotonic clock goes on to this time in nanoseconds, unless it is later already.
+pub fn advance(time: u64) {
     if let Some(clock) = clock() {
         // SAFETY: takes a number.
-        unsafe { (clock.end_frame)(window) };
+        unsafe { (clock.advance)(time) };
     }
 }
 
@@ -55,17 +66,15 @@ static SURFACES: Mutex<Vec<(u64, u64)>> = Mutex::new(Vec::new());
 
 /// A swapchain was made for a surface.
 pub fn note_swapchain(swapchain: u64, surface: u64) {
-    if is_there() {
+    if is_there() || super::nodes::are_there() {
         let mut surfaces = SURFACES.locked();
         surfaces.retain(|(_, known)| *known != surface);
         surfaces.push((swapchain, surface));
     }
 }
 
-/// A frame of this swapchain is complete.
-pub fn end_frame_of_swapchain(swapchain: u64) {
-    if is_there() {
-        let known = SURFACES.locked().iter().find(|(known, _)| *known == swapchain).map(|(_, surface)| *surface);
-        end_frame(known.unwrap_or(swapchain));
-    }
+/// The window of a swapchain, or what stands for it.
+pub fn window_of_swapchain(swapchain: u64) -> u64 {
+    let known = SURFACES.locked().iter().find(|(known, _)| *known == swapchain).map(|(_, surface)| *surface);
+    known.unwrap_or(swapchain)
 }

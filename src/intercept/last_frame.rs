@@ -176,7 +176,8 @@ fn write() {
         say(report::write_text(path, &page::html(&page)));
     }
     if let Some(path) = &settings.capture {
-        let several = frame.pictures.len() > 1;
+        // Of several nodes each writes the pictures of its own outputs.
+        let several = frame.pictures.len() > 1 || settings.node_page.is_some();
         // Of an output outside of the window there is nothing to write.
         for picture in frame.pictures.iter().filter(|picture| picture.width > 0 && picture.height > 0) {
             say(report::write_picture(&report::capture_path(path, &picture.name, several), picture));

@@ -23,7 +23,7 @@ pub fn once(text: &str) {
 
 fn write(message: &str) {
     // A program whose standard error is closed must not notice us.
-    let _ = writeln!(std::io::stderr(), "cupola: {message}");
+    let _ = std::io::stderr().write_all(format!("cupola: {message}\n").as_bytes());
     if let Some(path) = variable("CUPOLA_LOG") {
         let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
         if let Ok(mut file) = file {

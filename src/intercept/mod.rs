@@ -3,6 +3,7 @@
 //! Interception fails open: whatever goes wrong, the program keeps running with its own
 //! picture, and the log says why, once.
 
+pub mod call_sum;
 pub mod camera;
 pub mod clock;
 pub mod ending;
@@ -13,6 +14,7 @@ pub mod last_frame;
 pub mod lens;
 pub mod live;
 pub mod log;
+pub mod nodes;
 pub mod publishing;
 pub mod scene;
 pub mod settings;

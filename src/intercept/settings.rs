@@ -3,9 +3,9 @@
 use super::file_stamp::FileStamp;
 use super::log;
 use crate::error::{Error, ErrorKind};
-use crate::rig::{self, Chosen, Defaults, Duplicate, Overrides, Profiles, Rig};
+use crate::rig::{self, Chosen, Defaults, Duplicate, Overrides, Place, Profiles, Rig};
 use crate::ring;
-use crate::system::{is_privileged, process, variable};
+use crate::system::{host_name, is_privileged, process, variable};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -58,6 +58,10 @@ pub struct Settings {
     pub publish_interval: u64,
     /// `CUPOLA_DOMEMASTER=SIDE`: one more output beside the window, to be published.
     domemaster: Option<u32>,
+    /// `CUPOLA_NODE=NUMBER/COUNT`: which of several machines this is.
+    place: Option<Place>,
+    /// `CUPOLA_NODE_PAGE=FILE`: where `cupola node` lets the program go on.
+    pub node_page: Option<PathBuf>,
     /// `CUPOLA_MASK`: whether the parts of views that no output samples are closed for drawing.
     pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
@@ -114,13 +118,16 @@ fn read() -> crate::Result<Settings> {
     };
     let duplicate = parsed("CUPOLA_DUPLICATE", "never", parse_duplicate)?;
     let domemaster = parsed("CUPOLA_DOMEMASTER", "1024", parse_side)?;
+    let place = parsed("CUPOLA_NODE", "0/2", |n| Place::parse(n, host_name()))?;
     let profile = profile(text("CUPOLA_PROFILE").as_deref())?;
-    let rig = loaded(Path::new(&name), profile.as_ref(), &overrides, (duplicate, domemaster))?;
+    let rig = loaded(Path::new(&name), profile.as_ref(), &overrides, (duplicate, domemaster), place.as_ref())?;
     Ok(Settings {
         publish: publish_path(&rig),
         publish_interval: parsed("CUPOLA_PUBLISH_RATE", "30", parse_interval)?.unwrap_or(0),
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
         domemaster,
+        place,
+        node_page: path("CUPOLA_NODE_PAGE"),
         rig,
         profile,
         rig_file,
@@ -174,6 +181,11 @@ impl Settings {
         self.end.is_some_and(|end| Instant::now() >= end)
     }
 
+    /// Number of this machine among several; 0 where there are none.
+    pub fn node(&self) -> u32 {
+        self.place.as_ref().map_or(0, |place| place.number)
+    }
+
     /// True if something is written when the program ends.
     pub fn has_report(&self) -> bool {
         self.needs_statistics() || self.capture.is_some() || self.capture_views.is_some()
@@ -187,7 +199,10 @@ impl Settings {
     /// Reads the rig's file again, with what the environment said at the start.
     pub fn load(&self) -> crate::Result<Rig> {
         match &self.rig_file {
-            Some(file) => loaded(file, self.profile.as_ref(), &self.overrides, (self.duplicate, self.domemaster)),
+            Some(file) => {
+                let replaced = (self.duplicate, self.domemaster);
+                loaded(file, self.profile.as_ref(), &self.overrides, replaced, self.place.as_ref())
+            }
             None => Ok(self.rig.clone()),
         }
     }
@@ -215,6 +230,7 @@ fn loaded(
     profile: Option<&Chosen>,
     overrides: &Overrides,
     (duplicate, domemaster): (Option<Duplicate>, Option<u32>),
+    place: Option<&Place>,
 ) -> crate::Result<Rig> {
     let defaults = profile.map_or_else(Defaults::default, |chosen| chosen.profile.defaults);
     let mut rig = overrides.apply(rig::load_with(&name_or_path.to_string_lossy(), &defaults)?)?;
@@ -227,7 +243,10 @@ fn loaded(
     if variable("CUPOLA_PUBLISH").is_some_and(|value| value == "0") {
         rig.beside.clear();
     }
-    Ok(rig)
+    match place {
+        Some(place) => rig.on_node(place),
+        None => Ok(rig),
+    }
 }
 
 fn wrong(name: &str, value: &str, example: &str) -> crate::Error {

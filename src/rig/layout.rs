@@ -1,16 +1,16 @@
 //! Where the outputs of a rig are in a window.
 
-use super::Rig;
+use super::{Output, Rig};
 use crate::geom::PixelRect;
 
 impl Rig {
     /// The rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with
     /// a `window` of their own have that, cropped to the window; otherwise a single output has the
     /// whole window, and several share it in a near-square grid, row by row from the top left. A
-    /// rectangle without pixels has width or height 0.
+    /// rectangle without pixels has width or height 0; so have outputs of other machines.
     pub fn layout(&self, window: (u32, u32)) -> Vec<PixelRect> {
         let columns = self.columns();
-        let rows = (self.outputs.len() as u32).div_ceil(columns);
+        let rows = self.outputs_here().div_ceil(columns);
         // Cells share their borders exactly: the end of one is computed as the start of the next.
         let cut =
             |extent: u32, index: u32, parts: u32| (u64::from(extent) * u64::from(index) / u64::from(parts)) as u32;
@@ -26,23 +26,27 @@ impl Rig {
                 (width, height) => PixelRect::new(x, y, width, height),
             }
         };
-        let places = (0..).zip(&self.outputs);
-        places.map(|(index, output)| output.window.map_or_else(|| cell(index), crop)).collect()
+        let mut cells = (0..).map(cell);
+        let place = |output: &Output| match output.window {
+            _ if !output.here => PixelRect::new(0, 0, 0, 0),
+            Some(place) => crop(place),
+            None => cells.next().unwrap_or(PixelRect::new(0, 0, 0, 0)),
+        };
+        self.outputs.iter().map(place).collect()
     }
 
     /// The size in pixels of a window in which every output has its own resolution: the hull of the
     /// outputs' `window` rectangles, or the grid of their `size`. `None` where an output says
     /// neither.
     pub fn extent(&self) -> Option<(u32, u32)> {
-        if self.outputs.is_empty() {
-            return None;
-        }
-        if let Some(places) = self.outputs.iter().map(|output| output.window).collect::<Option<Vec<_>>>() {
+        let here = || self.outputs.iter().filter(|output| output.here);
+        here().next()?;
+        if let Some(places) = here().map(|output| output.window).collect::<Option<Vec<_>>>() {
             let right = places.iter().map(|place| place.x.saturating_add(place.width)).max();
             let bottom = places.iter().map(|place| place.y.saturating_add(place.height)).max();
             return right.zip(bottom);
         }
-        let sizes = self.outputs.iter().map(|output| output.size).collect::<Option<Vec<_>>>()?;
+        let sizes = here().map(|output| output.size).collect::<Option<Vec<_>>>()?;
         let columns = self.columns();
         let rows = (sizes.len() as u32).div_ceil(columns);
         let width = sizes.iter().map(|size| size.0).max()?;
@@ -52,6 +56,11 @@ impl Rig {
 
     /// Columns of the grid of outputs, at least one.
     fn columns(&self) -> u32 {
-        (1..).find(|columns| columns * columns >= self.outputs.len() as u32).unwrap_or(1)
+        (1..).find(|columns| columns * columns >= self.outputs_here()).unwrap_or(1)
+    }
+
+    /// Number of outputs that this machine shows.
+    fn outputs_here(&self) -> u32 {
+        self.outputs.iter().filter(|output| output.here).count() as u32
     }
 }

@@ -29,6 +29,7 @@ pub use model::calibration::{Calibration, CalibrationValues};
 pub use model::content::{Content, ContentKind, Stereo};
 pub use model::flip::Flip;
 pub use model::method::{Divider, Method};
+pub use model::nodes::{Node, Place};
 pub use model::overrides::Overrides;
 pub use model::response::{RESPONSE_STEPS, Response, Transfer};
 pub use model::views::{Duplicate, Favour, Filter, Resolution, ViewMethod, Views};

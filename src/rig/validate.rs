@@ -106,7 +106,9 @@ fn windows(outputs: &[Output], problems: &mut Problems) {
                 format!("{end}; expected an end within {LARGEST_WINDOW} pixels, as windows are"),
             );
         }
-        let overlaps = |other: &&Output| other.window.is_some_and(|window| window.meets(place));
+        // Each machine has a window of its own.
+        let overlaps =
+            |other: &&Output| other.node == output.node && other.window.is_some_and(|window| window.meets(place));
         if let Some(other) = outputs[..index].iter().find(overlaps) {
             let why = format!("overlaps the window of {:?}; expected [x, y, width, height] that do not", other.name);
             problems.add(&path(index, ".window"), why);

@@ -42,6 +42,18 @@ pub struct Session {
     refused: Vec<String>,
     /// The program draws one view in each of its frames.
     turns: Option<Turns>,
+    /// Views that outputs of this machine show, one bit for each.
+    needed: u64,
+}
+
+/// The views that outputs of this machine show, one bit for each.
+fn needed(rig: &Rig, plan: &Plan) -> u64 {
+    if plan.views.output_views.is_empty() {
+        return u64::MAX;
+    }
+    let outputs = rig.outputs.iter().chain(&rig.beside).zip(&plan.views.output_views);
+    let views = outputs.filter(|(output, _)| output.here).flat_map(|(_, views)| views);
+    views.filter(|view| **view < 64).fold(0, |bits, view| bits | 1 << view)
 }
 
 /// Free rows between a view and the panel, where views are drawn in turn.
@@ -103,17 +115,23 @@ impl Session {
     /// As for [`Session::new`].
     pub fn projecting(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         let rects = rig.layout(window);
+        // Outputs of other machines that say no size are planned with that of ours.
+        let usual = rects.iter().find(|rect| rect.width > 0).map_or(window, |rect| (rect.width, rect.height));
         let output_sizes = rig
             .outputs
             .iter()
             .zip(&rects)
-            .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect.width, rect.height)))
+            .map(|(output, rect)| match output.here {
+                true => output.size.filter(|_| off_screen).unwrap_or((rect.width, rect.height)),
+                false => output.size.unwrap_or(usual),
+            })
             .chain(rig.beside.iter().filter_map(|output| output.size))
             .collect();
         let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };
         let plan = plan(rig, draws, &request)?;
-        Ok(Self { rig: rig.clone(), draws, request, plan, rects, refused: Vec::new(), turns: None })
+        let needed = needed(rig, &plan);
+        Ok(Self { rig: rig.clone(), draws, request, plan, rects, refused: Vec::new(), turns: None, needed })
     }
 
     /// The same rig and window with other tiles beside the views.
@@ -126,8 +144,9 @@ impl Session {
         let mut plan = plan(&self.rig, draws, &request)?;
         let refused = self.refused.clone();
         plan.views.notes.extend_from_slice(&refused);
-        let session =
-            Self { rig: self.rig.clone(), draws, request, plan, rects: self.rects.clone(), refused, turns: None };
+        let needed = needed(&self.rig, &plan);
+        let (rig, rects) = (self.rig.clone(), self.rects.clone());
+        let session = Self { rig, draws, request, plan, rects, refused, turns: None, needed };
         Ok(if self.turns.is_some() { session.in_turn() } else { session })
     }
 
@@ -136,6 +155,12 @@ impl Session {
     pub fn in_turn(mut self) -> Self {
         self.turns = Some(Turns::new(self.views().len(), self.rig.views.warm_up));
         self
+    }
+
+    /// The views that outputs of this machine show, one bit for each of the first 64. Those of other
+    /// machines alone need not be drawn.
+    pub fn needed(&self) -> u64 {
+        self.needed
     }
 
     /// The view that the program draws in this frame; `None` where it draws all of them.

@@ -37,6 +37,11 @@ pub fn profile_folder() -> Option<PathBuf> {
     Some(config.join("cupola/profiles"))
 }
 
+/// Host name of this machine; empty if it has none.
+pub fn host_name() -> String {
+    std::fs::read_to_string("/proc/sys/kernel/hostname").map_or_else(|_| String::new(), |name| name.trim().to_owned())
+}
+
 /// The file name of this process' program; empty if the system does not tell.
 pub fn program_name() -> String {
     let file = std::env::current_exe().unwrap_or_default();
@@ -76,6 +81,18 @@ pub fn end_with_parent(command: &mut Command) -> &mut Command {
         Ok(())
     };
     // SAFETY: the closure only makes system calls and neither allocates nor takes locks.
+    unsafe { command.pre_exec(request) }
+}
+
+/// The program is not ended when it writes to a pipe that nobody reads any more.
+pub fn without_broken_pipes(command: &mut Command) -> &mut Command {
+    let request = || {
+        // SAFETY: takes plain numbers, and is safe to call between fork and exec. What is ignored
+        // stays so in the program.
+        unsafe { libc::signal(libc::SIGPIPE, libc::SIG_IGN) };
+        Ok(())
+    };
+    // SAFETY: the closure only makes a system call and neither allocates nor takes locks.
     unsafe { command.pre_exec(request) }
 }
 

@@ -21,6 +21,8 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
         flip: Flip::default(),
         publish: false,
         shown: true,
+        node: None,
+        here: true,
     }
 }
 

@@ -1,6 +1,7 @@
 /* Moves by time and by random numbers, as programs do. Writes down what it reads in each frame. */
 #define _GNU_SOURCE
 #include "common/fixed.h"
+#include "common/program.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -13,6 +14,7 @@
 #include <unistd.h>
 
 static double start, next;
+static GLuint program;
 
 static double now(void)
 {
@@ -23,9 +25,13 @@ static double now(void)
 
 static void setup(app *a)
 {
-    (void)a;
     srand((unsigned)(time(NULL) ^ getpid()));
     start = next = now();
+    if (a->mode && strcmp(a->mode, "uniform") == 0) {
+        static const shader_source stage = {
+            GL_FRAGMENT_SHADER, "uniform float number;\nvoid main() { gl_FragColor = vec4(number); }\n"};
+        program = program_build(&stage, 1);
+    }
 }
 
 /* Ways to wait for the next frame. */
@@ -63,12 +69,33 @@ static void write_down(app *a, double read)
     fclose(file);
 }
 
+/* A number that no library can stand before: the processor's counter. */
+static unsigned counter(void)
+{
+#if defined(__x86_64__)
+    return (unsigned)__builtin_ia32_rdtsc();
+#elif defined(__aarch64__)
+    unsigned long count;
+    __asm__ volatile("mrs %0, cntvct_el0" : "=r"(count));
+    return (unsigned)count;
+#else
+    return (unsigned)time(NULL);
+#endif
+}
+
 static void draw(app *a)
 {
     double read = now();
     write_down(a, read);
     a->yaw = fmod((read - start) * 50, 360);
     a->pitch = rand() % 20 - 10;
+    if (a->mode && strcmp(a->mode, "counter") == 0 && a->frame >= 2)
+        a->pitch += counter() % 1000 * 1e-3;
+    if (program && a->frame >= 2) {
+        glUseProgram(program);
+        glUniform1f(glGetUniformLocation(program, "number"), counter() % 1000 * 1e-3f);
+        glUseProgram(0);
+    }
     app_update_matrices(a);
     fixed_cube(a);
     limit(a->mode);

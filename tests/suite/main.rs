@@ -34,6 +34,7 @@ mod inspection;
 mod live;
 mod load;
 mod matrix_forms;
+mod nodes;
 mod offscreen;
 mod outlines;
 mod picture;
@@ -82,6 +83,7 @@ harness::tests! {
     load,
     frag_coord,
     matrix_forms,
+    nodes,
     offscreen,
     outlines,
     published,

@@ -54,6 +54,7 @@ pub fn cube_views(side: u32, turn: DMat3) -> ViewPlan {
 pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> OutputPass {
     let rects = vec![PixelRect { x: 0, y: 0, width: size.0, height: size.1 }];
     OutputPass {
+        here: true,
         name: "output".into(),
         size,
         source,

@@ -29,6 +29,7 @@ mod launch;
 #[cfg(feature = "manual")]
 mod manual;
 mod map;
+mod node;
 mod pattern;
 mod plan;
 mod play;
@@ -56,6 +57,7 @@ enum Command {
     Run(run::Arguments),
     Play(play::Arguments),
     Record(record::Arguments),
+    Node(node::Arguments),
     Serve(serve::Arguments),
     Ctl(ctl::Arguments),
     Inspect(inspect::Arguments),
@@ -81,6 +83,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Play(arguments) => play::run(arguments),
         Command::Record(arguments) => record::run(arguments),
+        Command::Node(arguments) => node::run(arguments),
         Command::Serve(arguments) => serve::run(arguments),
         Command::Ctl(arguments) => ctl::run(&arguments),
         Command::Inspect(arguments) => inspect::run(arguments),

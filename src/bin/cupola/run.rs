@@ -65,10 +65,10 @@ pub struct Options {
     capture: Option<PathBuf>,
     /// Write all views of the last frame as PNG files to a folder
     #[arg(long, value_name = "DIR")]
-    capture_views: Option<PathBuf>,
+    pub capture_views: Option<PathBuf>,
     /// Write statistics (times, draws, views) to a JSON file
     #[arg(long, value_name = "FILE.json")]
-    stats: Option<PathBuf>,
+    pub stats: Option<PathBuf>,
     /// Change the program's camera, for example zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
@@ -94,6 +94,9 @@ pub struct Options {
     /// The program waits for the readers of its pictures, and ends with this command.
     #[arg(skip)]
     pub waits_for_readers: bool,
+    /// Which of several machines this is, as `NUMBER/COUNT`, and the page by which it is let go.
+    #[arg(skip)]
+    pub node: Option<(String, PathBuf)>,
     /// Publish a domemaster of N × N pixels that is drawn beside the window
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16384))]
     domemaster: Option<u32>,
@@ -194,6 +197,9 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     if options.waits_for_readers {
         process::end_with_parent(&mut command);
     }
+    if options.node.is_some() {
+        process::without_broken_pipes(&mut command);
+    }
     let expected = Expected::new(&options, inspection.as_ref());
     let published = environment.iter().find(|(name, _)| *name == "CUPOLA_PUBLISH").and_then(|(_, file)| file.clone());
     if let Some(file) = published.as_deref().map(Path::new).filter(|_| !options.waits_for_readers) {
@@ -288,6 +294,10 @@ impl Options {
         environment.extend(self.published(&rig)?.map(|file| ("CUPOLA_PUBLISH", Some(file))));
         environment.extend(self.waits_for_readers.then(|| ("CUPOLA_PUBLISH_WAIT", Some("1".into()))));
         environment.extend(self.clock.environment()?);
+        if let Some((place, page)) = &self.node {
+            environment.push(("CUPOLA_NODE", Some(place.into())));
+            environment.push(("CUPOLA_NODE_PAGE", Some(page.into())));
+        }
         if let Some(Inspection { output }) = inspection {
             environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));
         }

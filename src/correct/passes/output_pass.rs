@@ -26,6 +26,8 @@ pub struct Plan {
 pub struct OutputPass {
     /// The output's name.
     pub name: String,
+    /// This machine shows it.
+    pub here: bool,
     /// The output's resolution in pixels.
     pub size: (u32, u32),
     /// Output pixel (normalised, see [`Batch`]) → ray.

@@ -121,6 +121,7 @@ fn pass(rig: &Rig, index: usize, picture: Picture, batches: Vec<Batch>, lift: f6
     };
     OutputPass {
         name: output.name.clone(),
+        here: output.here,
         size,
         batches,
         lift: if knows_black && output.blend.overlap { lift } else { 0.0 },

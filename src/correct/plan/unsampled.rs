@@ -26,11 +26,12 @@ const FINEST: u32 = 1;
 const ROUNDING: f64 = 1e-5;
 
 /// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of
-/// any output's pixel touches; disjoint, in cells of 2 texels. Conservative: what is uncertain
+/// any output's pixel touches that this machine shows; disjoint, in cells of 2 texels. Conservative: what is uncertain
 /// counts as sampled. Views with the program's own lens and pictures of outputs have none.
 pub fn unsampled_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
-    for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
+    let here = plan.passes.iter().zip(&plan.views.output_views).filter(|(pass, _)| pass.here);
+    for (pass, views) in here {
         let cones = views.iter().map(|&view| (view, Cone::of(&plan.views.views[view]))).collect();
         Marker { pass, cones, sheets: &mut sheets }.mark_all();
     }

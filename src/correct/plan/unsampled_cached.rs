@@ -11,7 +11,7 @@ pub fn cached_unsampled_areas(plan: &Plan, cache: &Cache) -> Vec<Vec<Tile>> {
     let views = &plan.views;
     let passes = plan.passes.iter().map(|pass| {
         let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
-        (pass.size, &pass.source, rects.collect::<Vec<_>>())
+        (pass.here, pass.size, &pass.source, rects.collect::<Vec<_>>())
     });
     let key = (&views.views, &views.output_views, views.guard, passes.collect::<Vec<_>>());
     let is_sound = |areas: &Vec<Vec<Tile>>| areas.len() == plan.views.views.len();

@@ -10,6 +10,7 @@ pub mod camera;
 pub mod content;
 pub mod flip;
 pub mod method;
+pub mod nodes;
 pub mod overrides;
 pub mod response;
 pub mod surface;
@@ -17,7 +18,7 @@ pub mod viewer;
 pub mod views;
 
 use crate::geom::PixelRect;
-use crate::rig::{Black, Blend, Calibration, Content, Flip, Method, Views};
+use crate::rig::{Black, Blend, Calibration, Content, Flip, Method, Node, Views};
 use glam::DVec3;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -71,7 +72,11 @@ impl Rig {
     /// all where none is chosen. Those beside the window follow them.
     pub fn published_outputs(&self) -> impl Iterator<Item = usize> + '_ {
         let all = !self.publishes();
-        self.outputs.iter().enumerate().filter(move |(_, output)| all || output.publish).map(|(index, _)| index)
+        self.outputs
+            .iter()
+            .enumerate()
+            .filter(move |(_, output)| output.here && (all || output.publish))
+            .map(|(index, _)| index)
     }
 
     /// The same rig with one more output beside the window: a domemaster of `side` × `side` pixels,
@@ -94,6 +99,8 @@ impl Rig {
             flip: Flip::default(),
             publish: true,
             shown: false,
+            node: None,
+            here: true,
         });
         self
     }
@@ -202,6 +209,12 @@ pub struct Output {
     /// It has a place in the window.
     #[serde(skip)]
     pub shown: bool,
+    /// The machine that shows it, where there are several.
+    #[serde(skip)]
+    pub node: Option<Node>,
+    /// This machine shows it. Others are planned as well, so that all machines have the same views.
+    #[serde(skip)]
+    pub here: bool,
 }
 
 /// Kinds of outputs.

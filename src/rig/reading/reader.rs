@@ -3,6 +3,7 @@
 //! Tables are walked by hand and not deserialised with serde, because serde stops at the first
 //! problem and knows neither the key path nor which keys were possible when something is misspelt.
 
+use crate::rig::Node;
 use crate::rig::reading::keys::Accepts;
 use crate::rig::reading::problems::{Problems, closest};
 use glam::DVec3;
@@ -293,6 +294,20 @@ impl<'a> Section<'a> {
             problems.add(&self.path(key), format!("{} is not text; expected {what} in quotes", describe(value)));
         }
         value.as_str()
+    }
+
+    /// A machine: its number, or its name.
+    pub(in crate::rig) fn node(&mut self, key: &'static str, problems: &mut Problems) -> Option<Node> {
+        let value = self.value(key, problems)?;
+        let number = value.as_integer().and_then(|i| u32::from_str_radix(i.as_str(), i.radix()).ok());
+        let host = value.as_str().filter(|name| !name.is_empty());
+        let node = number.map(Node::Number).or_else(|| host.map(|name| Node::Host(name.to_owned())));
+        if node.is_none() {
+            let why =
+                "is neither a whole number nor text; expected the node's number, from 0, or its host name in quotes";
+            problems.add(&self.path(key), format!("{} {why}", describe(value)));
+        }
+        node
     }
 
     /// A list of texts; empty if the key is absent or wrong.

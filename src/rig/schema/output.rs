@@ -93,6 +93,7 @@ pub(super) fn output(
     let eye = section.number("eye", &EYE, 0.0, problems);
     let method = method::method(&mut section, problems);
     let shown = shown(&mut section, kind, size, window, problems);
+    let node = section.node("node", problems);
     let publish = section.boolean("publish", !shown, problems);
     let output_kind = match kind {
         Kind::Domemaster => domemaster(&mut section, dome, problems),
@@ -121,7 +122,22 @@ pub(super) fn output(
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     let black = blend::black(section.section("black", problems), size, &blend, directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
-    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, black, eye, flip, publish, shown })
+    output_kind.map(|kind| Output {
+        name,
+        kind,
+        method,
+        size,
+        window,
+        blend,
+        mask,
+        black,
+        eye,
+        flip,
+        publish,
+        shown,
+        node,
+        here: true,
+    })
 }
 
 /// True if the output has a place in the window.

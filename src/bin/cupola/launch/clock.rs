@@ -39,6 +39,11 @@ enum Start {
 }
 
 impl Options {
+    /// Whether the program's dates start at the time of its start.
+    pub fn starts_now(&self) -> bool {
+        self.clock_start == Some(Start::Now)
+    }
+
     /// Environment variables of the clock; none without one.
     pub fn environment(&self) -> Result<Environment, Failure> {
         let Some(rate) = self.clock else {

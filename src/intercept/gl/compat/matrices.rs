@@ -1,6 +1,7 @@
 //! The fixed-function projection: what the program has in `GL_PROJECTION`, and each view's.
 
 use crate::backend::gl::driver::api;
+use crate::intercept::call_sum;
 use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -38,6 +39,8 @@ fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
 
 fn array<T: Copy + Into<f64>>(pointer: *const T) -> [f64; 16] {
     // SAFETY: the program passes sixteen numbers to a matrix command.
+    unsafe { call_sum::add_values(pointer, 16) };
+    // SAFETY: as above.
     std::array::from_fn(|i| unsafe { (*pointer.add(i)).into() })
 }
 

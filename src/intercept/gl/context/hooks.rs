@@ -36,6 +36,7 @@ macro_rules! hooks {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }
+                $crate::intercept::call_sum::add_call!($name $(, $p)*);
                 // SAFETY: what the bodies call are the driver's functions, with the program's
                 // arguments or with our own objects, on the thread whose context this is.
                 match $crate::fence::guard(|| unsafe { $body }) {

@@ -95,6 +95,8 @@ fn draw_to_window(
     };
     let Some(target) = ctx.drawable.target() else { return };
     let (session, primary) = (target.session.clone(), target.primary());
+    let counts = changes != Changes::Nothing || ctx.app.feedback || ctx.queries.primitives();
+    let shown = if counts { shown } else { shown.within(session.needed()) };
     if class != DrawClass::Background {
         ctx.frame.note_viewport(ctx.app.viewport);
     }

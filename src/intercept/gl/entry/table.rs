@@ -13,9 +13,10 @@ use crate::intercept::gl::per_view::wide_primitives;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::{conditional_render, results};
 use crate::intercept::gl::shader::{
-    assembly, introspection, linking, program_pipelines, program_use, uniform_commands,
+    assembly, introspection, linking, program_pipelines, program_use, summed_uniforms, uniform_commands,
 };
 use crate::intercept::gl::vertex_input::{buffers, named_buffers_ext, vertex_array_commands};
+use crate::intercept::nodes;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
@@ -70,7 +71,13 @@ fn table() -> &'static HashMap<&'static str, usize> {
             read_back::HOOKS,
             window_answers::HOOKS,
         ];
-        files.iter().flat_map(|hooks| hooks.iter()).map(|hook| (hook.name, hook.address as usize)).collect()
+        let more = nodes::are_there().then_some(summed_uniforms::HOOKS);
+        files
+            .iter()
+            .chain(more.iter())
+            .flat_map(|hooks| hooks.iter())
+            .map(|hook| (hook.name, hook.address as usize))
+            .collect()
     })
 }
 

@@ -1,7 +1,6 @@
 //! The end of a frame: correct it into the window, count, capture.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::clock;
 use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
@@ -15,6 +14,7 @@ use crate::intercept::gl::state::frame::Times;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::last_frame;
+use crate::intercept::nodes;
 use crate::intercept::{log, settings};
 use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
@@ -43,10 +43,11 @@ pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) ->
     let ours = window.as_ref().is_some_and(is_current);
     let complete = !ours || before_swap();
     // The frames of a round of views in turn show one time.
-    if let Some(window) = window.as_ref().filter(|_| complete) {
-        clock::end_frame(window.handle() as u64);
-    }
-    let answer = if complete { swap() } else { left_out };
+    let shown = match &window {
+        Some(window) if complete => nodes::end_frame(window.handle() as u64, || window.size()),
+        _ => complete,
+    };
+    let answer = if shown { swap() } else { left_out };
     if ours {
         after_swap();
     } else if let Some(window) = window {
@@ -101,7 +102,7 @@ pub fn show_front(ctx: &mut Context) {
         }
     });
     if let Some(window) = ctx.drawable.window.as_ref().filter(|_| complete) {
-        clock::end_frame(window.handle() as u64);
+        nodes::end_frame(window.handle() as u64, || window.size());
     }
     next_frame(ctx);
 }

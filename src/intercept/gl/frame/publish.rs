@@ -71,7 +71,8 @@ fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
             let (rig, plan) = (session.rig(), session.plan());
             let places: Vec<LowerLeftRect> = session.viewports().collect();
             let own_size = settings::settings().is_some_and(|settings| settings.offscreen);
-            let (shown, beside) = (rig.published_outputs(), rig.outputs.len()..plan.passes.len());
+            let beside = (rig.outputs.len()..plan.passes.len()).filter(|index| plan.passes[*index].here);
+            let shown = rig.published_outputs();
             let (in_window, elsewhere): (Vec<_>, Vec<_>) = if own_size {
                 (Vec::new(), shown.chain(beside).collect())
             } else {

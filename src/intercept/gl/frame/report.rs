@@ -138,14 +138,14 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
         let Some(window) = &ctx.drawable.window else { return Vec::new() };
         return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
     };
-    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
+    let outputs = target.session.rig().outputs.iter().zip(target.session.viewports()).enumerate();
+    let here = outputs.filter(|(_, (output, _))| output.here);
     if settings.offscreen {
-        return names
-            .enumerate()
-            .filter_map(|(i, name)| capture::picture(&ctx.driver, &ctx.drawable, i, name))
+        return here
+            .filter_map(|(i, (output, _))| capture::picture(&ctx.driver, &ctx.drawable, i, &output.name))
             .collect();
     }
-    names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
+    here.map(|(_, (output, rect))| read_back(gl, 0, &output.name, rect)).collect()
 }
 
 /// Every view, the panel and the program's own picture.

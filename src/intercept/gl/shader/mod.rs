@@ -18,5 +18,6 @@ pub mod program_use;
 pub mod programs;
 pub mod samplers;
 pub mod source;
+pub mod summed_uniforms;
 pub mod uniform_commands;
 pub mod uniforms;

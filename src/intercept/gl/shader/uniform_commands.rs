@@ -1,5 +1,6 @@
 //! Commands that set a program's matrices.
 
+use crate::intercept::call_sum;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::uniforms::MOST_NAMED;
@@ -19,6 +20,8 @@ unsafe fn note<T: Copy + Into<f64>>(
     transpose: u8,
     value: *const T,
 ) {
+    // SAFETY: as promised above.
+    unsafe { call_sum::add_values(value, 16 * usize::try_from(count).unwrap_or(0)) };
     let Some(program) = program else { return };
     if location < 0 || count < 1 || value.is_null() {
         return;
@@ -41,6 +44,8 @@ unsafe fn note<T: Copy + Into<f64>>(
 /// # Safety
 /// `value` must point at `count` vectors, as the program promises OpenGL.
 unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, value: *const f32) {
+    // SAFETY: as promised above.
+    unsafe { call_sum::add_values(value, 4 * usize::try_from(count).unwrap_or(0)) };
     // Most programs set vectors often, and have no matrix that is made of them.
     let Some(program) = program.filter(|program| program.has_vectors) else { return };
     if location < 0 || count < 1 || value.is_null() {

@@ -7,6 +7,7 @@
 //! old one) are not known any more, for good.
 
 use crate::backend::gl::driver::api;
+use crate::intercept::call_sum;
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::vertex_input::VertexInput;
@@ -105,29 +106,44 @@ unsafe fn all<'a>(count: i32, names: *const u32) -> &'a [u32] {
     }
 }
 
+/// Adds what goes into a buffer to the sum of the frame's calls.
+///
+/// # Safety
+/// `data` must be null or point at `size` bytes, as the program promises OpenGL.
+unsafe fn sum_up(size: isize, data: *const c_void) {
+    // SAFETY: as promised.
+    unsafe { call_sum::add_values(data.cast::<u8>(), usize::try_from(size).unwrap_or(0)) };
+}
+
 hooks! {
     "glBufferData" buffer_data(target: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
+        sum_up(size, data);
         gl.buffer_data(target, size, data, usage);
         changed(ctx, target, true);
     };
     "glBufferStorage" buffer_storage(target: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
+        sum_up(size, data);
         gl.buffer_storage(target, size, data, flags);
         let name = bound(ctx, target);
         stored(ctx, name, flags);
     };
     "glBufferSubData" buffer_sub_data(target: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
+        sum_up(size, data);
         gl.buffer_sub_data(target, offset, size, data);
         changed(ctx, target, false);
     };
     "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
+        sum_up(size, data);
         gl.named_buffer_data(buffer, size, data, usage);
         named_changed(&ctx.share, &mut ctx.vertex_input, buffer, true);
     };
     "glNamedBufferStorage" named_buffer_storage(buffer: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
+        sum_up(size, data);
         gl.named_buffer_storage(buffer, size, data, flags);
         stored(ctx, buffer, flags);
     };
     "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
+        sum_up(size, data);
         gl.named_buffer_sub_data(buffer, offset, size, data);
         named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };

@@ -14,7 +14,7 @@ use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::{publish, read_back};
-use crate::intercept::{log, publishing, settings};
+use crate::intercept::{log, nodes, publishing, settings};
 use crate::lock::Lock;
 use crate::rig::{Duplicate, Rig};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
@@ -54,7 +54,8 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     }
     // SAFETY: the lengths and arrays of the program's structure.
     if let Some(first) = unsafe { slice(changed.p_swapchains, changed.swapchain_count) }.first() {
-        clock::end_frame_of_swapchain(first.as_raw());
+        // A late frame is shown all the same: an image that was acquired has to be presented.
+        nodes::end_frame(clock::window_of_swapchain(first.as_raw()), || (0, 0));
     }
     // SAFETY: the program's own call; the structure differs in what is waited for.
     let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };
@@ -316,11 +317,14 @@ unsafe fn captured(
     let corrected = read(real)?;
     let now = managed.stand_in.as_ref().map(|stand_in| stand_in.layout.session.rig());
     let rig = now.unwrap_or(&settings.rig);
-    let names = rig.outputs.iter().map(|output| output.name.as_str());
     let outputs = match &managed.stand_in {
-        Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&corrected, name, rect)).collect(),
+        Some(_) => {
+            let places = rig.outputs.iter().zip(rig.layout((width, height))).filter(|(output, _)| output.here);
+            places.map(|(output, rect)| cut(&corrected, &output.name, rect)).collect()
+        }
         None => {
-            vec![cut(&corrected, names.into_iter().next().unwrap_or("window"), PixelRect::new(0, 0, width, height))]
+            let name = rig.outputs.first().map_or("window", |output| &output.name);
+            vec![cut(&corrected, name, PixelRect::new(0, 0, width, height))]
         }
     };
     if !last_frame::wants_views(settings) {

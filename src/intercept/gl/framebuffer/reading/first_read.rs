@@ -64,6 +64,7 @@ pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, di
     let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };
     let views = (0..plan.views.views.len()).collect();
     let pass = OutputPass {
+        here: true,
         name: "primary".to_owned(),
         size,
         source: Source::Perspective { matrix: directions },

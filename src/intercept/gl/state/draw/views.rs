@@ -18,6 +18,11 @@ impl Views {
         Self { seen: if index < 64 { 1 << index } else { 0 }, bounded: false }
     }
 
+    /// Those that have a bit of `views`, too.
+    pub fn within(self, views: u64) -> Self {
+        Self { seen: self.seen & views, ..self }
+    }
+
     /// True if the draw goes to this view.
     pub fn contain(self, index: usize) -> bool {
         index >= 64 || self.seen >> index & 1 != 0

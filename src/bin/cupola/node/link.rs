@@ -1,0 +1,83 @@
+//! Messages between the nodes, and how they travel.
+
+use cupola::nodes::Arrival;
+
+/// Words of a message.
+pub const WORDS: usize = 6;
+
+/// What nodes tell each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Message {
+    /// To node 0: the program is at the end of a frame.
+    Arrived(Arrival),
+    /// To node 0: the program has ended.
+    Gone,
+    /// From node 0: frames up to this number may be shown; the program's time after it, 0: not
+    /// said.
+    Release { frame: u64, time: u64 },
+    /// From node 0: its program has ended, and so shall the others.
+    End,
+    /// From node 0: all nodes have ended; whether each has said so.
+    Over { is_clean: bool },
+}
+
+impl Message {
+    /// As numbers.
+    pub fn words(&self) -> [u64; WORDS] {
+        match *self {
+            Self::Arrived(Arrival { frame, digest, time, went, size: (width, height) }) => {
+                [1, frame, digest, time, went, u64::from(width) << 32 | u64::from(height)]
+            }
+            Self::Gone => [2, 0, 0, 0, 0, 0],
+            Self::Release { frame, time } => [3, frame, time, 0, 0, 0],
+            Self::End => [4, 0, 0, 0, 0, 0],
+            Self::Over { is_clean } => [5, is_clean.into(), 0, 0, 0, 0],
+        }
+    }
+
+    /// From numbers; `None` for those of another release.
+    pub fn of(words: [u64; WORDS]) -> Option<Self> {
+        let [kind, frame, digest, time, went, size] = words;
+        Some(match kind {
+            1 => Self::Arrived(Arrival { frame, digest, time, went, size: ((size >> 32) as u32, size as u32) }),
+            2 => Self::Gone,
+            3 => Self::Release { frame, time: digest },
+            4 => Self::End,
+            5 => Self::Over { is_clean: frame != 0 },
+            _ => return None,
+        })
+    }
+}
+
+/// The way from this node to others. Node 0 reaches all, the others reach node 0.
+pub trait Link: Send + Sync {
+    /// Sends a message, and does not wait for the other to take it. A node that is not reached any
+    /// more gets nothing.
+    fn send(&self, to: usize, message: &Message);
+
+    /// All nodes are on this machine, and have one clock.
+    fn is_one_machine(&self) -> bool;
+
+    /// Nothing is sent any more. `is_clean`: no node was lost.
+    fn close(&self, is_clean: bool);
+}
+
+/// Takes what comes from a node; `None`: it is not reached any more.
+pub type Deliver = dyn Fn(usize, Option<Message>) + Send + Sync;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_come_out_as_they_went_in() {
+        let arrival = Arrival { frame: 1, digest: 2, time: 3, went: 4, size: (5, 6) };
+        let over = Message::Over { is_clean: true };
+        for message in
+            [Message::Arrived(arrival), Message::Gone, Message::Release { frame: 7, time: 8 }, Message::End, over]
+        {
+            assert_eq!(Message::of(message.words()), Some(message));
+        }
+        assert_eq!(Message::of([9, 0, 0, 0, 0, 0]), None);
+    }
+}

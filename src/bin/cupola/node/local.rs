@@ -1,0 +1,93 @@
+//! Nodes on one machine, by a socket, without MPI: to try a rig out, and for tests.
+
+use super::link::{Deliver, Link, Message, WORDS};
+use crate::failure::Failure;
+use cupola::rig::Place;
+use std::io::{self, Read, Write};
+use std::net::Shutdown;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::{Duration, Instant};
+
+/// The longest wait for the other nodes at the start.
+const START: Duration = Duration::from_secs(20);
+/// A node that takes nothing for so long, although its buffer is full, is not reached any more.
+const FULL: Duration = Duration::from_millis(5);
+
+/// Connections to the other nodes by their number.
+struct Sockets(Vec<OnceLock<Mutex<UnixStream>>>);
+
+impl Link for Sockets {
+    fn send(&self, to: usize, message: &Message) {
+        let Some(socket) = self.0.get(to).and_then(OnceLock::get) else { return };
+        let Ok(mut socket) = socket.lock() else { return };
+        let bytes: Vec<u8> = message.words().iter().flat_map(|word| word.to_ne_bytes()).collect();
+        if socket.write_all(&bytes).is_err() {
+            // What was sent in part cannot be taken back.
+            let _ = socket.shutdown(Shutdown::Both);
+        }
+    }
+
+    fn is_one_machine(&self) -> bool {
+        true
+    }
+
+    fn close(&self, _is_clean: bool) {
+        for socket in self.0.iter().filter_map(OnceLock::get).filter_map(|socket| socket.lock().ok()) {
+            let _ = socket.shutdown(Shutdown::Both);
+        }
+    }
+}
+
+/// Connects this node with the others by the socket `path`, which node 0 makes.
+pub fn connect(place: &Place, path: &Path, deliver: Arc<Deliver>) -> Result<Box<dyn Link>, Failure> {
+    let failed = |error: io::Error| Failure::new(format!("the other nodes are not reached: {error}"));
+    let count = place.count as usize;
+    let sockets = Sockets((0..count).map(|_| OnceLock::new()).collect());
+    if place.number == 0 {
+        let listener = UnixListener::bind(path).map_err(failed)?;
+        for _ in 1..count {
+            let mut socket = listener.accept().map_err(failed)?.0;
+            socket.set_read_timeout(Some(START)).map_err(failed)?;
+            let mut number = [0; 8];
+            socket.read_exact(&mut number).map_err(failed)?;
+            let number = usize::try_from(u64::from_ne_bytes(number)).unwrap_or(usize::MAX);
+            add(&sockets, number, socket, &deliver).map_err(failed)?;
+        }
+        // All have come.
+        let _ = std::fs::remove_file(path);
+    } else {
+        let begin = Instant::now();
+        let mut socket = loop {
+            match UnixStream::connect(path) {
+                Ok(socket) => break socket,
+                Err(error) if begin.elapsed() > START => return Err(failed(error)),
+                Err(_) => std::thread::sleep(Duration::from_millis(10)),
+            }
+        };
+        socket.write_all(&u64::from(place.number).to_ne_bytes()).map_err(failed)?;
+        add(&sockets, 0, socket, &deliver).map_err(failed)?;
+    }
+    Ok(Box::new(sockets))
+}
+
+/// Keeps a connection, and reads from it on a thread.
+fn add(sockets: &Sockets, number: usize, socket: UnixStream, deliver: &Arc<Deliver>) -> io::Result<()> {
+    socket.set_read_timeout(None)?;
+    socket.set_write_timeout(Some(FULL))?;
+    let mut reader = socket.try_clone()?;
+    let place = sockets.0.get(number).ok_or_else(|| io::Error::other("a node has a number that is too large"))?;
+    place.set(Mutex::new(socket)).map_err(|_| io::Error::other("two nodes have the same number"))?;
+    let deliver = Arc::clone(deliver);
+    std::thread::spawn(move || {
+        let mut bytes = [0; WORDS * 8];
+        while reader.read_exact(&mut bytes).is_ok() {
+            let (words, _) = bytes.as_chunks::<8>();
+            let mut words = words.iter().map(|word| u64::from_ne_bytes(*word));
+            deliver(number, Message::of(std::array::from_fn(|_| words.next().unwrap_or(0))));
+        }
+        deliver(number, None);
+    });
+    Ok(())
+}

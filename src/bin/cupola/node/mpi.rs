@@ -1,0 +1,121 @@
+//! Nodes that `mpirun` has started, on any number of machines.
+//!
+//! Calls of MPI have no time-out and may wait for a node that is stopped. So each node that is sent
+//! to has a thread that waits for it alone, and what comes is asked for and not waited for.
+
+use super::link::{Deliver, Link, Message, WORDS};
+use crate::failure::Failure;
+use cupola::rig::Place;
+use mpi::Threading;
+use mpi::environment::Universe;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Source};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// So often messages are asked for.
+const LOOK: Duration = Duration::from_micros(50);
+
+/// What `mpirun` has started.
+pub struct Job {
+    universe: Universe,
+    /// This node.
+    pub place: Place,
+    is_one_machine: bool,
+}
+
+/// Whether `mpirun` has started this process.
+pub fn is_there() -> bool {
+    ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"].iter().any(|name| std::env::var_os(name).is_some())
+}
+
+impl Job {
+    /// Joins the other nodes.
+    pub fn join() -> Result<Self, Failure> {
+        let (universe, threading) =
+            mpi::initialize_with_threading(Threading::Multiple).ok_or_else(|| Failure::new("MPI is in use already"))?;
+        if threading != Threading::Multiple {
+            return Err(Failure::new("this MPI does not serve several threads (MPI_THREAD_MULTIPLE)"));
+        }
+        let world = universe.world();
+        let number = |number: i32| u32::try_from(number).unwrap_or(0);
+        let place =
+            Place { number: number(world.rank()), count: number(world.size()), host: cupola::system::host_name() };
+        let own = u64::try_from(cupola::digest::Digest::of(place.host.as_bytes()).value() >> 64).unwrap_or(0);
+        let mut hosts = vec![0; place.count as usize];
+        world.all_gather_into(&own, &mut hosts[..]);
+        let is_one_machine = hosts.iter().all(|host| *host == own);
+        Ok(Self { universe, place, is_one_machine })
+    }
+
+    /// Connects this node with the others.
+    pub fn connect(self, deliver: Arc<Deliver>) -> Box<dyn Link> {
+        let is_closed = Arc::new(AtomicBool::new(false));
+        let peers = if self.place.number == 0 { 1..self.place.count as i32 } else { 0..1 };
+        let mut senders = vec![None];
+        senders.resize_with(self.place.count as usize, || None);
+        for peer in peers {
+            let (sender, receiver) = channel::<Message>();
+            std::thread::spawn(move || {
+                let world = SimpleCommunicator::world();
+                for message in receiver {
+                    world.process_at_rank(peer).send(&message.words()[..]);
+                }
+            });
+            senders[peer as usize] = Some(sender);
+        }
+        let closed = Arc::clone(&is_closed);
+        let reader = std::thread::spawn(move || {
+            let world = SimpleCommunicator::world();
+            while !closed.load(Ordering::SeqCst) {
+                let Some(status) = world.any_process().immediate_probe() else {
+                    std::thread::sleep(LOOK);
+                    continue;
+                };
+                let from = status.source_rank();
+                let mut words = [0; WORDS];
+                world.process_at_rank(from).receive_into(&mut words[..]);
+                deliver(usize::try_from(from).unwrap_or(0), Message::of(words));
+            }
+        });
+        let parts = Mutex::new(Some((self.universe, reader)));
+        Box::new(Messages { senders, is_one_machine: self.is_one_machine, is_closed, parts })
+    }
+}
+
+struct Messages {
+    senders: Vec<Option<Sender<Message>>>,
+    is_one_machine: bool,
+    is_closed: Arc<AtomicBool>,
+    parts: Mutex<Option<(Universe, JoinHandle<()>)>>,
+}
+
+impl Link for Messages {
+    fn send(&self, to: usize, message: &Message) {
+        if let Some(Some(sender)) = self.senders.get(to) {
+            // Its thread lives as long as this does.
+            let _ = sender.send(*message);
+        }
+    }
+
+    fn is_one_machine(&self) -> bool {
+        self.is_one_machine
+    }
+
+    fn close(&self, is_clean: bool) {
+        self.is_closed.store(true, Ordering::SeqCst);
+        let parts = self.parts.lock().ok().and_then(|mut parts| parts.take());
+        if let Some((universe, reader)) = parts {
+            let _ = reader.join();
+            if is_clean {
+                drop(universe);
+            } else {
+                // The end of MPI waits for all nodes, also for those that were lost.
+                std::mem::forget(universe);
+            }
+        }
+    }
+}

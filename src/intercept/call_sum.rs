@@ -1,0 +1,140 @@
+//! A sum of the program's calls in a frame, by which machines that should do the same are compared.
+//!
+//! It is of the calls that Cupola sees, with their numbers, and of the matrices, vectors and
+//! buffers that they point at. Pointers differ between processes and are left out, as are
+//! questions, which a program may repeat until it likes the answer.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static ON: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// The sum of this thread's calls: those of the thread that swaps count.
+    static SUM: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Calls are summed up from here on.
+pub fn begin() {
+    ON.store(true, Ordering::Relaxed);
+}
+
+/// Whether calls are summed up.
+#[inline]
+pub fn is_on() -> bool {
+    ON.load(Ordering::Relaxed)
+}
+
+/// Adds a number.
+pub fn add(number: u64) {
+    SUM.set((SUM.get().rotate_left(5) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+}
+
+/// Adds `count` values that a call points at, if calls are summed up.
+///
+/// # Safety
+/// `values` must be null or point at so many, as the program promises OpenGL.
+#[inline]
+pub unsafe fn add_values<T: Copy>(values: *const T, count: usize) {
+    if is_on() && !values.is_null() {
+        // SAFETY: as promised.
+        let bytes = unsafe { std::slice::from_raw_parts(values.cast::<u8>(), count * size_of::<T>()) };
+        add(xxhash_rust::xxh3::xxh3_64(bytes));
+    }
+}
+
+/// The sum since the last call of this.
+pub fn take() -> u64 {
+    SUM.replace(0)
+}
+
+/// A call's number in the sum; 0 for a question.
+pub const fn code(name: &str) -> u64 {
+    let bytes = name.as_bytes();
+    let is_question = bytes.len() > 4
+        && (matches!(bytes, [b'g', b'l', b'G', b'e', b't', ..]) || matches!(bytes, [b'g', b'l', b'I', b's', ..]));
+    if is_question {
+        return 0;
+    }
+    let (mut code, mut index) = (0xcbf2_9ce4_8422_2325_u64, 0);
+    while index < bytes.len() {
+        code = (code ^ bytes[index] as u64).wrapping_mul(0x0100_0000_01b3);
+        index += 1;
+    }
+    code
+}
+
+/// A parameter of a call.
+pub trait Parameter: Copy {
+    /// What counts of it.
+    fn number(self) -> u64;
+}
+
+macro_rules! integers {
+    ($($kind:ty)*) => {
+        $(impl Parameter for $kind {
+            fn number(self) -> u64 {
+                self as u64
+            }
+        })*
+    };
+}
+integers!(u8 i8 u16 i16 u32 i32 u64 i64 usize isize);
+
+impl Parameter for f32 {
+    fn number(self) -> u64 {
+        self.to_bits().into()
+    }
+}
+
+impl Parameter for f64 {
+    fn number(self) -> u64 {
+        self.to_bits()
+    }
+}
+
+impl<T> Parameter for *const T {
+    fn number(self) -> u64 {
+        self.is_null().into()
+    }
+}
+
+impl<T> Parameter for *mut T {
+    fn number(self) -> u64 {
+        self.is_null().into()
+    }
+}
+
+/// Adds a call with its parameters.
+macro_rules! add_call {
+    ($name:literal $(, $parameter:expr)*) => {
+        if $crate::intercept::call_sum::is_on() {
+            const CODE: u64 = $crate::intercept::call_sum::code($name);
+            if CODE != 0 {
+                $crate::intercept::call_sum::add(CODE);
+                $($crate::intercept::call_sum::add($crate::intercept::call_sum::Parameter::number($parameter));)*
+            }
+        }
+    };
+}
+pub(crate) use add_call;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_and_numbers_count_and_pointers_and_questions_do_not() {
+        let sum = |numbers: &[u64]| {
+            numbers.iter().for_each(|number| add(*number));
+            take()
+        };
+        assert_eq!(sum(&[1, 2]), sum(&[1, 2]));
+        assert_ne!(sum(&[1, 2]), sum(&[2, 1]));
+        assert_ne!(sum(&[0]), sum(&[0, 0]) ^ 1);
+        assert_eq!((&raw const ON).number(), 0);
+        assert_ne!(1.0_f32.number(), (-1.0_f32).number());
+        assert_eq!((code("glGetError"), code("glIsEnabled")), (0, 0));
+        assert!(code("glDrawArrays") != 0 && code("glDrawArrays") != code("glDrawElements"));
+    }
+}

@@ -1,0 +1,181 @@
+//! The page that a program shares with its command.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::system::SharedMemory;
+use std::io;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// First word of each page: `CUPONODE`.
+const MAGIC: u64 = u64::from_ne_bytes(*b"CUPONODE");
+/// Second word: both sides are of one release.
+const VERSION: u64 = 1;
+
+/// Words of the page.
+mod word {
+    pub const MAGIC: usize = 0;
+    pub const VERSION: usize = 1;
+    /// The longest wait of the program, in nanoseconds.
+    pub const LIMIT: usize = 2;
+    /// Time from one frame to the next of a program on its own, in nanoseconds.
+    pub const LENGTH: usize = 3;
+    /// Number of the frame whose end the program has reached, from 1. Its low half is a futex.
+    pub const ARRIVED: usize = 8;
+    /// Sum of the calls of that frame.
+    pub const DIGEST: usize = 9;
+    /// The program's time after it.
+    pub const TIME: usize = 10;
+    /// When the frame before it was let go, on the machine's monotonic clock.
+    pub const WENT: usize = 11;
+    /// Width of the program's window times 2³², plus height.
+    pub const SIZE: usize = 12;
+    /// Number of the newest frame that may be shown. Its low half is a futex.
+    pub const RELEASED: usize = 16;
+    /// The command holds a lock on the first byte of this word.
+    pub const COMMAND_LOCK: usize = 24;
+    /// The program's times after the newest frames, by their number modulo [`super::TIMES`].
+    pub const TIMES: usize = 64;
+}
+
+/// Frames whose time after them is known: those that a late program has yet to draw.
+const TIMES: u64 = 4096;
+
+/// Bytes of a page.
+const BYTES: usize = (word::TIMES + TIMES as usize) * size_of::<u64>();
+
+/// A program has reached the end of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Arrival {
+    /// Number of the frame, from 1.
+    pub frame: u64,
+    /// Sum of the program's calls in it.
+    pub digest: u64,
+    /// The program's time after it, in nanoseconds.
+    pub time: u64,
+    /// When the frame before it was let go, on the machine's monotonic clock in nanoseconds.
+    pub went: u64,
+    /// Width and height of the program's window in pixels.
+    pub size: (u32, u32),
+}
+
+/// A page in shared memory.
+pub struct Page(SharedMemory);
+
+impl Page {
+    /// Makes a page: a program waits at most `limit` for its command, and then shows frames in
+    /// distances of `length`.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn create(path: &Path, limit: Duration, length: Duration) -> io::Result<Self> {
+        let page = Self(SharedMemory::create(path, BYTES)?);
+        page.0.lock(word::COMMAND_LOCK * 8);
+        let nanoseconds = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        page.set(word::LIMIT, nanoseconds(limit));
+        page.set(word::LENGTH, nanoseconds(length));
+        page.set(word::VERSION, VERSION);
+        page.set(word::MAGIC, MAGIC);
+        Ok(page)
+    }
+
+    /// Opens the page that a command has made.
+    ///
+    /// # Errors
+    /// Those of the system, and a file that is no page of this release.
+    pub fn open(path: &Path) -> Result<Self> {
+        let failed = |error: io::Error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display()));
+        let page = Self(SharedMemory::open(path).map_err(failed)?);
+        if page.0.words().len() * size_of::<u64>() < BYTES
+            || page.get(word::MAGIC) != MAGIC
+            || page.get(word::VERSION) != VERSION
+        {
+            return Err(failed(io::Error::other("the file is no page of this release of cupola node")));
+        }
+        Ok(page)
+    }
+
+    fn get(&self, word: usize) -> u64 {
+        self.0.words()[word].load(Ordering::Acquire)
+    }
+
+    fn set(&self, word: usize, value: u64) {
+        self.0.words()[word].store(value, Ordering::Release);
+    }
+
+    /// The longest wait of the program.
+    pub fn limit(&self) -> Duration {
+        Duration::from_nanos(self.get(word::LIMIT))
+    }
+
+    /// Time from one frame to the next of a program on its own.
+    pub fn length(&self) -> Duration {
+        Duration::from_nanos(self.get(word::LENGTH))
+    }
+
+    /// The program has reached the end of a frame. Called by it alone.
+    pub fn arrive(&self, arrival: &Arrival) {
+        let Arrival { frame, digest, time, went, size: (width, height) } = *arrival;
+        self.set(word::DIGEST, digest);
+        self.set(word::TIME, time);
+        self.set(word::WENT, went);
+        self.set(word::SIZE, u64::from(width) << 32 | u64::from(height));
+        self.set(word::ARRIVED, frame);
+        self.0.wake(word::ARRIVED);
+    }
+
+    /// The program's newest arrival, if it is another one than that at frame `known`; waits for it
+    /// for no longer than `limit`. A program that does not wait may overwrite it meanwhile: its
+    /// numbers are then those of two frames, and it is not told.
+    pub fn arrival(&self, known: u64, limit: Duration) -> Option<Arrival> {
+        let mut frame = self.get(word::ARRIVED);
+        if frame == known {
+            self.0.wait(word::ARRIVED, known as u32, limit);
+            frame = self.get(word::ARRIVED);
+        }
+        let size = self.get(word::SIZE);
+        let arrival = Arrival {
+            frame,
+            digest: self.get(word::DIGEST),
+            time: self.get(word::TIME),
+            went: self.get(word::WENT),
+            size: ((size >> 32) as u32, size as u32),
+        };
+        (frame != known && self.get(word::ARRIVED) == frame).then_some(arrival)
+    }
+
+    /// Number of the newest frame that may be shown.
+    pub fn released(&self) -> u64 {
+        self.get(word::RELEASED)
+    }
+
+    /// Frames up to this number may be shown; `time`: the program's time after the last of them.
+    pub fn release(&self, frame: u64, time: u64) {
+        if frame > self.released() {
+            self.set(word::TIMES + (frame % TIMES) as usize, time);
+            self.set(word::RELEASED, frame);
+            self.0.wake(word::RELEASED);
+        }
+    }
+
+    /// The program's time after a frame, where the command has said one.
+    pub fn time_after(&self, frame: u64) -> Option<u64> {
+        let time = self.get(word::TIMES + (frame % TIMES) as usize);
+        (time != 0 && frame + TIMES > self.released()).then_some(time)
+    }
+
+    /// Waits while `released` frames may be shown, for no longer than `limit`.
+    pub fn wait_for_more(&self, released: u64, limit: Duration) {
+        self.0.wait(word::RELEASED, released as u32, limit);
+    }
+
+    /// The command lets the program go for good, as if it had ended.
+    pub fn leave(&self) {
+        self.0.unlock(word::COMMAND_LOCK * 8);
+    }
+
+    /// Whether the command lives.
+    pub fn has_command(&self) -> bool {
+        self.0.is_locked(word::COMMAND_LOCK * 8)
+    }
+}

@@ -1,0 +1,119 @@
+//! Several machines that share the outputs of a rig.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::rig::Rig;
+
+/// The machine that shows an output.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Node {
+    /// Its number, from 0.
+    Number(u32),
+    /// Its host name.
+    Host(String),
+}
+
+/// A machine among those that share a rig.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Its number, below `count`.
+    pub number: u32,
+    /// Number of machines, at least 1.
+    pub count: u32,
+    /// Its host name.
+    pub host: String,
+}
+
+impl Place {
+    /// Reads `NUMBER/COUNT`, as in `CUPOLA_NODE`.
+    pub fn parse(text: &str, host: String) -> Option<Self> {
+        let (number, count) = text.split_once('/')?;
+        let (number, count) = (number.parse().ok()?, count.parse().ok()?);
+        (number < count).then_some(Self { number, count, host })
+    }
+
+    /// Whether an output of this node is shown here. Where none is named the first machine shows
+    /// it.
+    fn shows(&self, node: Option<&Node>) -> bool {
+        match node {
+            Some(Node::Number(number)) => *number == self.number,
+            Some(Node::Host(host)) => {
+                let short = |name: &str| name.split('.').next().unwrap_or_default().to_lowercase();
+                *host == self.host || short(host) == short(&self.host)
+            }
+            None => self.number == 0,
+        }
+    }
+}
+
+impl Rig {
+    /// The rig on one of several machines: outputs of others are not `here`. If no output names its
+    /// `node`, the machines share the outputs evenly, in their order.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidRig`] if an output has a node that there is not.
+    pub fn on_node(mut self, place: &Place) -> Result<Self> {
+        let count = self.outputs.len() as u64;
+        let is_named = self.outputs.iter().chain(&self.beside).any(|output| output.node.is_some());
+        let evenly = |index: u64| u32::try_from(index * u64::from(place.count) / count.max(1)).unwrap_or(u32::MAX);
+        for (index, output) in (0..).zip(&mut self.outputs) {
+            if let Some(Node::Number(number)) = output.node
+                && number >= place.count
+            {
+                return Err(Error::new(
+                    ErrorKind::InvalidRig,
+                    format!(
+                        "output {:?} has node = {number}, but there are {} nodes, with the numbers 0 to {}",
+                        output.name,
+                        place.count,
+                        place.count - 1
+                    ),
+                ));
+            }
+            output.here = if is_named { place.shows(output.node.as_ref()) } else { evenly(index) == place.number };
+        }
+        for output in &mut self.beside {
+            output.here = place.shows(output.node.as_ref());
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn here(text: &str, number: u32, count: u32) -> Result<Vec<String>> {
+        let rig = crate::rig::parse(text, "test", "".as_ref())?;
+        let rig = rig.on_node(&Place { number, count, host: "left.dome.example".into() })?;
+        Ok(rig.outputs.into_iter().filter(|output| output.here).map(|output| output.name).collect())
+    }
+
+    fn rig(nodes: &[&str]) -> String {
+        let output = |node: &&str| format!("[[output]]\nkind = \"domemaster\"\nsize = [9, 9]\n{node}\n");
+        nodes.iter().map(output).collect()
+    }
+
+    #[test]
+    fn outputs_belong_to_one_machine() {
+        let named = rig(&["node = 1", "", "node = \"LEFT\"", "node = \"right\""]);
+        assert_eq!(here(&named, 0, 2).expect("a rig"), ["output-2", "output-3"]);
+        assert_eq!(here(&named, 1, 2).expect("a rig"), ["output-1", "output-3"]);
+        let error = here(&named, 0, 1).expect_err("there is no node 1").to_string();
+        assert!(error.contains("node = 1") && error.contains("1 nodes"), "{error}");
+        for wrong in ["node = -1", "node = 1.5", "node = \"\"", "node = true"] {
+            assert!(
+                here(&rig(&[wrong]), 0, 2).expect_err(wrong).to_string().contains("is neither a whole number nor text")
+            );
+        }
+    }
+
+    #[test]
+    fn without_names_the_outputs_are_shared_evenly() {
+        for count in 1..9 {
+            let of_all: Vec<_> =
+                (0..count).flat_map(|node| here(&rig(&[""; 6]), node, count).expect("a rig")).collect();
+            assert_eq!(of_all, (1..=6).map(|number| format!("output-{number}")).collect::<Vec<_>>());
+        }
+        assert_eq!(here(&rig(&[""; 6]), 1, 4).expect("a rig"), ["output-3"]);
+    }
+}

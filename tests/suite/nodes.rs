@@ -1,0 +1,236 @@
+//! Several nodes: `cupola node`.
+
+use crate::display;
+use crate::harness::{note, tests};
+use crate::programs::{Finished, Run, built, library, scratch};
+use cupola::nodes::Page;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+tests! {
+    four_nodes_show_what_one_process_shows,
+    with_their_own_clocks_nodes_differ,
+    a_program_that_reads_past_the_clock_is_named,
+    stopped_and_killed_nodes_do_not_stop_the_others,
+}
+
+/// Nobody is late on a busy machine.
+const PATIENT: [&str; 2] = ["--time-out", "60000"];
+
+/// The preset with projectors of few pixels.
+fn rig() -> PathBuf {
+    let preset = cupola::rig::presets().iter().find(|preset| preset.name == "planetarium-6").expect("a preset");
+    let text = preset.text.replace("size = [1920, 1080]", "size = [96, 54]");
+    assert_ne!(text, preset.text);
+    let path = scratch("rig").join("dome.toml");
+    std::fs::write(&path, text).expect("written");
+    path
+}
+
+/// Runs the program that moves by time and random numbers: `cupola run` or `cupola node`.
+fn by_time(rig: &Path, mode: &str, frames: usize, cupola: &[&str]) -> Option<Finished> {
+    let run = Run { frames: 0, size: (96, 96), extra: &["--mode", mode], ..Run::new("by_time") };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.env("CUPOLA_LIBRARY", library()).args(cupola).arg("--rig").arg(rig);
+    command.args(["--offscreen", "--capture", "capture.png", "--frames", &frames.to_string(), "--"]);
+    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    Some(Finished::of(command, run.program, cupola[0])?.expect_success())
+}
+
+/// Whether the pictures of all outputs are the same, byte for byte.
+fn are_equal(rig: &Path, one: &Finished, other: &Finished) -> bool {
+    let rig = cupola::rig::load(&rig.to_string_lossy()).expect("a rig");
+    let bytes = |finished: &Finished, name: &str| {
+        let file = finished.directory.join(format!("capture-{name}.png"));
+        std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+    };
+    assert_eq!(rig.outputs.len(), 6);
+    rig.outputs.iter().all(|output| bytes(one, &output.name) == bytes(other, &output.name))
+}
+
+fn four_nodes_show_what_one_process_shows() {
+    let rig = rig();
+    let mut before = None;
+    for frames in [1, 40] {
+        let nodes = ["node", "--local", "4", "--unpaced", "--seed", "7", PATIENT[0], PATIENT[1]];
+        let Some(nodes) = by_time(&rig, "draw", frames, &nodes) else { return };
+        let Some(one) = by_time(&rig, "draw", frames, &["run", "--clock", "60", "--seed", "7"]) else { return };
+        assert!(are_equal(&rig, &nodes, &one), "frame {frames}");
+        let words = nodes.words();
+        note(format_args!("{words}"));
+        assert!(
+            words.contains("node 1 of 4") && words.contains(&format!("{} frames on 4 nodes", frames - 1)),
+            "{words}"
+        );
+        assert!(words.contains("all alike") && !words.contains("draws something else"), "{words}");
+        // Control: the pictures move.
+        assert!(before.is_none_or(|before| !are_equal(&rig, &before, &nodes)));
+        before = Some(nodes);
+    }
+}
+
+/// The control of the test above.
+fn with_their_own_clocks_nodes_differ() {
+    let rig = rig();
+    let nodes = ["node", "--local", "2", "--own-clocks", PATIENT[0], PATIENT[1]];
+    let Some(nodes) = by_time(&rig, "draw", 6, &nodes) else { return };
+    let Some(one) = by_time(&rig, "draw", 6, &["run"]) else { return };
+    assert!(!are_equal(&rig, &nodes, &one));
+    assert!(nodes.words().contains("draws something else than the others"), "{}", nodes.words());
+}
+
+fn a_program_that_reads_past_the_clock_is_named() {
+    let nodes = ["node", "--local", "2", "--unpaced", PATIENT[0], PATIENT[1]];
+    // The program reads the counter from its third frame on: for a matrix, or for a number of a
+    // shader.
+    for mode in ["counter", "uniform"] {
+        let Some(nodes) = by_time(&rig(), mode, 6, &nodes) else { return };
+        let words = "node 1 draws something else than the others in frame 3";
+        assert!(nodes.words().contains(words), "{mode}: {}", nodes.words());
+    }
+}
+
+/// Children of a process that run this program.
+fn children(parent: u32, program: &str) -> Vec<u32> {
+    let text = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children")).unwrap_or_default();
+    let name = |id: &u32| std::fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default();
+    text.split_whitespace().filter_map(|id| id.parse().ok()).filter(|id| name(id).trim() == program).collect()
+}
+
+fn kill(signal: &str, process: u32) {
+    // The shell's own: a bare Debian has no such program.
+    let status = Command::new("sh").args(["-c", &format!("kill -s {signal} {process}")]).status();
+    assert!(status.expect("a shell").success(), "{signal} {process}");
+}
+
+/// A node of a show that runs.
+struct RunningNode {
+    sidecar: u32,
+    program: u32,
+    page: Page,
+}
+
+impl RunningNode {
+    /// The frame whose end its program has reached.
+    fn frame(&self) -> u64 {
+        let newest = || self.page.arrival(u64::MAX, Duration::ZERO).map(|arrival| arrival.frame);
+        std::iter::from_fn(|| Some(newest())).flatten().next().expect("it goes on")
+    }
+}
+
+/// Three nodes with a time-out of 0.3 s.
+struct Show {
+    launcher: Child,
+    nodes: Vec<RunningNode>,
+    log: PathBuf,
+}
+
+/// Waits for something that comes within seconds.
+fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(found) = found() {
+            return found;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(40), "{what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+impl Show {
+    fn start() -> Option<Self> {
+        let display = display::get()?;
+        let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
+        let log = scratch("show").join("log");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        command.args(["node", "--local", "3", "--time-out", "300", "--rig"]).arg(rig()).arg("--");
+        command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+        command.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display.name).env("LIBGL_ALWAYS_SOFTWARE", "1");
+        command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
+        command.stderr(std::fs::File::create(&log).expect("a file")).stdout(Stdio::null());
+        let launcher = command.spawn().expect("cupola starts");
+        let mut show = Self { launcher, nodes: Vec::new(), log };
+        let sidecars = || Some(children(show.launcher.id(), "cupola")).filter(|ids| ids.len() == 3);
+        let sidecars = until("three nodes start", sidecars);
+        for sidecar in sidecars {
+            let mut path = cupola::ring::default_path().into_os_string();
+            path.push(format!("-node-{sidecar}"));
+            let page = until("a page is made", || Page::open(path.as_ref()).ok());
+            let program = until("a program starts", || children(sidecar, "by_time").first().copied());
+            show.nodes.push(RunningNode { sidecar, program, page });
+        }
+        until("all nodes show frames", || show.nodes.iter().all(|node| node.page.released() > 15).then_some(()));
+        Some(show)
+    }
+
+    fn words(&self) -> String {
+        std::fs::read_to_string(&self.log).expect("a log")
+    }
+
+    fn says(&self, words: &str) {
+        until(&format!("{words}:\n{}", self.words()), || self.words().contains(words).then_some(()));
+    }
+
+    /// Waits until a node has shown `count` more frames.
+    fn goes_on(&self, node: usize, count: u64) {
+        let before = self.nodes[node].frame();
+        until("a node goes on", || (self.nodes[node].frame() > before + count).then_some(()));
+    }
+}
+
+impl Drop for Show {
+    fn drop(&mut self) {
+        let _ = self.launcher.kill();
+        let _ = self.launcher.wait();
+        for RunningNode { sidecar, program, .. } in &self.nodes {
+            for process in [sidecar, program] {
+                let _ = Command::new("sh").args(["-c", &format!("kill -s KILL {process} 2>/dev/null")]).status();
+            }
+            let mut path = cupola::ring::default_path().into_os_string();
+            path.push(format!("-node-{sidecar}"));
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+fn stopped_and_killed_nodes_do_not_stop_the_others() {
+    let Some(show) = Show::start() else { return };
+    let distance = |one: usize, other: usize| show.nodes[one].frame().abs_diff(show.nodes[other].frame());
+    // A machine that hangs: the command and the program.
+    kill("STOP", show.nodes[2].sidecar);
+    kill("STOP", show.nodes[2].program);
+    let stopped = show.nodes[2].frame();
+    (0..2).for_each(|node| show.goes_on(node, 40));
+    assert_eq!(show.nodes[2].frame(), stopped);
+    show.says("node 2 has not come to frame");
+    kill("CONT", show.nodes[2].program);
+    kill("CONT", show.nodes[2].sidecar);
+    show.says("node 2 is in step again");
+    until("it is in step", || (distance(1, 2) <= 1).then_some(()));
+    // Its command alone: its program goes on without it, and comes back.
+    kill("STOP", show.nodes[2].sidecar);
+    show.says("node 2: the other nodes do not answer in time");
+    (0..3).for_each(|node| show.goes_on(node, 20));
+    kill("CONT", show.nodes[2].sidecar);
+    show.says("node 2: this program is in step with the other nodes again");
+    until("it is in step", || (distance(1, 2) <= 1).then_some(()));
+    // A command that ends: its program goes on alone.
+    kill("KILL", show.nodes[1].sidecar);
+    show.says("node 1 has ended without a word");
+    show.says("node 1: this program has lost the other nodes");
+    (0..3).for_each(|node| show.goes_on(node, 20));
+    // What started them: nothing happens.
+    kill("KILL", show.launcher.id());
+    (0..3).for_each(|node| show.goes_on(node, 20));
+    until("the others are in step", || (distance(0, 2) <= 1).then_some(()));
+    // Node 0.
+    kill("KILL", show.nodes[0].sidecar);
+    show.says("node 2: node 0 is not reached any more");
+    show.says("node 2: this program has lost the other nodes");
+    (0..3).for_each(|node| show.goes_on(node, 20));
+    let words = show.words();
+    for said in ["node 2 has not come", "node 2: the other nodes do not answer", "node 1: this program has lost"] {
+        assert_eq!(words.matches(said).count(), 1, "{said}:\n{words}");
+    }
+}
