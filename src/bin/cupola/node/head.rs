@@ -212,6 +212,10 @@ impl Head {
         let Some(length) = self.length else { return Some(0) };
         let there = self.nodes.iter().filter(|node| node.state != State::Gone && node.arrived.frame == frame);
         let program = there.map(|node| node.arrived.time).max().unwrap_or(0);
+        if frame < FIRST_FRAMES {
+            // What a program loads at its start takes none of its time.
+            return Some(program);
+        }
         let start = *self.start.get_or_insert(Start { real: now, program });
         let real = now.saturating_sub(start.real);
         let due = start.real.saturating_add(program.saturating_sub(start.program));
@@ -322,13 +326,18 @@ mod tests {
     #[test]
     fn frames_follow_the_real_time() {
         let mut head = Head::new(1, Duration::from_millis(50), Some(Duration::from_millis(16)));
-        assert_eq!(head.arrived(0, at(1), 1000), [Action::Release { frame: 1, time: 16 * MS }]);
-        assert_eq!(head.arrived(0, at(2), 1000 + MS), []);
-        assert_eq!(head.tick(1000 + 15 * MS), []);
-        assert_eq!(head.tick(1000 + 16 * MS), [Action::Release { frame: 2, time: 32 * MS }]);
+        // Frames at the start take no time, and none is left out.
+        for frame in 1..10 {
+            let time = frame * 16 * MS;
+            assert_eq!(head.arrived(0, at(frame), frame * 7000 * MS), [Action::Release { frame, time }]);
+        }
+        let start = 90_000 * MS;
+        assert_eq!(head.arrived(0, at(10), start), [Action::Release { frame: 10, time: 160 * MS }]);
+        assert_eq!(head.arrived(0, at(11), start + MS), []);
+        assert_eq!(head.tick(start + 15 * MS), []);
+        assert_eq!(head.tick(start + 16 * MS), [Action::Release { frame: 11, time: 176 * MS }]);
         // Too slow by two frames and a half.
-        let late = Arrival { time: 48 * MS, ..at(3) };
-        assert_eq!(head.arrived(0, late, 1000 + 72 * MS), [Action::Release { frame: 3, time: 80 * MS }]);
+        assert_eq!(head.arrived(0, at(12), start + 72 * MS), [Action::Release { frame: 12, time: 224 * MS }]);
     }
 
     #[test]

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use crate::launch::clock::Rate;
 use crate::launch::loader::Scratch;
 use crate::run::{self, Options};
+use cupola::nodes::Page;
 use cupola::rig::{Node, Place, Rig};
 use cupola::system::{self, process};
 use link::{Deliver, Link};
@@ -152,9 +153,7 @@ fn show(
     }
     let length = Duration::from_secs_f64(rate.seconds as f64 / rate.frames as f64);
     let limit = Duration::from_millis(time_out.into());
-    let mut path = cupola::ring::default_path().into_os_string();
-    path.push(format!("-node-{}", std::process::id()));
-    let path = PathBuf::from(path);
+    let path = page_path();
     options.node = Some((format!("{}/{}", place.number, place.count), path.clone()));
     let paced = (!unpaced && !own_clocks).then_some(length);
     let sidecar = Sidecar::start(place, &path, limit, length, paced, connect)?;
@@ -162,6 +161,21 @@ fn show(
     let ended = code.as_ref().is_ok_and(|code| *code == ExitCode::SUCCESS);
     sidecar.finish(ended, summary.as_deref());
     code
+}
+
+/// The file of this node's page. Pages of commands that were killed are removed.
+fn page_path() -> PathBuf {
+    let usual = cupola::ring::default_path();
+    let name = format!("{}-node-", usual.file_name().unwrap_or_default().to_string_lossy());
+    let folder = usual.parent().unwrap_or(Path::new("/dev/shm"));
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_page = entry.file_name().to_string_lossy().starts_with(&name);
+        if is_page && Page::open(&entry.path()).is_ok_and(|page| !page.has_command()) {
+            // Another node may have removed it meanwhile.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+    folder.join(format!("{name}{}", std::process::id()))
 }
 
 /// A file of this node, beside those of the others.
