@@ -110,8 +110,10 @@ fn pages_show_the_options_that_the_commands_have() {
 #[test]
 fn the_map_for_contributors_names_files_that_there_are() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("CONTRIBUTING.md")).unwrap();
-    let map = page.split("## Map of the sources").nth(1).expect("the map");
+    let page = |name: &str| std::fs::read_to_string(root.join(name)).unwrap();
+    let contributing = page("CONTRIBUTING.md");
+    let folders = contributing.split("## Map of the sources").nth(1).expect("the map");
+    let map = [folders, &page("docs/which-file.md")].concat();
     let mut paths = 0;
     for line in map.lines().filter(|line| line.starts_with('|')) {
         for cell in line.split('|') {
@@ -119,7 +121,7 @@ fn the_map_for_contributors_names_files_that_there_are() {
                 let there = root.join("src").join(path).exists() || root.join(path).exists();
                 // Words of the first column that are no paths (`glClear`) have no slash and no
                 // place in `src`.
-                assert!(there || !path.contains('/'), "CONTRIBUTING.md: {path} is not there");
+                assert!(there || !path.contains('/'), "the map: {path} is not there");
                 paths += usize::from(there);
             }
         }
