@@ -1,7 +1,7 @@
 /*
  * A scene off screen before a background that fills its image: colours that change with the place in the picture, drawn by
  * a triangle without depth. The scene is the cube, small and far ahead of the camera. --mode multisampled: the image has
- * samples, which are resolved.
+ * samples, which are resolved; --mode corner: the cube around the camera in the lower left quarter of the picture besides.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -40,11 +40,12 @@ static const char show_fragment[] = "#version 330 core\n"
 
 static mesh cube;
 static GLuint scene, screen, show, framebuffers[2], colour, buffers[2], empty;
-static bool multisampled;
+static bool multisampled, corner;
 
 static void setup(app *a)
 {
     multisampled = a->mode != NULL && strcmp(a->mode, "multisampled") == 0;
+    corner = a->mode != NULL && strcmp(a->mode, "corner") == 0;
     const shader_source of_scene[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_screen[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, fragment}};
     const shader_source of_show[] = {{GL_VERTEX_SHADER, show_vertex}, {GL_FRAGMENT_SHADER, show_fragment}};
@@ -94,6 +95,17 @@ static void draw(app *a)
     mesh_bind(&cube);
     glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
     const int width = a->window.width, height = a->window.height;
+    if (corner) {
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(0, 0, width / 2, height / 2);
+        glViewport(0, 0, width / 2, height / 2);
+        glClear(GL_DEPTH_BUFFER_BIT);
+        const matrix4 around = matrix_multiply(a->projection, matrix_scale(CUBE_SCALE));
+        glUniformMatrix4fv(glGetUniformLocation(scene, "MVP"), 1, GL_FALSE, around.m);
+        glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
+        glDisable(GL_SCISSOR_TEST);
+        glViewport(0, 0, width, height);
+    }
     if (multisampled) {
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers[1]);
         glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);

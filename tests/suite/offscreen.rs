@@ -25,6 +25,7 @@ tests! {
     old_and_new_entry_points,
     flat_drawing_into_a_scene,
     a_background_has_no_seams,
+    a_picture_in_a_corner_is_on_the_panel,
     a_flat_scene_is_found_wrong,
 }
 
@@ -292,4 +293,32 @@ fn a_background_has_no_seams() {
         let Some(plain) = run.plain() else { return };
         expect_identical(&own, &plain.expect_success().picture("shot.ppm"), mode);
     }
+}
+
+/// A scene in a corner of the image is where that corner of the panel is. It is cut at rectangles
+/// of the views, which are turned by 45 degrees, so that some of it lies beside.
+fn a_picture_in_a_corner_is_on_the_panel() {
+    let (plain, corner) = (["--mode", "plain"], ["--mode", "corner"]);
+    let run = Run { frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
+    let pictures = [&plain, &corner].map(|extra| Run { extra, ..run.clone() }.under("fisheye"));
+    let [Some(plain), Some(corner)] = pictures else { return };
+    let [plain, corner] = [plain, corner].map(|run| run.expect_success().expect_no_gl_errors().picture("capture.png"));
+    let (lens, panel) = ((0.5 * 75.0_f64.to_radians()).tan(), 30.0_f64.to_radians().tan());
+    let mut seen = 0;
+    for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
+        let [right, up, back] = CIRCLE.direction(x as f64 + 0.5, y as f64 + 0.5);
+        // The place in the lower left quarter of the panel, which is as wide as the picture.
+        let at = [right, up].map(|part| 2.0 * part / -back.min(-1e-3) / panel + 1.0);
+        let inside = at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
+        let found = corner.at(x, y).map(f64::from);
+        if inside < 0.9 {
+            let expected = cube_colour([at[0] * lens, at[1] * lens, -1.0]).map(|c| 255.0 * c);
+            let off = found.iter().zip(expected).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            assert!(off < 6.0, "({x}, {y}) is {found:?} instead of {expected:?}");
+            seen += 1;
+        } else if inside > 2.4 {
+            assert_eq!(corner.at(x, y), plain.at(x, y), "({x}, {y})");
+        }
+    }
+    assert!(seen > 500, "{seen} pixels");
 }

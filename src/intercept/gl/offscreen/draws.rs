@@ -9,13 +9,14 @@ use crate::intercept::gl::offscreen::view_copies::{
 };
 use crate::intercept::gl::offscreen::{backdrop, coverage, in_turn, sampling};
 use crate::intercept::gl::per_view::background;
-use crate::intercept::gl::per_view::classify::classify_by_projection;
+use crate::intercept::gl::per_view::classify::{classify_by_projection, several_viewports};
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::{own_window_space, program_window_space};
 use crate::intercept::gl::shader::camera_matrices::upload;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::frame::background::PanelPart;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
@@ -60,15 +61,22 @@ pub fn draw(
         supply(ctx, sampled, own_tile(ctx));
         return false;
     }
+    let part = panel_part(ctx, index);
+    let framebuffer = &mut ctx.view_copies.framebuffers[index];
+    framebuffer.has_scene |= part.is_none() && matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
+    // Axes, say, in a corner of a scene that is drawn already.
+    let corner = part.filter(|_| framebuffer.has_scene && sampled == 0);
+    let class = if corner.is_some() { DrawClass::Flat } else { class };
     let shown = match ctx.queries.primitives() {
         true => Views::ALL,
         false => select::views_off_screen(ctx, class, bounds, changes),
     };
     let count = views(ctx);
     ctx.view_copies.issued.count(shown, count);
-    let placed = match class {
-        DrawClass::Flat if sampled == 0 => place(ctx, index),
-        _ => Placed { class, measure: None, fills: false },
+    let placed = match (class, corner) {
+        (_, Some(part)) if background::prepare(ctx, part) => Placed::of(DrawClass::Background),
+        (DrawClass::Flat, _) if sampled == 0 => place(ctx, index),
+        _ => Placed::of(class),
     };
     let class = placed.class;
     let measure = Cell::new(placed.measure);
@@ -86,8 +94,16 @@ pub fn draw(
     if placed.fills {
         backdrop::spread(ctx, index);
     }
-    ctx.view_copies.framebuffers[index].has_scene |= matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
     true
+}
+
+/// The part of the panel that the viewport is, if it is not the main one of its framebuffer.
+fn panel_part(ctx: &Context, index: usize) -> Option<PanelPart> {
+    let framebuffer = ctx.view_copies.framebuffers.get(index)?;
+    let [width, height] = ctx.view_copies.image(framebuffer.images().next()?)?.size;
+    let [across, up] = ctx.app.viewport.size().map(f64::from);
+    let is_main = viewport::is_main(across, up, f64::from(width) * f64::from(height));
+    (!is_main && !several_viewports(ctx)).then(|| PanelPart::of(ctx.app.viewport, [width, height]))
 }
 
 /// Draws into the tile of each view in framebuffer `index`; each samples its own of the images
@@ -104,10 +120,14 @@ fn draw_in_tiles(
     let Some(grid) = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid)) else {
         return false;
     };
-    let count = copy_count(ctx);
+    let (count, own) = (copy_count(ctx), views(ctx));
     each_view(ctx, changes, count, shown, issue, |ctx, view| {
         supply(ctx, sampled, view);
         own_window_space(ctx, grid.tile(view));
+        if class == DrawClass::Background && view < own {
+            ctx.set_viewport(grid.tile(view));
+            ctx.set_scissor(Some(ctx.frame.background.within(view, grid.tile(view))));
+        }
         ctx.draw.to_window = ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]);
         class
     });
@@ -126,17 +146,23 @@ struct Placed {
     fills: bool,
 }
 
+impl Placed {
+    fn of(class: DrawClass) -> Self {
+        Self { class, measure: None, fills: false }
+    }
+}
+
 /// Where a flat draw that samples no image of the scene belongs in the views: what fills the
 /// picture, all of each; a text, where the panel would be.
 fn place(ctx: &mut Context, index: usize) -> Placed {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);
     if ctx.app.scissor_test && !ctx.app.scissor.contains(ctx.app.viewport) {
-        return Placed { class: DrawClass::Flat, measure: None, fills: false };
+        return Placed::of(DrawClass::Flat);
     }
     let (class, measure, fills) = match coverage::fills_viewport(ctx, samples) {
         Err(measure) => (DrawClass::Flat, Some(measure), false),
-        Ok(false) if background::prepare(ctx) => (DrawClass::Background, None, false),
+        Ok(false) if background::prepare(ctx, PanelPart::default()) => (DrawClass::Background, None, false),
         Ok(fills) => (DrawClass::Flat, None, fills),
     };
     Placed { class, measure, fills }

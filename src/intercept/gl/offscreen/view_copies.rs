@@ -14,6 +14,7 @@
 //! what draws do, `coverage` tells the picture from a map in its corner.
 
 use crate::backend::gl::driver::api::Gl;
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
@@ -428,7 +429,11 @@ pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
         return false;
     }
     let index = look(ctx);
-    ctx.view_copies.framebuffers[index].has_scene = false;
+    // What is cleared for a picture in a corner leaves the scene.
+    let name = ctx.view_copies.framebuffers[index].images().next();
+    let size = name.and_then(|name| ctx.view_copies.image(name)).map_or([0; 2], |image| image.size);
+    let part = ctx.app.scissor_test && !ctx.app.scissor.contains(LowerLeftRect::new(0, 0, size[0], size[1]));
+    ctx.view_copies.framebuffers[index].has_scene &= part;
     if !enter(ctx, index) {
         return false;
     }

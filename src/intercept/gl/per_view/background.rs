@@ -5,6 +5,7 @@
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::classify;
+use crate::intercept::gl::state::frame::background::PanelPart;
 
 /// True if a flat draw with the present state goes behind the scene.
 pub fn is_behind(ctx: &mut Context) -> bool {
@@ -13,11 +14,11 @@ pub fn is_behind(ctx: &mut Context) -> bool {
     }
     let Some(target) = ctx.drawable.target() else { return false };
     let whole = ctx.app.scissor.contains(LowerLeftRect::of_size(target.size()));
-    (whole || !ctx.app.scissor_test) && prepare(ctx)
+    (whole || !ctx.app.scissor_test) && prepare(ctx, PanelPart::default())
 }
 
 /// Makes the matrices by which what is flat lies in the views. `false`: there are none.
-pub fn prepare(ctx: &mut Context) -> bool {
+pub fn prepare(ctx: &mut Context, part: PanelPart) -> bool {
     let Some(session) = ctx.drawable.session() else { return false };
-    ctx.frame.background.prepare(session, &ctx.compat.projection.matrix)
+    ctx.frame.background.prepare(session, &ctx.compat.projection.matrix, part)
 }

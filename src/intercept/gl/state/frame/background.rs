@@ -1,9 +1,44 @@
 //! Flat drawing before the scene.
 
+use crate::correct::LowerLeftRect;
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
+
+/// What is nearer to the plane of a view's eye is outside of the view.
+const LEAST_W: f64 = 1e-6;
+
+/// The part of the panel that a viewport is: scale and offset of clip coordinates to the right and
+/// upwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanelPart {
+    scale: [f64; 2],
+    offset: [f64; 2],
+}
+
+impl Default for PanelPart {
+    fn default() -> Self {
+        Self { scale: [1.0; 2], offset: [0.0; 2] }
+    }
+}
+
+impl PanelPart {
+    /// That of a viewport in a picture of this size.
+    pub fn of(viewport: LowerLeftRect, [width, height]: [i32; 2]) -> Self {
+        let LowerLeftRect { x, y, width: across, height: up } = viewport;
+        let part = |length: i32, all: i32| f64::from(length) / f64::from(all.max(1));
+        let (scale, start) = ([part(across, width), part(up, height)], [part(x, width), part(y, height)]);
+        Self { scale, offset: std::array::from_fn(|i| 2.0 * start[i] + scale[i] - 1.0) }
+    }
+
+    /// The rows of the whole panel, for this part.
+    fn rows(&self, rows: &ClipRows) -> ClipRows {
+        let ([across, up], [right, above]) = (self.scale, self.offset);
+        let row = |[x, y, w, q]: [f64; 4]| [x * across, y * up, x * right + y * above + w, q];
+        ClipRows { x: row(rows.x), y: row(rows.y), w: row(rows.w), ..*rows }
+    }
+}
 
 /// What is known about flat drawing before the scene.
 #[derive(Default)]
@@ -11,6 +46,8 @@ pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
     rows: Vec<ClipRows>,
     shader_rows: Vec<ReprojectionMatrix>,
+    /// The part of the panel that `rows` are for.
+    part: PanelPart,
     /// The fixed-function projection that `per_view` is made from.
     matrix: Option<[f64; 16]>,
     per_view: Vec<[f64; 16]>,
@@ -49,9 +86,42 @@ impl Background {
         self.per_view.get(view)
     }
 
-    pub(in crate::intercept::gl) fn prepare(&mut self, session: &Session, projection: &[f64; 16]) -> bool {
-        if self.rows.is_empty() {
+    /// Where the part of the panel is in a tile of view `view`: the least rectangle around what of
+    /// it is before the view's eye.
+    pub fn within(&self, view: usize, tile: LowerLeftRect) -> LowerLeftRect {
+        let Some(rows) = self.rows.get(view) else { return tile };
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|[x, y]| [&rows.x, &rows.y, &rows.w].map(|row: &[f64; 4]| row[0] * x + row[1] * y + row[2]));
+        let (mut least, mut most) = ([1.0_f64; 2], [-1.0_f64; 2]);
+        for (i, from) in corners.iter().enumerate() {
+            let to = &corners[(i + 1) % 4];
+            // The corner, and where the side to the next one passes the eye's plane.
+            let crosses = (from[2] > LEAST_W) != (to[2] > LEAST_W);
+            let part = if crosses { (LEAST_W - from[2]) / (to[2] - from[2]) } else { 0.0 };
+            let crossing: [f64; 3] = std::array::from_fn(|k| from[k] + part * (to[k] - from[k]));
+            for [x, y, w] in [(*from, from[2] > LEAST_W), (crossing, crosses)].iter().filter(|c| c.1).map(|c| c.0) {
+                for (axis, at) in [x / w, y / w].into_iter().enumerate() {
+                    least[axis] = least[axis].min(at.clamp(-1.0, 1.0));
+                    most[axis] = most[axis].max(at.clamp(-1.0, 1.0));
+                }
+            }
+        }
+        let place = |at: f64, length: i32| (0.5 + 0.5 * at) * f64::from(length);
+        let [x, y] = [place(least[0], tile.width), place(least[1], tile.height)].map(|at| at.floor() as i32);
+        let [right, top] = [place(most[0], tile.width), place(most[1], tile.height)].map(|at| at.ceil() as i32);
+        LowerLeftRect::new(tile.x + x, tile.y + y, (right - x).max(0), (top - y).max(0))
+    }
+
+    pub(in crate::intercept::gl) fn prepare(
+        &mut self,
+        session: &Session,
+        projection: &[f64; 16],
+        part: PanelPart,
+    ) -> bool {
+        if self.rows.is_empty() || self.part != part {
+            self.part = part;
             self.rows = session.panel_rows();
+            self.rows.iter_mut().for_each(|rows| *rows = part.rows(rows));
             self.shader_rows = self.rows.iter().map(ReprojectionMatrix::of).collect();
             self.matrix = None;
         }
@@ -61,5 +131,23 @@ impl Background {
             self.per_view.extend(self.rows.iter().map(|rows| projection::multiply(&rows.matrix(), projection)));
         }
         !self.rows.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::PanelPart;
+    use crate::correct::LowerLeftRect;
+    use crate::runtime::session::ClipRows;
+
+    #[test]
+    fn the_corners_of_a_viewport_are_those_of_its_part() {
+        let row = |at: usize| std::array::from_fn(|i| if i == at { 1.0 } else { 0.0 });
+        let whole = ClipRows { x: row(0), y: row(1), w: row(2), e: 0.0, curved: false, depth: [0.5, 0.0] };
+        let part = PanelPart::of(LowerLeftRect::new(100, 0, 100, 50), [400, 200]).rows(&whole);
+        let at = |row: [f64; 4], [x, y]: [f64; 2]| row[0] * x + row[1] * y + row[2];
+        for (corner, expected) in [([-1.0, -1.0], [-0.5, -1.0]), ([1.0, 1.0], [0.0, -0.5])] {
+            assert_eq!([at(part.x, corner), at(part.y, corner), at(part.w, corner)], [expected[0], expected[1], 1.0]);
+        }
     }
 }
