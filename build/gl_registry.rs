@@ -83,6 +83,7 @@ pub fn generate() -> [String; 3] {
     table(&commands, &mut out);
     core_commands(root, &commands, &mut out);
     aliases(root, &mut out);
+    outside(root, &commands, &mut out);
     let declarations: Vec<Declaration> = commands.into_iter().map(|(declaration, _)| declaration).collect();
     [out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations)]
 }
@@ -144,6 +145,46 @@ fn core_commands(root: roxmltree::Node, commands: &[(Declaration, String)], out:
         checks(&gl)
     )
     .expect("writing to a String");
+}
+
+/// The commands that an API's versions and extensions have, by their core names. `extensions`: the
+/// word by which the registry says that an extension is of this API.
+fn commands_of(root: roxmltree::Node, api: &str, extensions: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for part in root.descendants().filter(|n| n.has_tag_name("require") || n.has_tag_name("remove")) {
+        let of = part.parent().expect("it lies in a version or an extension");
+        let is_of_api = if of.has_tag_name("feature") {
+            of.attribute("api") == Some(api)
+        } else {
+            of.attribute("supported").is_some_and(|apis| apis.split('|').any(|api| api == extensions))
+        };
+        for command in part.children().filter(|n| is_of_api && n.has_tag_name("command")) {
+            let name = command.attribute("name").expect("a command has a name");
+            if part.has_tag_name("require") {
+                found.insert(name);
+            } else {
+                found.remove(name);
+            }
+        }
+    }
+    let aliases: BTreeMap<String, String> = alias_pairs(root).into_iter().collect();
+    let core_name = |mut name: String| {
+        while let Some(target) = aliases.get(&name) {
+            name = target.clone();
+        }
+        name
+    };
+    found.into_iter().map(|name| core_name(name.to_owned())).collect()
+}
+
+/// The commands that the core profile of OpenGL does not have, and those that OpenGL ES does not.
+fn outside(root: roxmltree::Node, commands: &[(Declaration, String)], out: &mut String) {
+    for (table, api, extensions) in [("OUTSIDE_CORE", "gl", "glcore"), ("OUTSIDE_ES", "gles2", "gles2")] {
+        let inside = commands_of(root, api, extensions);
+        let names: BTreeSet<&str> = commands.iter().map(|(declaration, _)| &*declaration.name).collect();
+        let names: Vec<&str> = names.into_iter().filter(|name| !inside.contains(*name)).collect();
+        writeln!(out, "const {table}: [&str; {}] = {names:?};", names.len()).expect("writing to a String");
+    }
 }
 
 fn enums(root: roxmltree::Node, out: &mut String) {
@@ -225,7 +266,8 @@ fn table(commands: &[(Declaration, String)], out: &mut String) {
     .expect("writing to a String");
 }
 
-fn aliases(root: roxmltree::Node, out: &mut String) {
+/// Aliases with the names that they stand for.
+fn alias_pairs(root: roxmltree::Node) -> Vec<(String, String)> {
     let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
     let mut pairs = Vec::new();
     for command in list.children().filter(|n| n.has_tag_name("command")) {
@@ -236,6 +278,11 @@ fn aliases(root: roxmltree::Node, out: &mut String) {
         }
     }
     pairs.sort();
+    pairs
+}
+
+fn aliases(root: roxmltree::Node, out: &mut String) {
+    let pairs = alias_pairs(root);
     writeln!(out, "pub static ALIASES: [(&str, &str); {}] = [", pairs.len()).expect("writing to a String");
     for (alias, target) in &pairs {
         writeln!(out, "    ({alias:?}, {target:?}),").expect("writing to a String");

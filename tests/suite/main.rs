@@ -50,6 +50,7 @@ mod steady;
 mod vertices;
 mod vkcube;
 mod vulkan;
+mod vulkan_calls;
 mod vulkan_computed;
 mod vulkan_faults;
 mod vulkan_later;
@@ -93,6 +94,7 @@ harness::tests! {
     steady,
     vertices,
     vulkan,
+    vulkan_calls,
     vulkan_computed,
     vulkan_faults,
     vulkan_later,

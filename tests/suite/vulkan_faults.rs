@@ -80,7 +80,7 @@ impl Outcome {
 
 /// The folders of the descriptions of the layers above and below Cupola, since the loader takes
 /// layers in the order in which it finds them.
-fn layers() -> Option<&'static [String; 2]> {
+pub fn layers() -> Option<&'static [String; 2]> {
     static FOLDERS: OnceLock<[String; 2]> = OnceLock::new();
     if !cfg!(target_arch = "x86_64") {
         return None;

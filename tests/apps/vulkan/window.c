@@ -148,9 +148,10 @@ static void open_device(vulkan_window *w, bool newest)
 void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
                  VkImageUsageFlags usage)
 {
-    const bool stages = w->stages;
+    const bool stages = w->stages, immediate = w->immediate;
     memset(w, 0, sizeof *w);
     w->stages = stages;
+    w->immediate = immediate;
     open_x11(w, x, y, width, height);
     open_device(w, newest);
     w->format = srgb ? VK_FORMAT_B8G8R8A8_SRGB : VK_FORMAT_B8G8R8A8_UNORM;
@@ -192,7 +193,7 @@ void window_make_swapchain(vulkan_window *w)
                                            .imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | w->usage,
                                            .preTransform = VK_SURFACE_TRANSFORM_IDENTITY_BIT_KHR,
                                            .compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
-                                           .presentMode = VK_PRESENT_MODE_FIFO_KHR,
+                                           .presentMode = w->immediate ? VK_PRESENT_MODE_IMMEDIATE_KHR : VK_PRESENT_MODE_FIFO_KHR,
                                            .clipped = VK_TRUE,
                                            .oldSwapchain = old};
     expect(vkCreateSwapchainKHR(w->device, &info, NULL, &w->swapchain), "vkCreateSwapchainKHR");

@@ -38,6 +38,7 @@ typedef struct {
     uint32_t family;
     window_extensions has;
     bool stages; /* geometry and tessellation shaders are enabled; said before the window is opened */
+    bool immediate; /* pictures are shown at once, so that vkQueuePresentKHR waits until they are; likewise */
     VkSurfaceKHR surface;
     VkFormat format;
     VkImageUsageFlags usage; /* of the swapchain's images, beside drawing */

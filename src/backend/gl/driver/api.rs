@@ -31,6 +31,44 @@ pub fn core_name(name: &str) -> &str {
     name
 }
 
+/// The kinds of contexts that do not have a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outside {
+    /// Those of the core profile.
+    pub core: bool,
+    /// Those of OpenGL ES 2 and 3.
+    pub es: bool,
+}
+
+impl Outside {
+    /// Of the command with this core name.
+    pub const fn of(name: &str) -> Self {
+        Self { core: is_in(&OUTSIDE_CORE, name), es: is_in(&OUTSIDE_ES, name) }
+    }
+}
+
+/// Whether a list, which is in order, has this name.
+const fn is_in(list: &[&str], name: &str) -> bool {
+    let (mut first, mut end) = (0, list.len());
+    while first < end {
+        let middle = first.midpoint(end);
+        let (candidate, name) = (list[middle].as_bytes(), name.as_bytes());
+        let mut at = 0;
+        while at < candidate.len() && at < name.len() && candidate[at] == name[at] {
+            at += 1;
+        }
+        if at == candidate.len() && at == name.len() {
+            return true;
+        }
+        if at < name.len() && (at == candidate.len() || candidate[at] < name[at]) {
+            first = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    false
+}
+
 impl Gl {
     /// A string of the driver, `GL_VERSION` and the like, whose context is current; empty where it
     /// has none.
@@ -45,5 +83,26 @@ impl Gl {
     /// True if the current context is OpenGL ES.
     pub fn is_es(&self) -> bool {
         self.text(GL_VERSION).starts_with("OpenGL ES")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Outside;
+
+    #[test]
+    fn the_registry_says_what_a_context_lacks() {
+        let lacking = [("glBegin", true, true), ("glPushAttrib", true, true), ("glDrawBuffer", false, true)];
+        // Taken away with OpenGL 3.2 and given back with 4.3; of an extension of desktop OpenGL; of OpenGL ES by
+        // another name.
+        let having = [
+            ("glGetPointerv", false, false),
+            ("glFramebufferDrawBufferEXT", false, true),
+            ("glMapBuffer", false, false),
+        ];
+        for (name, core, es) in lacking.into_iter().chain(having) {
+            assert_eq!(Outside::of(name), Outside { core, es }, "{name}");
+        }
+        assert_eq!(Outside::of("glViewport"), Outside { core: false, es: false });
     }
 }

@@ -1,4 +1,4 @@
-//! Comparison of what OpenGL answers with and without Cupola.
+//! Comparison of what OpenGL and Vulkan answer with and without Cupola.
 
 use super::player::{Answers, Player};
 use crate::failure::Failure;
@@ -96,13 +96,18 @@ pub fn outcome(plain: &Answers, ours: &Answers, lines: &[String]) -> Outcome {
     }
 }
 
+/// The command of a line: behind the word for the result, if there is one.
+pub fn command(line: &str) -> &str {
+    line.split(' ').find(|word| word.starts_with("gl")).or(line.split(' ').next()).unwrap_or(line)
+}
+
 /// What was called or asked in the line, and which of its answers differ.
 fn kind(plain: &str, ours: &str, lines: &[String]) -> String {
     let line = lines.get(number(plain).min(number(ours)).wrapping_sub(1)).map_or("", String::as_str);
     let command = match plain.split_once(" = ") {
         // A question with its answer.
         Some((question, _)) => question.split_once(' ').map_or("", |(_, question)| question).to_owned(),
-        None => line.split(' ').nth(1).unwrap_or(line).to_owned(),
+        None => command(line).to_owned(),
     };
     let answers = |text: &str| -> Vec<String> {
         let answer = text.split_once(" = ").map_or(text, |(_, answer)| answer);
@@ -113,6 +118,10 @@ fn kind(plain: &str, ours: &str, lines: &[String]) -> String {
         return format!("{command}: crash");
     }
     let what = if command.contains(' ') { ["error", "result", "output"] } else { ["line", "error", "result"] };
-    let at = plain.iter().zip(&ours).position(|(plain, ours)| plain != ours).unwrap_or(0);
-    format!("{command}: {}", what.get(at).unwrap_or(&"output"))
+    let at = plain.iter().zip(&ours).position(|(plain, ours)| plain != ours);
+    let at = at.unwrap_or(plain.len().min(ours.len()));
+    match ours.get(at).filter(|word| ["VUID-", "UNASSIGNED-", "SYNC-"].iter().any(|kind| word.starts_with(kind))) {
+        Some(message) => format!("{command}: {message}"),
+        None => format!("{command}: {}", what.get(at).unwrap_or(&"output")),
+    }
 }

@@ -1,4 +1,5 @@
-//! `cupola-lab calls`: random OpenGL calls with and without Cupola, whose answers are compared.
+//! `cupola-lab calls`: random OpenGL calls and Vulkan commands with and without Cupola, whose
+//! answers are compared.
 
 mod arguments;
 mod compare;
@@ -9,9 +10,10 @@ mod questions;
 mod registry;
 mod rules;
 mod sources;
+mod vulkan;
 
 use crate::display::Server;
-use crate::environment;
+use crate::environment::{self, Environment};
 use crate::failure::Failure;
 use compare::{Difference, Outcome, Pair};
 use episode::{Kind, Vocabulary};
@@ -20,15 +22,17 @@ use registry::Registry;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use vulkan::Validation;
 
-/// Compare what OpenGL answers to random calls with and without Cupola
+/// Compare what OpenGL and Vulkan answer to random calls with and without Cupola
 ///
-/// Legal and illegal calls of all entry points go to two contexts in the same order. Compared are
-/// errors and answers of each call, and all state that can be asked for. The exit code is 1 if an
-/// answer differs.
+/// Legal and illegal calls of all entry points of OpenGL go to two contexts in the same order.
+/// Compared are errors and answers of each call, and all state that can be asked for. With --vulkan
+/// legal commands go to two devices, and what images, buffers and the window hold is compared. The
+/// exit code is 1 if an answer differs.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Program that plays calls (tests/apps/player.c)
+    /// Program that plays calls (tests/apps/player.c, tests/apps/vulkan/player.c)
     #[arg(long, value_name = "FILE")]
     player: PathBuf,
     /// Rig to compare with
@@ -46,6 +50,15 @@ pub struct Arguments {
     /// Kinds of contexts, taken in turn [default: compatibility,core,compatibility,es3]
     #[arg(long, value_delimiter = ',', value_name = "KIND")]
     kinds: Vec<Kind>,
+    /// Play commands of Vulkan
+    #[arg(long, conflicts_with = "kinds")]
+    vulkan: bool,
+    /// Leave out what makes a program flat on Vulkan: there the frame in which that is noticed differs
+    #[arg(long, requires = "vulkan")]
+    followed: bool,
+    /// Place of Vulkan's validation layer, whose messages are compared
+    #[arg(long, value_name = "PLACE", default_value = "below", requires = "vulkan")]
+    validation: Validation,
     /// Play these files instead of random calls
     #[arg(long, value_name = "FILE", num_args = 1..)]
     replay: Vec<PathBuf>,
@@ -67,6 +80,9 @@ pub struct Arguments {
 /// Number of trials for the shortest list.
 const TRIALS: usize = 1500;
 
+/// Number of lines that an episode may lose.
+const MOST_LINES_LEFT_OUT: usize = 12;
+
 /// Number of questions that may crash the driver.
 const CRASHES: usize = 100;
 
@@ -75,30 +91,42 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let failure = |path: &Path, error: std::io::Error| Failure::usage(format!("{}: {error}", path.display()));
     std::fs::create_dir_all(&arguments.folder).map_err(|error| failure(&arguments.folder, error))?;
     let folder = arguments.folder.canonicalize().map_err(|error| failure(&arguments.folder, error))?;
-    let server = Server::start((640, 480), &folder)?;
+    // One for each player, whose windows lie in the same place.
+    let [server, second] = [Server::start((640, 480), &folder)?, Server::start((640, 480), &folder)?];
     let registry = Registry::read()?;
     let questions = folder.join("questions.txt");
     let program = arguments.player.canonicalize().map_err(|error| failure(&arguments.player, error))?;
     let mut ours = environment::of_rig(&arguments.rig, &folder)?;
+    let mut plain = Environment::new();
+    if arguments.vulkan {
+        plain = arguments.validation.plain();
+        ours.extend(arguments.validation.with_cupola(&ours));
+    }
     for variable in &arguments.set {
         ours.push(setting("--set", variable)?);
     }
     let mut pair = Pair {
-        plain: Player::new(&program, &questions, &server, &Vec::new()),
-        ours: Player::new(&program, &questions, &server, &ours),
+        plain: Player::new(&program, &questions, &server, &plain),
+        ours: Player::new(&program, &questions, &second, &ours),
         file: folder.join("calls.txt"),
     };
     let default = [Kind::Compatibility, Kind::Core, Kind::Compatibility, Kind::Es3];
-    let kinds = if arguments.kinds.is_empty() { &default[..] } else { &arguments.kinds };
+    let kinds = match &arguments.kinds[..] {
+        _ if arguments.vulkan => &[],
+        [] => &default[..],
+        kinds => kinds,
+    };
     let vocabularies: Vec<Vocabulary> = kinds.iter().map(|kind| Vocabulary::new(&registry, *kind)).collect();
-    find_questions(&registry, &vocabularies, kinds, &questions, &mut pair)?;
+    if !arguments.vulkan {
+        find_questions(&registry, &vocabularies, kinds, &questions, &mut pair)?;
+    }
     let mut report = Report { folder, ..Report::default() };
     if !arguments.in_turn.is_empty() {
         let mut differs = false;
         for variable in &arguments.in_turn {
             let mut ours = ours.clone();
             ours.push(setting("--in-turn", variable)?);
-            pair.ours = Player::new(&program, &questions, &server, &ours);
+            pair.ours = Player::new(&program, &questions, &second, &ours);
             let mut report = Report { folder: report.folder.clone(), ..Report::default() };
             report.replay(&mut pair, arguments)?;
             if !report.differences.is_empty() {
@@ -111,6 +139,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     report.replay(&mut pair, arguments)?;
     let episodes = if arguments.replay.is_empty() { arguments.episodes } else { 0 };
     for seed in arguments.seed..arguments.seed + episodes {
+        if arguments.vulkan {
+            let lines = vulkan::lines(seed, arguments.calls, arguments.followed);
+            report.play(&mut pair, &lines, &format!("seed {seed}, Vulkan"), arguments.keep)?;
+            continue;
+        }
         let index = (seed % kinds.len() as u64) as usize;
         let (kind, vocabulary) = (kinds[index], &vocabularies[index]);
         let lines = episode::lines(vocabulary, seed, kind, arguments.calls);
@@ -182,6 +215,8 @@ struct Report {
     folder: PathBuf,
     calls: usize,
     episodes: usize,
+    /// Number of lines without which episodes were played again.
+    left_out: usize,
     /// Calls in which the driver crashed without Cupola.
     crashes: BTreeMap<String, usize>,
     /// Differences by their kinds, with their number and the first file.
@@ -202,19 +237,39 @@ impl Report {
         Ok(())
     }
 
+    /// Plays an episode. After a crash of the driver, or a call that differs as another did before, it is played
+    /// without that line.
     fn play(&mut self, pair: &mut Pair, lines: &[String], name: &str, keep: bool) -> Result<(), Failure> {
         self.episodes += 1;
-        match pair.compare(lines)? {
-            Outcome::Same => self.calls += lines.len(),
-            Outcome::Crashed(line) => {
-                self.calls += line;
-                let call = lines.get(line.wrapping_sub(1)).map_or("", String::as_str);
-                *self.crashes.entry(call.split(' ').nth(1).unwrap_or(call).to_owned()).or_default() += 1;
+        let mut lines = lines.to_vec();
+        for _ in 0..MOST_LINES_LEFT_OUT {
+            let played = match pair.compare(&lines)? {
+                Outcome::Same => {
+                    self.calls += lines.len();
+                    return Ok(());
+                }
+                Outcome::Crashed(line) => {
+                    let call = lines.get(line.wrapping_sub(1)).map_or("", String::as_str);
+                    *self.crashes.entry(compare::command(call).to_owned()).or_default() += 1;
+                    line
+                }
+                Outcome::Different(difference) => {
+                    let is_known = self.differences.contains_key(&difference.kind);
+                    self.found(pair, &lines, name, keep, &difference)?;
+                    // What was asked for would differ again.
+                    let is_call = lines.get(difference.line.wrapping_sub(1)).is_some_and(|line| line.contains(' '));
+                    if !is_known || !is_call {
+                        self.calls += difference.line;
+                        return Ok(());
+                    }
+                    difference.line
+                }
+            };
+            if played < 2 || played > lines.len() {
+                return Ok(());
             }
-            Outcome::Different(difference) => {
-                self.calls += difference.line;
-                self.found(pair, lines, name, keep, &difference)?;
-            }
+            lines.remove(played - 1);
+            self.left_out += 1;
         }
         Ok(())
     }
@@ -288,6 +343,9 @@ impl Report {
 
     fn print(&self) -> ExitCode {
         println!("{} calls in {} episodes", self.calls, self.episodes);
+        if self.left_out > 0 {
+            println!("{} lines left out after crashes and known differences", self.left_out);
+        }
         for (call, count) in &self.crashes {
             println!("without Cupola the driver crashed {count} times in {call}");
         }

@@ -29,7 +29,7 @@ pub fn begins(name: &str, beginning: &str) -> bool {
 }
 
 /// Beginnings of the names of commands that are not called, with the reason.
-pub const LEFT_OUT: [(&str, &str); 34] = [
+pub const LEFT_OUT: [(&str, &str); 35] = [
     ("glGetn", "takes sizes of areas that are not those of the areas here"),
     ("glReadnPixels", "the same"),
     ("glMultiModeDraw", "takes lists of modes by a stride"),
@@ -48,6 +48,7 @@ pub const LEFT_OUT: [(&str, &str); 34] = [
     ("glNamedFramebufferTextureLayerEXT", "the same"),
     ("glMaterialf$", "Mesa 22.3 reads as many numbers as the property has"),
     ("glMateriali$", "the same"),
+    ("glNamedProgramString", "Mesa 22.3 crashes where a list with one that it refused is replaced"),
     ("glShaderBinary", "takes the code of SPIR-V, which Mesa does not check"),
     ("glSpecializeShader", "the same"),
     ("glGetAttached", "asked for by the questions, without the names"),
@@ -124,11 +125,19 @@ pub const WEIGHTS: [(&str, u32); 52] = [
 ];
 
 /// Values that no call gets, by the names of command (its beginning) and value, with the reason.
-pub const VALUES_LEFT_OUT: [(&str, &str, &str); 6] = [
+pub const VALUES_LEFT_OUT: [(&str, &str, &str); 10] = [
     ("glNewList", "GL_COMPILE_AND_EXECUTE", "limit: the list is executed when it is complete"),
     ("glEnable", "GL_DEBUG_OUTPUT_SYNCHRONOUS", "messages are not compared"),
     ("glDrawBuffer", "GL_FRONT", "limit: front and back buffer are one"),
     ("glReadBuffer", "GL_FRONT", "limit: front and back buffer are one"),
+    (
+        "glNamedFramebufferReadBuffer",
+        "GL_FRONT",
+        "Mesa 22.3 has no front buffer until a command on what is bound names it",
+    ),
+    ("glNamedFramebufferReadBuffer", "GL_FRONT_AND_BACK", "the same"),
+    ("glFramebufferReadBufferEXT", "GL_FRONT", "the same"),
+    ("glFramebufferReadBufferEXT", "GL_FRONT_AND_BACK", "the same"),
     ("glGet", "GL_TIMESTAMP", "the time"),
     ("glBeginQuery", "GL_TIME_ELAPSED", "the time"),
 ];

@@ -207,7 +207,10 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
 hooks! {
     between;
     "glBegin" begin(mode: u32) = |ctx, gl| {
-        if !ctx.driver.profile.compatibility() {
+        if ctx.app.draw_framebuffer != 0
+            && !ctx.compiling()
+            && gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER) != api::GL_FRAMEBUFFER_COMPLETE
+        {
             // The driver refuses it.
         } else if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
             ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);

@@ -204,15 +204,17 @@ unsafe fn offset(kind: u32, lists: *const c_void, index: usize) -> u32 {
 }
 
 fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
+    // SAFETY: a question about a name.
+    let is_new = unsafe { ctx.driver.gl.is_list(list) } == 0;
     // SAFETY: the program's own command; execution comes when the list ends.
     unsafe { ctx.driver.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
-    let takes = ctx.driver.profile.compatibility() && list != 0 && !ctx.compiling();
+    let takes = list != 0 && !ctx.compiling();
     if takes && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) {
         let execute = mode == api::GL_COMPILE_AND_EXECUTE;
         let (items, bounds) = (Vec::new(), Bounds::EMPTY);
         let (draws, raster, sets_state, primitive) = (false, false, false, Primitive::default());
         ctx.lists.recording =
-            Some(Recording { list, execute, items, real: list, draws, raster, sets_state, bounds, primitive });
+            Some(Recording { list, is_new, execute, items, real: list, draws, raster, sets_state, bounds, primitive });
     }
 }
 
@@ -269,7 +271,7 @@ pub fn call_list(ctx: &mut Context, list: u32) {
 /// # Safety
 /// `names` must hold `count` elements of the type `kind`, as the program promises OpenGL.
 pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const c_void) {
-    let known = ctx.driver.profile.compatibility() && (api::GL_BYTE..=api::GL_4_BYTES).contains(&kind);
+    let known = (api::GL_BYTE..=api::GL_4_BYTES).contains(&kind);
     if count < 0 || !known {
         // The driver says the error, without reading names.
         // SAFETY: no names are read where the number or the type is wrong.
@@ -290,6 +292,11 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
 
 hooks! {
     "glNewList" new_list(list: u32, mode: u32) = |ctx, _gl| begin_recording(ctx, list, mode);
+    "glIsList" is_list(list: u32) -> u8 = |ctx, gl| {
+        // A part of it may have ended, under its name.
+        let is_compiled = ctx.lists.recording.as_ref().is_some_and(|recording| recording.is_new && recording.list == list);
+        if is_compiled { 0 } else { gl.is_list(list) }
+    };
     "glListBase" list_base(base: u32) = |ctx, _gl| {
         if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(&ctx.driver, &mut ctx.lists, base) }
     };

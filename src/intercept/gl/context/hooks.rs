@@ -15,9 +15,9 @@ unsafe impl Sync for Hook {}
 ///
 /// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context of
 /// ours the call goes straight to the driver; so it does after a panic, which switches the context
-/// off: interception fails open; and so it does once the process ends. Between Begin and End of a
-/// draw of ours it goes to the driver, too, which says that it is not allowed there; hooks of what
-/// is allowed say so by `between;`.
+/// off: interception fails open; and so it does once the process ends, and where the profile does
+/// not have the command. Between Begin and End of a draw of ours it goes to the driver, too, which
+/// says that it is not allowed there; hooks of what is allowed say so by `between;`.
 macro_rules! hooks {
     (between; $($hooks:tt)*) => {
         $crate::intercept::gl::context::hooks::hooks! { @between true; $($hooks)* }
@@ -32,7 +32,12 @@ macro_rules! hooks {
                     return unsafe { $crate::intercept::gl::context::current::driver().$method($($p),*) };
                 };
                 let $gl = $ctx.driver.gl;
-                if $ctx.switched_off || $crate::intercept::ending::of_process() || (!$between && $ctx.compat.immediate.refuses($gl)) {
+                const OUTSIDE: $crate::backend::gl::driver::api::Outside = $crate::backend::gl::driver::api::Outside::of($name);
+                if $ctx.switched_off
+                    || $crate::intercept::ending::of_process()
+                    || $ctx.driver.profile.is_outside(OUTSIDE)
+                    || (!$between && $ctx.compat.immediate.refuses($gl))
+                {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }

@@ -146,6 +146,8 @@ pub struct ListState {
 /// The list that is being compiled.
 pub struct Recording {
     pub(in crate::intercept::gl) list: u32,
+    /// There was no list of this name.
+    pub(in crate::intercept::gl) is_new: bool,
     pub(in crate::intercept::gl) execute: bool,
     pub(in crate::intercept::gl) items: Vec<Item>,
     pub(in crate::intercept::gl) real: u32,

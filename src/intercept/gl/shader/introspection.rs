@@ -37,6 +37,22 @@ fn own_uniforms(ctx: &Context, program: u32) -> Own {
     Own { indices: programs::record(&ctx.share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
+/// The location for the driver: none where the program's number is one of ours.
+fn location(ctx: &Context, program: u32, location: i32) -> i32 {
+    let gl = ctx.driver.gl;
+    let is_ours = |index: &u32| {
+        let mut name = [0; 256];
+        let (mut length, mut size, mut kind) = (0, 0, 0);
+        // SAFETY: writes one number each, and no more characters than there is room for.
+        let first = unsafe {
+            gl.get_active_uniform(program, *index, 256, &mut length, &mut size, &mut kind, name.as_mut_ptr());
+            gl.get_uniform_location(program, name.as_ptr())
+        };
+        first >= 0 && (first..first.saturating_add(size)).contains(&location)
+    };
+    if own_uniforms(ctx, program).indices.iter().any(is_ours) { -1 } else { location }
+}
+
 /// True if a program is to be deleted once it is in use no longer.
 fn is_deleted(ctx: &Context, program: u32) -> bool {
     ctx.share.programs.locked().uses.is_deleted(program)
@@ -127,6 +143,22 @@ hooks! {
             gl.get_active_uniformsiv(program, count, moved.as_ptr(), what, values);
         }
     };
+    "glGetUniformfv" get_uniformfv(program: u32, number: i32, values: *mut f32) = |ctx, gl|
+        gl.get_uniformfv(program, location(ctx, program, number), values);
+    "glGetUniformiv" get_uniformiv(program: u32, number: i32, values: *mut i32) = |ctx, gl|
+        gl.get_uniformiv(program, location(ctx, program, number), values);
+    "glGetUniformuiv" get_uniformuiv(program: u32, number: i32, values: *mut u32) = |ctx, gl|
+        gl.get_uniformuiv(program, location(ctx, program, number), values);
+    "glGetUniformdv" get_uniformdv(program: u32, number: i32, values: *mut f64) = |ctx, gl|
+        gl.get_uniformdv(program, location(ctx, program, number), values);
+    "glGetnUniformfv" getn_uniformfv(program: u32, number: i32, room: i32, values: *mut f32) = |ctx, gl|
+        gl.getn_uniformfv(program, location(ctx, program, number), room, values);
+    "glGetnUniformiv" getn_uniformiv(program: u32, number: i32, room: i32, values: *mut i32) = |ctx, gl|
+        gl.getn_uniformiv(program, location(ctx, program, number), room, values);
+    "glGetnUniformuiv" getn_uniformuiv(program: u32, number: i32, room: i32, values: *mut u32) = |ctx, gl|
+        gl.getn_uniformuiv(program, location(ctx, program, number), room, values);
+    "glGetnUniformdv" getn_uniformdv(program: u32, number: i32, room: i32, values: *mut f64) = |ctx, gl|
+        gl.getn_uniformdv(program, location(ctx, program, number), room, values);
     "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
         gl.get_uniform_indices(program, count, names, indices);
         renumber(&own_uniforms(ctx, program), count, indices.cast());

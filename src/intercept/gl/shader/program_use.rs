@@ -1,6 +1,6 @@
 //! Which program is in use, and the deletion of programs.
 
-use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
@@ -11,12 +11,21 @@ use crate::lock::Lock;
 pub fn select(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.use_program(name) };
+    let name = if name == 0 || programs::record(&ctx.share, name).is_some() { name } else { used(ctx) };
     let old = std::mem::replace(&mut ctx.shaders.pipelines.used, name);
     if old != name {
         ctx.share.programs.locked().uses.change(old, name);
         delete_unused(ctx);
     }
     program_pipelines::choose(ctx);
+}
+
+/// The program that the driver uses: it goes on with it if it refuses another one.
+fn used(ctx: &Context) -> u32 {
+    let mut name = 0;
+    // SAFETY: writes one integer.
+    unsafe { ctx.driver.gl.get_integerv(api::GL_CURRENT_PROGRAM, &mut name) };
+    name as u32
 }
 
 /// Deletes the programs that waited for it.

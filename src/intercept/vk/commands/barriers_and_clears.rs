@@ -84,6 +84,8 @@ trait Barrier: Copy {
     fn target(&self) -> (vk::Image, vk::ImageLayout);
     /// The same for another image.
     fn of(self, image: vk::Image) -> Self;
+    /// The same from any layout.
+    fn of_anything(self) -> Self;
 }
 
 /// Barriers of either kind.
@@ -94,6 +96,9 @@ macro_rules! barriers {
         }
         fn of(self, image: vk::Image) -> Self {
             self.image(image)
+        }
+        fn of_anything(self) -> Self {
+            self.old_layout(vk::ImageLayout::UNDEFINED)
         }
     } )+ };
 }
@@ -112,7 +117,9 @@ fn with_atlas_copies<B: Barrier>(device: &Device, buffer: vk::CommandBuffer, giv
     for barrier in given {
         let (image, layout) = barrier.target();
         moved(device, buffer, image, layout);
-        all.extend(device.images.atlas_copies(image).into_iter().map(|atlas_copy| barrier.of(atlas_copy)));
+        // Passes of a program that is flat do not take them along.
+        let followed = if device.draws_views() { *barrier } else { barrier.of_anything() };
+        all.extend(device.images.atlas_copies(image).into_iter().map(|atlas_copy| followed.of(atlas_copy)));
     }
     all
 }
@@ -176,8 +183,12 @@ hooks! {
     cmd_clear_color_image = (
         buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, color: *const vk::ClearColorValue, count: u32, ranges: *const vk::ImageSubresourceRange
     ) { |state, next| {
-        for atlas_copy in state.images.atlas_copies(image) {
+        for atlas_copy in state.atlas_copies(image) {
             next(buffer, atlas_copy, layout, color, count, ranges);
+        }
+        if let Some(window) = state.images.target_of_image(image).filter(|target| target.window) {
+            let drawn = Event::Drawn(window, state.draws_views());
+            state.recordings.with(buffer, |recording| recording.events.push(drawn));
         }
         if let Some(scene) = state.images.scene(image).filter(|scene| scene.is_stored()) {
             state.recordings.with(buffer, |recording| recording.samples(std::sync::Arc::clone(&scene)));
@@ -188,7 +199,7 @@ hooks! {
     cmd_clear_depth_stencil_image = (
         buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, value: *const vk::ClearDepthStencilValue, count: u32, ranges: *const vk::ImageSubresourceRange
     ) { |state, next| {
-        for atlas_copy in state.images.atlas_copies(image) {
+        for atlas_copy in state.atlas_copies(image) {
             next(buffer, atlas_copy, layout, value, count, ranges);
         }
         next(buffer, image, layout, value, count, ranges)

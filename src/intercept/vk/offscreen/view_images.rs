@@ -82,7 +82,13 @@ impl Images {
         }
         let nothing = if stored { made.pop() } else { None };
         let brought = |cleared: bool| {
-            move |own: &OwnImage| PendingLayout { image: own.image, layout: kept, aspects: aspects(format), cleared }
+            move |own: &OwnImage| PendingLayout {
+                image: own.image,
+                layout: kept,
+                aspects: aspects(format),
+                cleared,
+                filled: None,
+            }
         };
         let mut pending = self.pending.locked();
         pending.extend(made.iter().map(brought(false)));
@@ -132,7 +138,13 @@ impl Images {
         let made = image(device, (layout.atlas, 1), state.flags, (state.format, state.usage))?;
         let (image, aspects) = (made.image, aspects(state.format));
         state.atlas_copies.push((layout.atlas, made));
-        self.pending.locked().push(PendingLayout { image, layout: state.layout, aspects, cleared: false });
+        self.pending.locked().push(PendingLayout {
+            image,
+            layout: state.layout,
+            aspects,
+            cleared: false,
+            filled: None,
+        });
         Ok(image)
     }
 }

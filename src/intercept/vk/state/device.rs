@@ -124,6 +124,11 @@ impl Device {
         self.flatness.show_flat(&why.into());
     }
 
+    /// The atlas copies of an image, which follow it while draws are issued for each view.
+    pub fn atlas_copies(&self, image: vk::Image) -> Vec<vk::Image> {
+        if self.draws_views() { self.images.atlas_copies(image) } else { Vec::new() }
+    }
+
     /// A queue with its family.
     pub fn queue(&self, handle: vk::Queue) -> Queue {
         let queues = self.queues.locked();

@@ -65,6 +65,9 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) ->
                 functions.cmd_clear_color_image(buffer, *image, *layout, &vk::ClearColorValue::default(), &[COLOR]);
                 barrier_of_color(&device.driver, buffer, *image, left_in(*layout), ready_in(*layout));
             }
+            for pending in pending {
+                fill(device, buffer, pending);
+            }
             functions.end_command_buffer(buffer)?;
             let fence = functions.create_fence(&vk::FenceCreateInfo::default(), None)?;
             let work = vk::SubmitInfo::default().command_buffers(std::slice::from_ref(&buffer));
@@ -78,6 +81,52 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) ->
         functions.destroy_command_pool(pool, None);
         result
     }
+}
+
+/// Gives an atlas what the program's image holds.
+///
+/// # Safety
+/// The command buffer is being recorded, and the image in the layout that is said.
+unsafe fn fill(device: &Device, buffer: vk::CommandBuffer, pending: &PendingLayout) {
+    let PendingLayout { image, layout, aspects, filled, .. } = *pending;
+    let Some((from, place)) = filled.filter(|_| layout != vk::ImageLayout::UNDEFINED) else { return };
+    let functions = &device.driver.functions;
+    let both = |[from_layout, to_layout]: [vk::ImageLayout; 2], back: bool| {
+        let one = |image, copies| {
+            let range = vk::ImageSubresourceRange { aspect_mask: aspects, ..COLOR };
+            let (old, new) = if back { (copies, layout) } else { (layout, copies) };
+            vk::ImageMemoryBarrier::default()
+                .image(image)
+                .old_layout(old)
+                .new_layout(new)
+                .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+                .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .subresource_range(range)
+        };
+        let barriers = [one(from, from_layout), one(image, to_layout)];
+        let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
+        // SAFETY: as promised.
+        unsafe { functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &barriers) };
+    };
+    let layers = vk::ImageSubresourceLayers { aspect_mask: aspects, layer_count: 1, ..Default::default() };
+    let region = vk::ImageCopy::default().src_subresource(layers).dst_subresource(layers);
+    let extent = vk::Extent3D { width: place.width as u32, height: place.height as u32, depth: 1 };
+    let copied = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
+    both(copied, false);
+    // SAFETY: as promised; the place lies in the atlas, and is as large as the image.
+    unsafe {
+        functions.cmd_copy_image(
+            buffer,
+            from,
+            copied[0],
+            image,
+            copied[1],
+            &[region.dst_offset(place.offset()).extent(extent)],
+        );
+    }
+    both(copied, true);
 }
 
 hooks! {

@@ -143,16 +143,18 @@ hooks! {
                 });
             });
         });
-    "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
-        list_recording::now_or_later(ctx, move |ctx| {
-            let gl = ctx.driver.gl;
+    "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
+        if ctx.compiling() {
+            // Mesa executes it; another driver makes it a part of the list.
+            gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h);
+        } else {
             copied(ctx, texture, level, [dx, dy], LowerLeftRect::new(x, y, w, h), |ctx| {
-                // SAFETY: as above.
-                read_back::copy_part(ctx, LowerLeftRect::new(x, y, w, h), |r, [u, v]| unsafe {
+                read_back::copy_part(ctx, LowerLeftRect::new(x, y, w, h), |r, [u, v]| {
                     gl.copy_texture_sub_image2_d(texture, level, dx + u, dy + v, r.x, r.y, r.width, r.height);
                 });
             });
-        });
+        }
+    };
     "glDeleteTextures" delete_textures(count: i32, names: *const u32) = |ctx, gl| {
         if ctx.view_copies.any() && !names.is_null() {
             for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {

@@ -1,6 +1,6 @@
 //! Version and profile of a context.
 
-use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::api::{self, Gl, Outside};
 use std::ffi::CStr;
 
 /// Which OpenGL a context speaks.
@@ -33,6 +33,11 @@ impl Profile {
     /// Desktop OpenGL with the fixed-function pipeline.
     pub fn compatibility(&self) -> bool {
         !self.es && !self.core
+    }
+
+    /// Whether contexts of this kind do not have a command.
+    pub fn is_outside(&self, command: Outside) -> bool {
+        (self.core && command.core) || (self.es && self.version >= 20 && command.es)
     }
 }
 

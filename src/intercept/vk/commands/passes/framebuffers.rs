@@ -150,6 +150,7 @@ unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
             begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
             may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
             formats: attachments.clone().map(|a| a.format).collect(),
+            finds: attachments.clone().map(|a| a.initial_layout).collect(),
             leaves: attachments.map(|a| a.final_layout).collect(),
             obstacle: obstacle(masks.iter().any(|m| *m != 0)),
         }
@@ -171,6 +172,7 @@ unsafe fn render_pass2(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
             begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
             may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
             formats: attachments.clone().map(|a| a.format).collect(),
+            finds: attachments.clone().map(|a| a.initial_layout).collect(),
             leaves: attachments.map(|a| a.final_layout).collect(),
             obstacle: obstacle(subpasses.iter().any(|s| s.view_mask != 0)),
         }

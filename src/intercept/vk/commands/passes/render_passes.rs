@@ -73,10 +73,10 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         if is_colored {
             device.images.draws_together(device, views.iter().copied());
         }
-        for (view, layout) in views.iter().zip(&pass.leaves) {
+        for ((view, layout), found) in views.iter().zip(&pass.leaves).zip(&pass.finds) {
             match device.images.target(*view) {
                 Some(scene) if !scene.window => new.scenes.push((scene, *layout)),
-                Some(_) => {}
+                Some(window) => new.layout_changes.extend(change_of_window(&window, *found, *layout)),
                 None => new
                     .layout_changes
                     .extend(device.images.of(*view).and_then(|image| device.images.change_layout(image, *layout))),
@@ -88,6 +88,15 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         return Some(Err(Obstacle::AlreadyFlat));
     }
     Some(replaced())
+}
+
+/// What a pass would have done with the window's image, which it does not draw to. The image can be
+/// presented when a frame begins.
+fn change_of_window(window: &ViewTarget, found: vk::ImageLayout, left: vk::ImageLayout) -> Option<LayoutChange> {
+    let presentable = vk::ImageLayout::PRESENT_SRC_KHR;
+    let is_so = left == presentable && matches!(found, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PRESENT_SRC_KHR);
+    let aspects = vk::ImageAspectFlags::COLOR;
+    (!is_so).then_some(LayoutChange { image: window.given, aspects, layout: left })
 }
 
 /// True if an area is the whole window.

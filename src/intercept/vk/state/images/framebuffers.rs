@@ -17,6 +17,8 @@ pub struct RenderPass {
     pub(in crate::intercept::vk) may_grow: bool,
     /// The attachments' formats.
     pub(in crate::intercept::vk) formats: Vec<vk::Format>,
+    /// The layouts in which it finds its attachments.
+    pub(in crate::intercept::vk) finds: Vec<vk::ImageLayout>,
     /// The layouts in which it leaves its attachments.
     pub(in crate::intercept::vk) leaves: Vec<vk::ImageLayout>,
     /// Why it cannot be drawn for each view, if so.
@@ -95,6 +97,7 @@ mod tests {
             begins_anew: vec![true, true, true, false],
             may_grow: true,
             formats: Vec::new(),
+            finds: Vec::new(),
             leaves: Vec::new(),
             obstacle: None,
         };

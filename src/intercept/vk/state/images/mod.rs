@@ -9,6 +9,7 @@ pub mod scene_graph;
 use crate::intercept::scene::viewport;
 use crate::intercept::settings;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
+use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
@@ -68,6 +69,8 @@ pub struct PendingLayout {
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
     /// Its colour is cleared first.
     pub(in crate::intercept::vk) cleared: bool,
+    /// The image of the program whose content it gets, in the same layout, and the place for that.
+    pub(in crate::intercept::vk) filled: Option<(vk::Image, AtlasRect)>,
 }
 
 /// Format, usage and samples of an image.
@@ -219,7 +222,8 @@ impl Images {
         *self.window.locked() = Some(new.size);
         self.images.locked().insert(image, new);
         let layout = vk::ImageLayout::PRESENT_SRC_KHR;
-        let pending = PendingLayout { image, layout, aspects: vk::ImageAspectFlags::COLOR, cleared: false };
+        let pending =
+            PendingLayout { image, layout, aspects: vk::ImageAspectFlags::COLOR, cleared: false, filled: None };
         self.pending.locked().push(pending);
     }
 
