@@ -89,7 +89,8 @@ const MAY_KNOW_VULKAN: [&str; 5] =
     ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
 /// Crates for the command alone.
-const COMMAND_ONLY: [&str; 6] = ["clap", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "rosc"];
+const COMMAND_ONLY: [&str; 7] =
+    ["clap", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "rosc", "x11rb"];
 
 /// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation
 /// writes.

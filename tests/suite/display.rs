@@ -13,7 +13,16 @@ use std::time::{Duration, Instant};
 pub struct Display {
     /// Value for the variable `DISPLAY`.
     pub name: String,
+    process: u32,
     _connection: UnixStream,
+}
+
+impl Display {
+    /// Ends the server, as if its screen were gone.
+    pub fn kill(self) {
+        // The shell's own: a bare Debian has no such program.
+        let _ = Command::new("sh").args(["-c", &format!("kill -s KILL {}", self.process)]).status();
+    }
 }
 
 /// Width and height of a place: no window on the screen that all share is larger.
@@ -97,7 +106,7 @@ fn start(depth: u32) -> Result<Display, String> {
         return Err("Xvfb ended at once".into());
     }
     let connection = connect(number).map_err(|error| format!("cannot connect to Xvfb: {error}"))?;
-    Ok(Display { name: format!(":{number}"), _connection: connection })
+    Ok(Display { name: format!(":{number}"), process: server.id(), _connection: connection })
 }
 
 /// Opens a client connection (X11 protocol, "Connection Setup"): little-endian, version 11.0, no

@@ -59,6 +59,7 @@ mod vulkan_primitives;
 mod vulkan_queries;
 mod vulkan_vertices;
 mod wayland;
+mod windows;
 
 harness::tests! {
     ; modules
@@ -103,6 +104,7 @@ harness::tests! {
     vulkan_queries,
     vulkan_vertices,
     wayland,
+    windows,
 }
 
 fn main() -> std::process::ExitCode {

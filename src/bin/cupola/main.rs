@@ -40,6 +40,7 @@ mod serve;
 mod setup;
 mod simulate;
 mod tune;
+mod window;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -58,6 +59,7 @@ enum Command {
     Play(play::Arguments),
     Record(record::Arguments),
     Node(node::Arguments),
+    Window(window::Arguments),
     Serve(serve::Arguments),
     Ctl(ctl::Arguments),
     Inspect(inspect::Arguments),
@@ -84,6 +86,7 @@ fn main() -> ExitCode {
         Command::Play(arguments) => play::run(arguments),
         Command::Record(arguments) => record::run(arguments),
         Command::Node(arguments) => node::run(arguments),
+        Command::Window(arguments) => window::run(&arguments),
         Command::Serve(arguments) => serve::run(arguments),
         Command::Ctl(arguments) => ctl::run(&arguments),
         Command::Inspect(arguments) => inspect::run(arguments),

@@ -92,7 +92,7 @@ pub(super) fn output(
     let window = window.map(|[x, y, width, height]| PixelRect { x, y, width, height });
     let eye = section.number("eye", &EYE, 0.0, problems);
     let method = method::method(&mut section, problems);
-    let shown = shown(&mut section, kind, size, window, problems);
+    let shown = shown(&mut section, size, window, problems);
     let node = section.node("node", problems);
     let publish = section.boolean("publish", !shown, problems);
     let output_kind = match kind {
@@ -141,21 +141,9 @@ pub(super) fn output(
 }
 
 /// True if the output has a place in the window.
-fn shown(
-    section: &mut Section,
-    kind: Kind,
-    size: Option<(u32, u32)>,
-    window: Option<PixelRect>,
-    problems: &mut Problems,
-) -> bool {
+fn shown(section: &mut Section, size: Option<(u32, u32)>, window: Option<PixelRect>, problems: &mut Problems) -> bool {
     let shown = section.boolean("shown", true, problems);
     let path = section.path("shown");
-    if !shown && matches!(kind, Kind::Projector | Kind::Mesh) {
-        problems.add(
-            &path,
-            "is for pictures that readers of published frames get; a projector has its place in the window",
-        );
-    }
     if !shown && size.is_none() {
         problems.add(&path, "needs a size; expected size = [width, height] in pixels beside shown = false");
     }

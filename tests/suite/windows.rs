@@ -1,0 +1,122 @@
+//! Outputs in windows of their own: `cupola window`.
+
+use crate::display::{self, Display};
+use crate::harness::tests;
+use crate::programs::{Run, built, library, scratch};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
+
+tests! {
+    outputs_on_two_screens_are_those_of_one_window,
+}
+
+const SIZE: (u32, u32) = (96, 54);
+
+/// The preset with small projectors: the last three have no place in the program's window where
+/// `apart` says so.
+fn rig(apart: bool) -> PathBuf {
+    let preset = cupola::rig::presets().iter().find(|preset| preset.name == "planetarium-6").expect("a preset");
+    let mut number = 0;
+    let line = |line: &str| {
+        if !line.starts_with("size = ") {
+            return format!("{line}\n");
+        }
+        let (x, y) = (number % 3 * SIZE.0, number / 3 * SIZE.1);
+        number += 1;
+        let place = match apart && number > 3 {
+            true => "shown = false".to_owned(),
+            false => format!("window = [{x}, {y}, {}, {}]", SIZE.0, SIZE.1),
+        };
+        format!("size = [{}, {}]\n{place}\n", SIZE.0, SIZE.1)
+    };
+    let text: String = preset.text.lines().map(line).collect();
+    let path = scratch("windows").join("dome.toml");
+    std::fs::write(&path, text).expect("written");
+    path
+}
+
+/// Ends with the test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // The program of `cupola run` gets what it gets.
+        let _ = Command::new("sh").args(["-c", &format!("kill -s TERM {} 2>/dev/null", self.0.id())]).status();
+        let _ = self.0.wait();
+    }
+}
+
+fn start(program: &mut Command) -> Running {
+    Running(program.stdin(Stdio::null()).stdout(Stdio::null()).spawn().expect("a program starts"))
+}
+
+/// The upper left corner of a screen.
+fn pixels(display: &Display) -> Vec<u8> {
+    let (connection, number) = x11rb::connect(Some(&display.name)).expect("a screen");
+    let root = x11rb::connection::Connection::setup(&connection).roots[number].root;
+    let (width, height) = (SIZE.0 as u16, SIZE.1 as u16);
+    let image = connection.get_image(ImageFormat::Z_PIXMAP, root, 0, 0, width, height, u32::MAX).expect("sent");
+    let data = image.reply().expect("an image").data;
+    data.as_chunks::<4>().0.iter().flat_map(|[blue, green, red, _]| [*red, *green, *blue]).collect()
+}
+
+/// `cupola window` for an output.
+fn window(output: &str, display: &Display, published: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.args(["window", output, "--display", &display.name, "--published"]).arg(published);
+    command
+}
+
+fn outputs_on_two_screens_are_those_of_one_window() {
+    let run = Run { size: (288, 108), ..Run::new("immediate") };
+    let (Some(one), Some(apart)) = (run.under(&rig(false).to_string_lossy()), run.under(&rig(true).to_string_lossy()))
+    else {
+        return;
+    };
+    let Some(other) = display::own(24) else { return };
+    let outputs = cupola::rig::load(&rig(false).to_string_lossy()).expect("a rig").outputs;
+    for output in &outputs[..3] {
+        let file = format!("capture-{}.png", output.name);
+        assert_eq!(one.picture(&file).difference(&apart.picture(&file)).0, 0, "{}", output.name);
+    }
+    let published = scratch("published").join("ring");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    program.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display::get().expect("a display").name);
+    program
+        .env("LIBGL_ALWAYS_SOFTWARE", "1")
+        .env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
+    program.arg("run").arg("--rig").arg(rig(true)).arg(format!("--publish={}", published.display())).arg("--");
+    let endless = Run { frames: 0, ..run.clone() };
+    program.arg(built().join(run.program)).args(endless.arguments(&display::place()));
+    let mut program = start(&mut program);
+    let mut seen = Vec::new();
+    for output in &outputs[3..] {
+        let file = one.directory.join(format!("capture-{}.png", output.name));
+        let expected = image::open(file).expect("a picture").into_rgb8().into_raw();
+        // Control: the three pictures differ.
+        assert!(!seen.contains(&expected));
+        let _window = start(&mut window(&output.name, &other, &published));
+        let begin = Instant::now();
+        while pixels(&other) != expected {
+            assert!(begin.elapsed() < Duration::from_secs(40), "{} is not shown", output.name);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        seen.push(expected);
+    }
+    // A screen that goes away: its window ends with an error, and the program goes on.
+    let mut shown = start(window(&outputs[3].name, &other, &published).stderr(Stdio::piped()));
+    let begin = Instant::now();
+    while pixels(&other) != seen[0] {
+        assert!(begin.elapsed() < Duration::from_secs(40), "it is not shown");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    other.kill();
+    let status = shown.0.wait().expect("it ends");
+    let mut words = String::new();
+    std::io::Read::read_to_string(shown.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
+    assert!(!status.success() && words.contains("the X screen"), "{status}: {words}");
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(program.0.try_wait().expect("it can be asked").is_none(), "the program has ended, too");
+}
