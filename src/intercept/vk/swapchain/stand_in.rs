@@ -17,7 +17,7 @@ impl StandIn {
     /// measured how long the device takes.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the driver refuses something.
+    /// [`Graphics`](crate::error::ErrorKind::Graphics) where the driver refuses something.
     ///
     /// # Safety
     /// The device must be live, and the images of that swapchain.
@@ -167,7 +167,7 @@ impl StandIn {
     /// On an error everything stays.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the driver refuses something.
+    /// [`Graphics`](crate::error::ErrorKind::Graphics) where the driver refuses something.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
