@@ -50,7 +50,8 @@ fn location(ctx: &Context, program: u32, location: i32) -> i32 {
         };
         first >= 0 && (first..first.saturating_add(size)).contains(&location)
     };
-    if own_uniforms(ctx, program).indices.iter().any(is_ours) { -1 } else { location }
+    let record = programs::record(&ctx.share, program);
+    if record.is_some_and(|record| record.own_uniforms.iter().any(is_ours)) { -1 } else { location }
 }
 
 /// True if a program is to be deleted once it is in use no longer.
