@@ -79,9 +79,8 @@ impl Texts<'_> {
         Some(mains.next().flatten().filter(|_| in_clip_space).unwrap_or(last))
     }
 
-    /// Whether a geometry shader passes positions on, or computes places in the window from them:
-    /// it divides by their w, or its fragments ask where they are. One with a matrix of its own
-    /// makes positions first.
+    /// True if a geometry shader passes positions on, or divides by their w to compute places in the
+    /// window. One with a matrix of its own makes positions first.
     fn works_in_clip_space(&self, shader: u32) -> bool {
         let source = self.source(shader);
         if passes_positions_on(source) {
@@ -90,7 +89,7 @@ impl Texts<'_> {
         let stage = [(shader, api::GL_GEOMETRY_SHADER)];
         let Some(names) = dependence::position_names(self.sources, &stage) else { return false };
         (names.contain("gl_in") || names.contain("gl_PositionIn"))
-            && (self.asking().next().is_some() || divides_by_w(source))
+            && divides_by_w(source)
             && !matrices(source).iter().any(|name| names.contain(name))
     }
 
@@ -218,9 +217,9 @@ mod tests {
     use std::collections::HashMap;
     use std::sync::Arc;
 
-    fn works_in_clip_space(geometry: &str, fragment: &str) -> bool {
-        let shaders = [(1, api::GL_GEOMETRY_SHADER), (2, api::GL_FRAGMENT_SHADER)];
-        let sources = HashMap::from([(1, Arc::from(geometry)), (2, Arc::from(fragment))]);
+    fn works_in_clip_space(geometry: &str) -> bool {
+        let shaders = [(1, api::GL_GEOMETRY_SHADER)];
+        let sources = HashMap::from([(1, Arc::from(geometry))]);
         let texts = Texts { sources: &sources, shaders: &shaders, position_names: None, es: false, curved: false };
         texts.works_in_clip_space(1)
     }
@@ -229,13 +228,11 @@ mod tests {
     fn a_geometry_shader_with_a_matrix_of_its_own_is_the_last_stage() {
         let main = |text: &str| format!("#version 330\n{text} EmitVertex(); }}");
         let moved = "gl_Position = gl_in[0].gl_Position; gl_Position.xy += wide * gl_Position.w;";
-        let asks = "void main() { c = gl_FragCoord; }";
-        let divided = "void main() { vec2 p = gl_in[0].gl_Position.xy / gl_in[0].gl_Position.w;";
+        let divided = "vec2 p = gl_in[0].gl_Position.xy / gl_in[0].gl_Position.w;";
         let beside = "uniform mat4 other; out vec4 o; void main() { o = other * vec4(1.0);";
-        assert!(works_in_clip_space(&main(&format!("void main() {{ {moved}")), asks));
-        assert!(works_in_clip_space(&main(&format!("{divided} {moved}")), ""));
-        assert!(works_in_clip_space(&main(&format!("{beside} {moved}")), asks), "it is not for positions");
-        assert!(!works_in_clip_space(&main(&format!("void main() {{ {moved}")), ""), "a billboard of the scene");
+        assert!(works_in_clip_space(&main(&format!("void main() {{ {divided} {moved}"))));
+        assert!(works_in_clip_space(&main(&format!("{beside} {divided} {moved}"))), "it is not for positions");
+        assert!(!works_in_clip_space(&main(&format!("void main() {{ {moved}"))), "a billboard of the scene");
         for own in [
             "uniform mat4 P; void main() { gl_Position = P * gl_in[0].gl_Position;",
             "uniform Camera { mat4 all[3]; } c; void main() { gl_Position = c.all[1] * gl_in[0].gl_Position;",
@@ -243,7 +240,7 @@ mod tests {
             "uniform vec4 a; void main() { gl_Position = mat4(a, a, a, a) * gl_in[0].gl_Position;",
             "void main() { gl_Position = gl_ProjectionMatrix * gl_in[0].gl_Position;",
         ] {
-            assert!(!works_in_clip_space(&main(own), asks), "{own}");
+            assert!(!works_in_clip_space(&main(&format!("{own} {divided}"))), "{own}");
         }
     }
 
