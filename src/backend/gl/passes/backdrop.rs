@@ -172,6 +172,16 @@ impl Backdrop {
         }
     }
 
+    /// Goes on in the current context, which shares the program and the texture with the one before,
+    /// but not the framebuffer and the vertex array.
+    pub fn rehome(&mut self, gl: &Gl) {
+        // SAFETY: the context is current, and a name is written.
+        unsafe { gl.gen_vertex_arrays(1, &mut self.vertex_array) };
+        self.framebuffer = own_names::framebuffer(gl);
+        // The next picture gets a texture of its own, attached to the new framebuffer.
+        self.size = [0; 2];
+    }
+
     /// Deletes everything in the context, which must be current.
     pub fn destroy(self, gl: &Gl) {
         // SAFETY: the context is current and gave these names.

@@ -319,8 +319,9 @@ impl GlBackend {
     /// Goes on in the current context, which shares objects with the one before. All bindings are
     /// put back.
     pub fn rehome(&mut self, gl: &Gl) {
-        // It is made anew when it is needed: names of its vertex array are another context's.
-        self.backdrop = None;
+        if let Some(backdrop) = &mut self.backdrop {
+            backdrop.rehome(gl);
+        }
         if self.names.vertex_array != 0 {
             let caps = self.caps;
             state::while_uploading(gl, &caps, || self.make_vertex_array(gl));
