@@ -82,6 +82,7 @@ fn scenes_that_are_drawn_off_screen() {
     steady("immediate", &["--fbo"], "fisheye");
     steady("post_process", &[], "fisheye");
     steady("computed", &[], "fisheye");
+    steady("backdrop", &[], "fisheye");
 }
 
 fn several_projectors() {

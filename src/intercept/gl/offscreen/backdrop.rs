@@ -10,8 +10,6 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{own_tile, views};
 use crate::intercept::log;
-use crate::runtime::session::Session;
-use glam::DMat3;
 
 /// Formats of colours that are copied and filtered as they are.
 const FORMATS: [u32; 9] = [
@@ -35,29 +33,28 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     let Some(image) = ctx.view_copies.image(name).filter(|image| FORMATS.contains(&image.format)) else { return };
     let [width, height] = image.size;
     let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens) else { return };
-    let Some(session) = ctx.session().filter(|_| ctx.app.viewport == LowerLeftRect::new(0, 0, width, height)) else {
+    let Some(session) = ctx.drawable.session() else { return };
+    // A view that is no perspective cannot be filled.
+    let fills = ctx.app.viewport == LowerLeftRect::new(0, 0, width, height);
+    if !fills || session.rows(&lens).any(|rows| rows.curved) {
         return;
-    };
-    let Some(directions) = directions(session, &lens) else { return };
-    let grid = copy.grid;
-    let tiles: Vec<_> = directions.into_iter().enumerate().map(|(view, matrix)| (grid.tile(view), matrix)).collect();
+    }
+    let (grid, format, framebuffer) = (copy.grid, image.format, framebuffer.view_copy);
+    let mut tiles = std::mem::take(&mut ctx.view_copies.tiles);
+    tiles.clear();
+    tiles.extend(session.rows(&lens).enumerate().map(|(view, rows)| (grid.tile(view), rows.directions(&lens))));
     debug_assert_eq!(tiles.len(), views(ctx));
     let what = Spread {
-        framebuffer: framebuffer.view_copy,
+        framebuffer,
         picture: grid.tile(own_tile(ctx)),
-        format: image.format,
+        format,
         lens: [lens.a, lens.b, lens.c, lens.d],
         tiles: &tiles,
     };
-    let Some(target) = ctx.drawable.target_mut() else { return };
-    match target.backend.spread(ctx.driver.gl, &what, &ctx.driver.known_state) {
-        Ok(_) => {}
-        Err(error) => log::once(&format!("the background of a scene has seams between the views: {error}")),
+    if let Some(target) = ctx.drawable.target_mut()
+        && let Err(error) = target.backend.spread(ctx.driver.gl, &what, &ctx.driver.known_state)
+    {
+        log::once(&format!("the background of a scene has seams between the views: {error}"));
     }
-}
-
-/// For each view, the directions of its places in the axes of a camera with this lens. `None` where
-/// a view is no perspective.
-fn directions(session: &Session, lens: &crate::runtime::session::Intrinsics) -> Option<Vec<DMat3>> {
-    session.rows(lens).map(|rows| (!rows.curved).then(|| rows.directions(lens))).collect()
+    ctx.view_copies.tiles = tiles;
 }

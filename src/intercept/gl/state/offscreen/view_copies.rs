@@ -1,5 +1,6 @@
 //! What is known of the program's framebuffers and of the images in them.
 
+use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::coverage::Coverage;
 use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
 use crate::intercept::gl::state::offscreen::displayed::DisplayedPictures;
@@ -8,6 +9,7 @@ use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::lock::Lock;
+use glam::DMat3;
 use std::sync::Mutex;
 
 /// What is known of the program's framebuffers.
@@ -34,6 +36,8 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) depth_converters: Vec<DepthConverter>,
     /// What was shown last.
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
+    /// Room for the tiles of the views and their directions, so that a background allocates nothing.
+    pub(in crate::intercept::gl) tiles: Vec<(LowerLeftRect, DMat3)>,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
     /// The pass of the last draw that was described.
