@@ -6,15 +6,15 @@
 //! `ramp(distance / width)`: the weights of a point add up to 1 wherever there is light, and each
 //! projector finds its own from the shared geometry.
 
-mod crossings;
 mod ramp;
 mod simulation;
 mod weight;
+mod weight_jumps;
 
-pub use crossings::{Crossing, crossings};
 pub use ramp::{EdgeWeight, LEAST_RAMP, ramp, smoothstep};
 pub use simulation::{Picture, Simulation, Uniformity, simulate};
 pub use weight::{Weights, weight};
+pub use weight_jumps::{Crossing, crossings};
 
 use crate::rig::{Blend, Transfer};
 

@@ -14,7 +14,7 @@
 #![cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 
 mod caller;
-mod descriptors;
+mod poll_and_timerfd;
 mod random;
 mod reads;
 mod real;

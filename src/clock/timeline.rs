@@ -5,7 +5,7 @@
 //! still otherwise.
 
 use super::settings::settings;
-use super::{descriptors, real, threads};
+use super::{poll_and_timerfd, real, threads};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicI32, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
@@ -141,7 +141,7 @@ fn grow(time: u64) {
     NOW.fetch_max(time, Ordering::AcqRel);
     READ.store(0, Ordering::Relaxed);
     GROWN.store(real::now(), Ordering::Release);
-    descriptors::fire(time);
+    poll_and_timerfd::fire(time);
     threads::wake(time);
 }
 

@@ -5,7 +5,7 @@ use super::settings::{self, Settings};
 use super::{inspection, log, publishing, signals};
 use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
-use crate::runtime::report::{self, Picture, Statistics};
+use crate::runtime::run_results::{self, Picture, Statistics};
 use std::sync::{Arc, Mutex, Once};
 use std::time::Instant;
 
@@ -107,7 +107,7 @@ fn write_now_and_then(latest: &mut Latest) {
         statistics.milliseconds = (&*times.locked()).into();
     }
     if let Some(path) = &settings.stats
-        && let Err(error) = report::replace_statistics(path, statistics)
+        && let Err(error) = run_results::replace_statistics(path, statistics)
     {
         log::once(&error.message);
     }
@@ -162,7 +162,7 @@ fn write() {
         }
     };
     if let (Some(path), Some(statistics)) = (&settings.stats, &frame.statistics) {
-        say(report::write_statistics(path, statistics));
+        say(run_results::write_statistics(path, statistics));
     }
     if let Some(path) = &settings.inspect {
         let arguments: Vec<String> = std::env::args_os().map(|text| text.to_string_lossy().into_owned()).collect();
@@ -173,14 +173,14 @@ fn write() {
             outputs: &frame.pictures,
             views: &frame.views,
         };
-        say(report::write_text(path, &page::html(&page)));
+        say(run_results::write_text(path, &page::html(&page)));
     }
     if let Some(path) = &settings.capture {
         // Of several nodes each writes the pictures of its own outputs.
         let several = frame.pictures.len() > 1 || settings.node_page.is_some();
         // Of an output outside of the window there is nothing to write.
         for picture in frame.pictures.iter().filter(|picture| picture.width > 0 && picture.height > 0) {
-            say(report::write_picture(&report::capture_path(path, &picture.name, several), picture));
+            say(run_results::write_picture(&run_results::capture_path(path, &picture.name, several), picture));
         }
     }
     if let Some(directory) = &settings.capture_views {
@@ -188,7 +188,7 @@ fn write() {
             log::once(&format!("{}: {error}", directory.display()));
         }
         for picture in &frame.views {
-            say(report::write_picture(&directory.join(format!("{}.png", picture.name)), picture));
+            say(run_results::write_picture(&directory.join(format!("{}.png", picture.name)), picture));
         }
     }
 }

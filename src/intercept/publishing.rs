@@ -7,7 +7,7 @@
 use super::{clock, log, settings};
 use crate::lock::Lock;
 use crate::ring::{Pictures, Shape, Writer};
-use crate::runtime::report::Published;
+use crate::runtime::run_results::Published;
 use std::sync::{Mutex, Once};
 
 /// Frames that readers have time for before they lose one.

@@ -36,7 +36,7 @@ pub use model::views::{Duplicate, Favour, Filter, Resolution, ViewMethod, Views}
 pub use model::{Camera, Dome, Output, OutputKind, Overlay, Rig, Viewer};
 pub use presets::{Preset, presets};
 pub use profiles::{Chosen, Defaults, Profile, Profiles};
-pub use reading::keys::{Accepts, Key};
+pub use reading::accepted_keys::{Accepts, Key};
 
 /// Longest rig file, bytes.
 const LONGEST_RIG: u64 = 1 << 20;

@@ -5,7 +5,7 @@
 pub mod cache;
 pub mod embedded;
 pub mod frame_times;
-pub mod report;
+pub mod run_results;
 pub mod session;
 pub mod turns;
 

@@ -21,7 +21,7 @@ pub mod view_plan;
 pub use crate::views::arranging::cells::{CellCosts, with_cell_costs};
 pub use crate::views::arranging::cost::cost;
 pub use crate::views::planner::plan;
-pub use crate::views::reporting::report::{OutputShare, Report, ViewReport, report};
+pub use crate::views::reporting::plan_report::{OutputShare, Report, ViewReport, report};
 pub use crate::views::reporting::survey::{Surveyed, Surveyor, survey};
 pub use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 

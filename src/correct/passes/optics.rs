@@ -1,7 +1,7 @@
 //! Fisheye projectors, and pinholes before a mirror, whose map has a formula.
 
 use crate::correct::passes::tolerance::{ANGLE, OWN_PIXELS, PIXELS, REFERENCE};
-use crate::geom::lenses::fisheye::RadialForm;
+use crate::geom::lenses::equidistant::RadialForm;
 use crate::geom::screen::Bounds;
 use crate::geom::{Lens, Quadric, Sphere};
 use glam::{DAffine3, DMat3, DVec2, DVec3};

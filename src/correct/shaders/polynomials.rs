@@ -3,7 +3,7 @@
 use crate::correct::shaders::constants::limit;
 use crate::correct::single;
 use crate::error::Result;
-use crate::geom::lenses::fisheye::{MOST_COEFFICIENTS, RadialForm, sine_cosine_polynomials};
+use crate::geom::lenses::equidistant::{MOST_COEFFICIENTS, RadialForm, sine_cosine_polynomials};
 use crate::rig::RampShape;
 
 /// Coefficients of a polynomial in two vectors, the constant first.

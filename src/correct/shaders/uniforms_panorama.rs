@@ -5,7 +5,7 @@ use crate::correct::shaders::polynomials::{circular, radial};
 use crate::correct::single;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Panorama;
-use crate::geom::lenses::fisheye::RadialForm;
+use crate::geom::lenses::equidistant::RadialForm;
 use glam::{DMat3, DVec3};
 
 /// Rotations and offset for a panorama's unit directions.

@@ -7,7 +7,7 @@ use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorSourc
 use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::{table_cached, table_coarse};
 use crate::error::Result;
-use crate::geom::lenses::fisheye::RadialForm;
+use crate::geom::lenses::equidistant::RadialForm;
 use crate::geom::lenses::pinhole_rays::RimForms;
 use crate::geom::screen::{ClosedForm, ClosedSurface, Shape};
 use crate::geom::{Optics, Panorama, PinholeRays, Quadric, Screen, Sphere, pose};

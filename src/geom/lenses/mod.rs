@@ -7,10 +7,10 @@
 //! `picture_map` the way from a vertex to a picture.
 
 pub mod content;
+pub mod equidistant;
 pub mod fisheye;
 pub mod lens;
 pub mod optics;
 pub mod panorama;
 pub mod picture_map;
 pub mod pinhole_rays;
-pub mod projection;

@@ -225,8 +225,10 @@ mod tests {
         let h = (x * x + y * y).sqrt();
         let (near, far) = (h.min(z.abs()), h.max(z.abs()));
         let t = near / far.max(1e-30);
-        let sum =
-            crate::geom::lenses::fisheye::ATAN_COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * t * t + *c as f32);
+        let sum = crate::geom::lenses::equidistant::ATAN_COEFFICIENTS
+            .iter()
+            .rev()
+            .fold(0.0, |sum, c| sum * t * t + *c as f32);
         let octant = t + t * t * t * sum;
         let quadrant = if h > z.abs() { std::f32::consts::FRAC_PI_2 - octant } else { octant };
         let angle = if z < 0.0 { std::f32::consts::PI - quadrant } else { quadrant };

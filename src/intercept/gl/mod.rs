@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! glDrawElements      draw::arrays            hook; vertices that may have to be looked at
-//!   dispatch          draw::dispatch          to the window, or to a framebuffer of the program?
+//!   dispatch          draw::routing          to the window, or to a framebuffer of the program?
 //!   classify          per_view::classify      scene, background or flat, by matrix and viewport
 //!   select            per_view::culling       views that can show the draw
 //!   issue             per_view::issue         per view: window space, projection, the driver's call

@@ -10,7 +10,7 @@ pub mod page;
 use crate::intercept::lens;
 use crate::intercept::settings::{Settings, settings};
 use crate::lock::Lock;
-use crate::runtime::report::Picture;
+use crate::runtime::run_results::Picture;
 use crate::runtime::session::Intrinsics;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, Ordering};

@@ -2,7 +2,7 @@
 
 use super::{DrawNote, PassNote};
 use crate::intercept::lens::field_of_view;
-use crate::runtime::report::{self, Picture, Statistics};
+use crate::runtime::run_results::{self, Picture, Statistics};
 use std::fmt::{self, Write};
 
 /// What a page shows.
@@ -121,7 +121,7 @@ fn write_picture(out: &mut String, picture: &Picture) -> fmt::Result {
         return Ok(());
     }
     let (name, width, height) = (Text(&picture.name), picture.width, picture.height);
-    let Ok(png) = report::reduced_png(picture, WIDTH) else {
+    let Ok(png) = run_results::reduced_png(picture, WIDTH) else {
         return write!(out, "<p>{name}: the picture cannot be written</p>");
     };
     write!(out, "<figure><img alt=\"{name}\" src=\"data:image/png;base64,")?;
@@ -174,7 +174,7 @@ mod tests {
     use super::{Page, html, write_base64};
     use crate::intercept::inspection::{DrawNote, PassNote};
     use crate::intercept::lens::field_of_view;
-    use crate::runtime::report::Picture;
+    use crate::runtime::run_results::Picture;
     use crate::runtime::session::Intrinsics;
 
     #[test]

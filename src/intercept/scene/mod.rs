@@ -21,6 +21,7 @@
 //!
 //! The rooms of OpenGL and Vulkan collect the facts and issue the draws.
 
+pub mod common_statistics;
 pub mod culling_program;
 pub mod eye;
 pub mod flat_program;
@@ -28,6 +29,5 @@ pub mod frame_order;
 pub mod image_graph;
 pub mod obstacle;
 pub mod query_scaling;
-pub mod report;
 pub mod to_window;
 pub mod viewport;

@@ -1,7 +1,7 @@
 //! Typed values out of TOML, with the line of each, and the list of problems that were found.
 
-pub mod hints;
-pub mod keys;
+pub mod accepted_keys;
 pub mod one_line;
 pub mod problems;
 pub mod reader;
+pub mod syntax_hints;

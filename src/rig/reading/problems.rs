@@ -1,6 +1,6 @@
 //! What is wrong with a rig file: the list of problems, and guesses at what was meant.
 
-use super::keys::{Accepts, Key};
+use super::accepted_keys::{Accepts, Key};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -4,7 +4,7 @@
 //! problem and knows neither the key path nor which keys were possible when something is misspelt.
 
 use crate::rig::Node;
-use crate::rig::reading::keys::Accepts;
+use crate::rig::reading::accepted_keys::Accepts;
 use crate::rig::reading::problems::{Problems, closest};
 use glam::DVec3;
 use std::collections::BTreeSet;

@@ -13,9 +13,9 @@ mod transfer;
 mod viewer;
 mod views;
 
-use super::reading::hints;
 use super::reading::problems::Problems;
 use super::reading::reader::{Allowed, Section};
+use super::reading::syntax_hints;
 use super::{Content, Defaults, Dome, Rig};
 use std::path::Path;
 use toml::de::DeTable;
@@ -38,7 +38,7 @@ fn table<'a>(text: &'a str, problems: &mut Problems) -> Option<DeTable<'a>> {
         Ok(table) => Some(table.into_inner()),
         Err(error) => {
             let why = format!("this is not TOML: {}", error.message().replace('\n', ", "));
-            problems.add_at(error.span(), hints::with_hint(text, error.span(), why));
+            problems.add_at(error.span(), syntax_hints::with_hint(text, error.span(), why));
             None
         }
     }

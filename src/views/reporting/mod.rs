@@ -2,5 +2,5 @@
 //! texels per pixel, pixel by pixel (`survey`).
 
 mod answers;
-pub mod report;
+pub mod plan_report;
 pub mod survey;

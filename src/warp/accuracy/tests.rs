@@ -2,7 +2,7 @@
 //! shaders.
 
 use super::*;
-use crate::geom::lenses::fisheye;
+use crate::geom::lenses::equidistant;
 use crate::geom::screen::{ClosedSurface, HalfSpace};
 use crate::geom::{Frustum, PinholeRays, Pose, QuadraticForm, Quadric, Sphere, pose};
 use crate::rig::{OutputKind, Rig};
@@ -172,7 +172,7 @@ fn the_fisheye_polynomials_in_f32_meet_the_goal() {
         rig.viewer.yaw = 0.5;
         rig.outputs[0].kind = OutputKind::Domemaster { aperture, tilt: 0.3 };
         let exact = WarpMap::new(&rig, 0, (4096, 4096), None).expect("valid");
-        let fitted = fisheye::sine_cosine_polynomials(aperture);
+        let fitted = equidistant::sine_cosine_polynomials(aperture);
         let horner = |c: &[f64], s: f32| c.iter().rev().fold(0.0f32, |sum, c| sum * s + *c as f32);
         let viewer = Pose::new(rig.viewer.position, 0.5, 0.0, 0.0);
         let rotation = pose::rotation(0.0, FRAC_PI_2 - 0.3, 0.0).as_mat3();

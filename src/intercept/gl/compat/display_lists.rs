@@ -10,7 +10,7 @@ use crate::intercept::gl::compat::{begin_end, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command, Item, ListState, Primitive, Recording, record};
-use crate::intercept::gl::draw::dispatch::draw;
+use crate::intercept::gl::draw::routing::draw;
 use crate::intercept::gl::framebuffer::commands::{clears, draw_buffers};
 use crate::intercept::gl::shader::program_use;
 use crate::intercept::gl::state::draw::bounds::Bounds;

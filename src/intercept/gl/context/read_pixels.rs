@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
-use crate::runtime::report::Picture;
+use crate::runtime::run_results::Picture;
 
 /// Reads a rectangle of a framebuffer. Bindings and pixel storage are put back.
 pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: LowerLeftRect) -> Picture {

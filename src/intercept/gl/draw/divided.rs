@@ -4,7 +4,7 @@ use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::draw::commands::draw_command;
-use crate::intercept::gl::draw::dispatch::draw;
+use crate::intercept::gl::draw::routing::draw;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::projected_vertices::{Attribute, Vertices, draw_divided, draw_whole, reads_vertices};
 use crate::intercept::gl::state::draw::bounds::Bounds;

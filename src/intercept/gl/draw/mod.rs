@@ -11,7 +11,7 @@ pub mod anisotropy;
 pub mod arrays;
 pub mod commands;
 pub mod compute;
-pub mod dispatch;
 pub mod divided;
 pub mod fallback;
+pub mod routing;
 pub mod transform_feedback;

@@ -5,7 +5,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
-use crate::runtime::report::Picture;
+use crate::runtime::run_results::Picture;
 
 /// Output `index` at its own resolution, read back.
 pub fn picture(driver: &Driver, drawable: &Drawable, index: usize, name: &str) -> Option<Picture> {

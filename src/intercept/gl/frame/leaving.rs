@@ -2,7 +2,7 @@
 
 use crate::intercept::gl::context::current::current;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::frame::{frame_number, front_buffer, present, report};
+use crate::intercept::gl::frame::{frame_number, frame_statistics, front_buffer, present};
 use crate::intercept::gl::offscreen::inspected;
 use crate::intercept::last_frame;
 use crate::intercept::settings;
@@ -18,7 +18,7 @@ pub fn leave(ctx: &mut Context) {
             && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
             inspected::end_frame(ctx);
-            report::keep(ctx, settings);
+            frame_statistics::keep(ctx, settings);
         }
     }
 }

@@ -10,9 +10,9 @@
 
 pub mod capture;
 pub mod frame_number;
+pub mod frame_statistics;
 pub mod front_buffer;
 pub mod in_turn;
 pub mod leaving;
 pub mod present;
 pub mod publish;
-pub mod report;

@@ -5,7 +5,7 @@ use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::gl::frame::{frame_number, in_turn, publish, report};
+use crate::intercept::gl::frame::{frame_number, frame_statistics, in_turn, publish};
 use crate::intercept::gl::framebuffer::target::attach::{follow_rig, follow_size};
 use crate::intercept::gl::offscreen::{inspected, view_copies};
 use crate::intercept::gl::state::drawable::Drawable;
@@ -153,7 +153,7 @@ fn look_for_a_scene(ctx: &mut Context) {
     let (mut flat_program, mut culling_program) = (ctx.frame.flat_program, ctx.frame.culling_program);
     if let Some(session) = ctx.drawable.session() {
         let (draws, has_scene) = (ctx.frame.counts.draws_seen, ctx.frame.shows_scene());
-        flat_program.look(draws, has_scene, session, || report::off_screen(ctx));
+        flat_program.look(draws, has_scene, session, || frame_statistics::off_screen(ctx));
     }
     if let Some(session) = ctx.drawable.session() {
         culling_program.look(ctx.frame.counts.places, ctx.frame.lens.as_ref(), session);
@@ -196,7 +196,7 @@ fn frame(ctx: &mut Context) -> bool {
     }
     if kept {
         inspected::end_frame(ctx);
-        report::keep(ctx, settings);
+        frame_statistics::keep(ctx, settings);
     }
     if last {
         last_frame::end_program();

@@ -4,7 +4,7 @@ use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels::read_back;
-use crate::intercept::gl::offscreen::report;
+use crate::intercept::gl::offscreen::framebuffer_statistics;
 use crate::intercept::gl::offscreen::view_copies::views;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
@@ -166,7 +166,7 @@ fn how(ctx: &Context) -> String {
     let Some(framebuffer) = bound(ctx) else {
         return "Draws are issued once: the framebuffer is not followed.".to_owned();
     };
-    match report::reason(ctx, &ctx.view_copies.images, framebuffer) {
+    match framebuffer_statistics::reason(ctx, &ctx.view_copies.images, framebuffer) {
         None => format!("Draws are issued once for each of {} views.", views(ctx)),
         Some(reason) => format!("Draws are issued once: {reason}."),
     }

@@ -5,8 +5,8 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::clock;
 use crate::intercept::ending;
 use crate::intercept::last_frame::{self, LastFrame};
+use crate::intercept::scene::common_statistics;
 use crate::intercept::scene::flat_program::OffScreen;
-use crate::intercept::scene::report;
 use crate::intercept::settings::Settings;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
@@ -17,7 +17,7 @@ use crate::intercept::vk::swapchain::{publish, read_back};
 use crate::intercept::{log, nodes, publishing, settings};
 use crate::lock::Lock;
 use crate::rig::{Duplicate, Rig};
-use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use crate::runtime::run_results::{Picture, Statistics, ViewStatistics};
 use crate::system::thread_time;
 use ash::vk::{self, Handle};
 use std::sync::Arc;
@@ -363,7 +363,7 @@ pub fn count_again(device: &Device) {
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
     let (counts, lenses) = {
         let frame = device.frame.locked();
-        (frame.counts.clone(), report::lenses(&frame.cameras).collect())
+        (frame.counts.clone(), common_statistics::lenses(&frame.cameras).collect())
     };
     let divided = &device.pipelines.divided;
     let uncounted =
@@ -380,7 +380,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
-        ..report::begin(frames, &rig.name, device.driver.name.clone())
+        ..common_statistics::begin(frames, &rig.name, device.driver.name.clone())
     };
     let view = |name: &str, width, height, draws_issued| ViewStatistics {
         name: name.to_owned(),
@@ -392,7 +392,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
     match &managed.stand_in {
         Some(stand_in) if device.draws_views() => {
             let session = &stand_in.layout.session;
-            report::add_plan(&mut statistics, session);
+            common_statistics::add_plan(&mut statistics, session);
             let views = session.views().iter();
             statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
         }

@@ -5,7 +5,7 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
 use crate::intercept::vk::state::swapchains::formats::TexelFormat;
-use crate::runtime::report::Picture;
+use crate::runtime::run_results::Picture;
 use ash::prelude::VkResult;
 use ash::vk;
 

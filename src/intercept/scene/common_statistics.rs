@@ -4,7 +4,7 @@ use crate::intercept::camera::Cameras;
 use crate::intercept::publishing;
 use crate::intercept::settings::settings;
 use crate::runtime::Session;
-use crate::runtime::report::Statistics;
+use crate::runtime::run_results::Statistics;
 
 /// Statistics with the names of the rig and the profile, and the counts of the cache.
 pub fn begin(frames: u64, rig: &str, driver: String) -> Statistics {

@@ -7,17 +7,17 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::context::registry;
 use crate::intercept::gl::frame::capture;
-use crate::intercept::gl::offscreen::report as off_screen_report;
+use crate::intercept::gl::offscreen::framebuffer_statistics as off_screen_report;
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::last_frame::{self, LastFrame};
+use crate::intercept::scene::common_statistics;
 use crate::intercept::scene::flat_program::OffScreen;
-use crate::intercept::scene::report;
 use crate::intercept::settings;
 use crate::lock::Lock;
-use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use crate::runtime::run_results::{Picture, Statistics, ViewStatistics};
 use std::sync::Arc;
 
 /// Keeps the pictures and the statistics that were asked for.
@@ -82,7 +82,7 @@ fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draw
     for (reason, framebuffers) in single {
         *statistics.single_framebuffers.entry(reason).or_default() += framebuffers;
     }
-    for lens in report::lenses(&ctx.frame.cameras) {
+    for lens in common_statistics::lenses(&ctx.frame.cameras) {
         if !statistics.lenses.contains(&lens) {
             statistics.lenses.push(lens);
         }
@@ -108,11 +108,11 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
                 + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
         }),
         outputs_narrowed: target.map_or(0, |t| t.backend().narrowed()),
-        ..report::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
+        ..common_statistics::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
     };
     if let Some(target) = target {
         statistics.own_errors += target.backend().errors();
-        report::add_plan(&mut statistics, &target.session);
+        common_statistics::add_plan(&mut statistics, &target.session);
         let views = target.session.views().iter().zip(target.counts()).enumerate();
         statistics.views = views
             .map(|(index, (view, (draws_issued, draws_culled)))| ViewStatistics {
