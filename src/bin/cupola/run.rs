@@ -160,6 +160,14 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
     start(arguments.options, &arguments.program, inspection)
 }
 
+/// Exit code for a program that has ended, as a shell gives it.
+fn exit_code(ended: &Ended) -> i32 {
+    match ended {
+        Ended::Stopped => 0,
+        Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
+    }
+}
+
 /// Starts a program. Returns its exit code.
 pub fn start(mut options: Options, program: &[OsString], inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
     let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
@@ -212,10 +220,7 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
         // A program that was killed leaves it behind.
         ring::remove_if_ended(Path::new(file));
     }
-    let code = match ended {
-        Ended::Stopped => 0,
-        Ended::ByItself(status) => status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1),
-    };
+    let code = exit_code(&ended);
     if code == 0 && !switched_off {
         expected.check(&options)?;
     }

@@ -90,17 +90,23 @@ pub(super) fn lens(
         ));
     }
     if skew != 0.0 {
-        // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, D =
-        // diag(1, 1/ratio).
-        let turned = rim * 0.5 * f64::from(size.0) * (1.0 - 1.0 / ratio).abs() * skew.to_radians().sin().abs();
-        notes.push(format!(
-            "{title}: the angle of its anamorphic lens, {skew}, is not taken over: no public text says what it turns, or which way; \
-             if it turns the axes of the squeeze, by degrees, the rim lies up to {turned:.1} pixels elsewhere"
-        ));
+        notes.push(skew_note(&title, rim * 0.5 * f64::from(size.0), ratio, skew));
     }
     let aspect = f64::from(size.0) / f64::from(size.1);
     let circle = Circle::Placed { center, half: DVec2::new(rim, rim * aspect / ratio) };
     Ok(Described::Fisheye(lens, circle))
+}
+
+/// Note about the angle `skew` of an anamorphic lens, degrees, whose rim has a radius of `rim`
+/// pixels.
+fn skew_note(title: &str, rim: f64, ratio: f64, skew: f64) -> String {
+    // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, D =
+    // diag(1, 1/ratio).
+    let turned = rim * (1.0 - 1.0 / ratio).abs() * skew.to_radians().sin().abs();
+    format!(
+        "{title}: the angle of its anamorphic lens, {skew}, is not taken over: no public text says what it turns, or which way; \
+         if it turns the axes of the squeeze, by degrees, the rim lies up to {turned:.1} pixels elsewhere"
+    )
 }
 
 /// A fisheye whose unit is found.

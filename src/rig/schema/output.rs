@@ -72,12 +72,7 @@ pub(super) fn output(
     directory: &Path,
     problems: &mut Problems,
 ) -> Option<Output> {
-    if !section.has("kind") {
-        let path = section.path("kind");
-        let words = KINDS.map(|(word, _)| format!("\"{word}\"")).join(", ");
-        problems.add(&path, format!("is missing; expected one of kind = {words}"));
-    }
-    let kind = section.choice("kind", &KINDS, problems)?;
+    let kind = kind(&mut section, problems)?;
     let given = section.text("name", "the output's name", problems);
     if let Some(name) = given {
         problems.name_output(index, name);
@@ -95,28 +90,7 @@ pub(super) fn output(
     let shown = shown(&mut section, size, window, problems);
     let node = section.node("node", problems);
     let publish = section.boolean("publish", !shown, problems);
-    let output_kind = match kind {
-        Kind::Domemaster => domemaster(&mut section, dome, problems),
-        Kind::Projector => {
-            let position = section.vector("position", &METRES, problems);
-            let angles = angles(&mut section, problems);
-            projector(&mut section, position, angles, problems)
-        }
-        Kind::Perspective => {
-            let angles = angles(&mut section, problems);
-            lens::perspective_frustum(&mut section, problems).map(|frustum| OutputKind::Perspective { angles, frustum })
-        }
-        Kind::Mesh => calibration::mesh(&mut section, dome, directory, problems),
-        Kind::Equirectangular | Kind::Cylindrical | Kind::Cubemap => {
-            let angles = angles(&mut section, problems);
-            let panorama = match kind {
-                Kind::Equirectangular => span(&mut section, 90.0, problems).map(Panorama::Equirectangular),
-                Kind::Cylindrical => span(&mut section, 45.0, problems).map(Panorama::Cylindrical),
-                _ => Some(Panorama::CubeStrip),
-            };
-            panorama.map(|panorama| OutputKind::Panorama { panorama, angles })
-        }
-    };
+    let output_kind = geometry(&mut section, kind, dome, directory, problems);
     let flip = section.choice("flip", &Flip::WORDS, problems).unwrap_or_default();
     let blend = blend::blend(section.section("blend", problems), kind, directory, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
@@ -138,6 +112,48 @@ pub(super) fn output(
         node,
         here: true,
     })
+}
+
+/// Reads the key `kind`.
+fn kind(section: &mut Section, problems: &mut Problems) -> Option<Kind> {
+    if !section.has("kind") {
+        let path = section.path("kind");
+        let words = KINDS.map(|(word, _)| format!("\"{word}\"")).join(", ");
+        problems.add(&path, format!("is missing; expected one of kind = {words}"));
+    }
+    section.choice("kind", &KINDS, problems)
+}
+
+/// Reads the keys that only outputs of this `kind` have.
+fn geometry(
+    section: &mut Section,
+    kind: Kind,
+    dome: &Dome,
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<OutputKind> {
+    match kind {
+        Kind::Domemaster => domemaster(section, dome, problems),
+        Kind::Projector => {
+            let position = section.vector("position", &METRES, problems);
+            let angles = angles(section, problems);
+            projector(section, position, angles, problems)
+        }
+        Kind::Perspective => {
+            let angles = angles(section, problems);
+            lens::perspective_frustum(section, problems).map(|frustum| OutputKind::Perspective { angles, frustum })
+        }
+        Kind::Mesh => calibration::mesh(section, dome, directory, problems),
+        Kind::Equirectangular | Kind::Cylindrical | Kind::Cubemap => {
+            let angles = angles(section, problems);
+            let panorama = match kind {
+                Kind::Equirectangular => span(section, 90.0, problems).map(Panorama::Equirectangular),
+                Kind::Cylindrical => span(section, 45.0, problems).map(Panorama::Cylindrical),
+                _ => Some(Panorama::CubeStrip),
+            };
+            panorama.map(|panorama| OutputKind::Panorama { panorama, angles })
+        }
+    }
 }
 
 /// True if the output has a place in the window.

@@ -122,19 +122,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     let mut report = Report { folder, ..Report::default() };
     if !arguments.in_turn.is_empty() {
-        let mut differs = false;
-        for variable in &arguments.in_turn {
-            let mut ours = ours.clone();
-            ours.push(setting("--in-turn", variable)?);
-            pair.ours = Player::new(&program, &questions, &second, &ours);
-            let mut report = Report { folder: report.folder.clone(), ..Report::default() };
-            report.replay(&mut pair, arguments)?;
-            if !report.differences.is_empty() {
-                println!("different with {variable}");
-                differs = true;
-            }
-        }
-        return Ok(if differs { ExitCode::FAILURE } else { ExitCode::SUCCESS });
+        let player = |ours: &Environment| Player::new(&program, &questions, &second, ours);
+        return replay_in_turn(arguments, &report.folder, &mut pair, &ours, player);
     }
     report.replay(&mut pair, arguments)?;
     let episodes = if arguments.replay.is_empty() { arguments.episodes } else { 0 };
@@ -153,6 +142,29 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}: {} commands", kind.word(), vocabulary.len());
     }
     Ok(report.print())
+}
+
+/// Replays the lists with each variable of `--in-turn`, one at a time.
+fn replay_in_turn(
+    arguments: &Arguments,
+    folder: &Path,
+    pair: &mut Pair,
+    ours: &Environment,
+    player: impl Fn(&Environment) -> Player,
+) -> Result<ExitCode, Failure> {
+    let mut differs = false;
+    for variable in &arguments.in_turn {
+        let mut ours = ours.clone();
+        ours.push(setting("--in-turn", variable)?);
+        pair.ours = player(&ours);
+        let mut report = Report { folder: folder.to_owned(), ..Report::default() };
+        report.replay(pair, arguments)?;
+        if !report.differences.is_empty() {
+            println!("different with {variable}");
+            differs = true;
+        }
+    }
+    Ok(if differs { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
 /// The variable of an option.

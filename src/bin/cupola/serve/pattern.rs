@@ -7,7 +7,7 @@
 use crate::canvas::Canvas;
 use crate::pattern::draw::{Part, Pattern};
 use cupola::rig::{Method, Output, Rig};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What is shown.
@@ -89,6 +89,12 @@ pub fn changes(
         let failed = |_| Err("drawing the pattern failed".to_owned());
         threads.into_iter().try_for_each(|thread| thread.join().unwrap_or_else(failed))
     })?;
+    Ok(rig_changes(rig, &dark, file))
+}
+
+/// Changes of the rig that show the picture `file` of each output instead of the program's: the
+/// black level is raised to it, and `dark` masks everything else.
+fn rig_changes(rig: &Rig, dark: &Path, file: impl Fn(&Output) -> PathBuf) -> Vec<String> {
     let mut changes = Vec::new();
     for output in &rig.outputs {
         let file = file(output);
@@ -105,7 +111,7 @@ pub fn changes(
             changes.push(key("method=\"fragment\""));
         }
     }
-    Ok(changes)
+    changes
 }
 
 /// Removes the pictures of the patterns before `number`: the program may still be reading the

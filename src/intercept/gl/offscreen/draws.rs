@@ -44,17 +44,8 @@ pub fn draw(
         return false;
     }
     let index = look(ctx);
-    let class = classify_by_projection(ctx);
-    // What is drawn into the scene samples by places of its own, but for shaders that ask where on
-    // the screen they are.
-    let program = ctx.shaders.program.as_ref();
-    let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
-    let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
-    let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
     let attached = ctx.view_copies.attached(index);
-    let sampled = sampled & !attached;
-    let screen = class == DrawClass::Flat && sampled == 0 && upload::holds_inverse(ctx);
-    let class = if screen { DrawClass::Screen } else { class };
+    let Classified { class, sampled, in_framebuffer } = classified(ctx, attached);
     note(ctx, index, class, sampled);
     inspected::note(ctx, &Seen { class, sampled, why: None });
     if !enter(ctx, index) {
@@ -95,6 +86,30 @@ pub fn draw(
         backdrop::spread(ctx, index);
     }
     true
+}
+
+/// The class of a draw to a framebuffer of the program's, and what it samples.
+struct Classified {
+    class: DrawClass,
+    /// Images with a copy per view that it samples.
+    sampled: Set,
+    /// True if its fragment shader asks for its place in the framebuffer, and no shader of ours
+    /// answers.
+    in_framebuffer: bool,
+}
+
+/// Classifies a draw to a framebuffer with the images `attached`.
+fn classified(ctx: &mut Context, attached: Set) -> Classified {
+    let class = classify_by_projection(ctx);
+    // What is drawn into the scene samples by places of its own, but for shaders that ask where on
+    // the screen they are.
+    let program = ctx.shaders.program.as_ref();
+    let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
+    let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
+    let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
+    let sampled = sampled & !attached;
+    let screen = class == DrawClass::Flat && sampled == 0 && upload::holds_inverse(ctx);
+    Classified { class: if screen { DrawClass::Screen } else { class }, sampled, in_framebuffer }
 }
 
 /// The part of the panel that the viewport is, if it is not the main one of its framebuffer.

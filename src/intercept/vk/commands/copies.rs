@@ -55,13 +55,7 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
     let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
     let everything = is_of_everything(device, (from, src), (to, dst), written.as_deref());
     if device.images.is_candidate(from) {
-        let made = if everything { end_of(device, to) } else { Made::Elsewhere };
-        // What leaves the window's way is the program's own picture, where there is one.
-        let served =
-            written.is_none() && device.swapchains.latest_layout().is_some_and(|layout| layout.own().is_some());
-        if made != Made::Elsewhere || !served {
-            device.scene_graph.note_made(from, made);
-        }
+        note_made(device, from, if everything { end_of(device, to) } else { Made::Elsewhere }, written.is_some());
     }
     let drawn = |target: &Arc<ViewTarget>, in_views| {
         let event = Event::Drawn(Arc::clone(target), in_views);
@@ -111,6 +105,15 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
             }
         },
         (None, None) => CopyPlan::Same,
+    }
+}
+
+/// Notes what a copy makes of the image `from`. `written`: the target has a copy per view.
+fn note_made(device: &Device, from: vk::Image, made: Made, written: bool) {
+    // What leaves the window's way is the program's own picture, where there is one.
+    let served = !written && device.swapchains.latest_layout().is_some_and(|layout| layout.own().is_some());
+    if made != Made::Elsewhere || !served {
+        device.scene_graph.note_made(from, made);
     }
 }
 
