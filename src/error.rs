@@ -1,4 +1,4 @@
-//! What can go wrong, in words for people and in numbers for C.
+//! Errors, in words for people and in numbers for C.
 
 use std::fmt;
 

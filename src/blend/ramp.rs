@@ -24,8 +24,7 @@ pub fn ramp(shape: RampShape, t: f64) -> f64 {
     }
 }
 
-/// How the raw weight of a projector falls towards the edges of its picture, and how dark its black
-/// is.
+/// Fall of a projector's raw weight towards the edges of its picture, and brightness of its black.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct EdgeWeight {
     /// Width of the ramp, as a part of the picture's width and height.

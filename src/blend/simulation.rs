@@ -1,4 +1,4 @@
-//! What an audience sees when all outputs light the dome.
+//! Picture that an audience sees when all outputs light the dome.
 
 use super::{code_of, light_of};
 use crate::error::{Error, ErrorKind, Result};

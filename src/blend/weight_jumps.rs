@@ -65,8 +65,8 @@ fn raw_weight(edge_weight: &EdgeWeight, map: &WarpMap, point: DVec3) -> f64 {
     map.pixel(point).map_or(0.0, |pixel| edge_weight.raw_weight(pixel / size))
 }
 
-/// Where the border of one picture on the screen goes into another or out of it, but for places
-/// where the screen ends.
+/// Returns the points at which the border of one picture on the screen enters or leaves another
+/// picture. Places at which the screen ends do not count.
 fn crossings_of(map: &WarpMap, other: &WarpMap) -> Vec<DVec3> {
     let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
     let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];

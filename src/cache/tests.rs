@@ -1,4 +1,4 @@
-//! What is cached, and what is read from files but not used.
+//! Results that are cached, and files that are read but not used.
 
 use super::*;
 use std::cell::Cell;
@@ -105,7 +105,7 @@ fn damaged_files_are_computed_again() {
     assert_eq!(square(&folder.cache(), 8), (64, true));
 }
 
-/// What `decode` does not take whole is computed again.
+/// A result that `decode` does not take whole is computed again.
 #[test]
 fn content_that_makes_no_sense_is_computed_again() {
     let cache = Cache::in_memory();
@@ -208,7 +208,8 @@ fn many_at_once_get_what_they_ask_for() {
     assert_eq!(folder.files().len(), 5, "{:?}", folder.files());
 }
 
-/// What is decoded but not sound is computed again, and so is everything whose key has no bytes.
+/// A result that is decoded but not sound is computed again, and so is every result whose key has
+/// no bytes.
 #[test]
 fn unsound_values_and_keys_without_bytes_are_computed_again() {
     use std::ffi::OsStr;

@@ -260,8 +260,8 @@ fn the_planner_knows_all_that_presets_show() {
     }
 }
 
-/// What the planner does not know, here because its views are made narrower on purpose, is found
-/// pixel by pixel.
+/// Directions beyond the views are found pixel by pixel. The planner does not know them, since its
+/// views are made narrower here on purpose.
 #[test]
 fn a_view_is_widened_by_what_pixels_show_beyond_it() {
     let text = "[[output]]\nkind = \"projector\"\nposition = [0.5, 1.0, 3.0]\nfov = [60, 40]\n";

@@ -145,7 +145,8 @@ fn triangle(lines: &Lines, rest: &[&str]) -> Result<[u32; 3]> {
     Ok([corner(a)?, corner(b)?, corner(c)?])
 }
 
-/// How much of a node's `number`-th value follows x: the square of their covariance.
+/// Returns a measure of how closely a node's `number`-th value follows x: the square of their
+/// covariance.
 fn follows(nodes: &[[f64; 5]], number: usize) -> f64 {
     let count = nodes.len().max(1) as f64;
     let mean = |i: usize| nodes.iter().map(|node| node[i]).sum::<f64>() / count;

@@ -1,15 +1,15 @@
 //! Configurations of SGCT (JSON): the computers of a cluster, their windows, and what each viewport
 //! shows.
 //!
-//! What is read are the geometry and the names of the files beside it; how SGCT synchronises,
-//! buffers and tracks is not. Its axes are ours: x right, y up, z backward; yaw to the right, pitch
-//! up, roll clockwise.
+//! The geometry and the names of the files beside it are read. The settings for synchronisation,
+//! buffers and tracking of SGCT are not. Its axes are ours: x right, y up, z backward; yaw to the
+//! right, pitch up, roll clockwise.
 //!
-//! A window with `mirrorx` or `mirrory` is drawn without, as one picture. Then each viewport's
-//! mesh, or its rectangle, is drawn where it always is, but looks at the mirrored place *of the
-//! window*; and each mask at the mirrored place of its viewport. So a viewport shows the picture of
-//! the one that lies at its mirrored place, itself where it is alone, and the mesh stays as it is
-//! but for the places that its nodes look at.
+//! A window with `mirrorx` or `mirrory` is drawn without mirroring, as one picture. Then each
+//! viewport's mesh, or its rectangle, is drawn at its usual place, but looks at the mirrored place
+//! *of the window*; each mask looks at the mirrored place of its viewport. So a viewport shows the
+//! picture of the viewport at its mirrored place (itself, if it is alone). The mesh changes only in
+//! the places that its nodes look at.
 
 use crate::error::Result;
 use crate::formats::reading::input::{LONGEST_DOCUMENT, MOST_PIXELS_TOGETHER, Noted, invalid};
@@ -27,7 +27,7 @@ const LARGEST: f64 = 16384.0;
 /// Greatest angle of a side of a viewport's opening, degrees.
 const WIDEST: f64 = 89.5;
 
-/// Why a configuration has no viewports.
+/// Explains why a configuration has no viewports.
 fn no_viewports(root: &Key) -> String {
     let windows = |node: &Value| node.get("windows").and_then(Value::as_array).cloned().unwrap_or_default();
     let nodes = root.value.get("nodes").and_then(Value::as_array);
@@ -239,7 +239,7 @@ impl Part {
     }
 }
 
-/// Where a viewport is in its window.
+/// Reads the place of a viewport in its window.
 fn part(key: &Key) -> Result<Part> {
     let low = key.optional("pos").map_or(Ok([0.0; 2]), |key| key.pair())?;
     let size = key.optional("size").map_or(Ok([1.0; 2]), |key| key.pair())?;

@@ -22,7 +22,7 @@ const COMPRESSED: u32 = 0x1;
 const BLACK_LEVEL: u32 = 0x20;
 /// The blend has 16 bits.
 const BLEND_OF_16_BITS: u32 = 0x100;
-/// Which of the 16 settings the factor of the black picture is.
+/// Index of the black picture's factor among the 16 settings.
 const BLACK_SCALE: usize = 9;
 const ENCRYPTED: u32 = 0x400;
 /// Length of the oldest header, which every reader knows: 7 numbers, 2 colours, 16 numbers, a name.

@@ -2,9 +2,8 @@
 //! to the curves that a picture of a dome should show (Kooima, Roberts & SubbaRao 2008, section
 //! 2.2).
 //!
-//! Whether an edge is cut depends on its two ends alone, and it is cut at a place that depends on
-//! them alone. So two triangles with a common edge stay without a gap, however deep each of them is
-//! divided.
+//! The decision to cut an edge, and the place of the cut, depend on the two ends of the edge alone.
+//! So two triangles with a common edge stay without a gap, however deep each of them is divided.
 
 pub mod rule;
 

@@ -1,11 +1,11 @@
-//! Where something stands and how it is turned.
+//! Position and orientation of an object.
 
 use glam::{DMat3, DVec3};
 
 /// A position and an orientation in a parent frame (right-handed, x right, y up, −z forward).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Pose {
-    /// Where the origin of the posed frame is, in the parent frame.
+    /// Position of the origin of the posed frame, in the parent frame.
     pub position: DVec3,
     /// Local axes → parent axes; orthonormal. Its columns are the local x, y and z axes.
     pub rotation: DMat3,

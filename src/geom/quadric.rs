@@ -39,7 +39,7 @@ impl Quadric {
         (self.weights * a).dot(b)
     }
 
-    /// How far the sum at a point is below the surface's: > 0 inside.
+    /// Returns the difference between the surface's sum and the sum at a point: > 0 inside.
     pub fn depth(&self, point: DVec3) -> f64 {
         self.level - self.product(point, point)
     }

@@ -12,9 +12,9 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// Where the ray from `origin` along `direction` (any length but 0) leaves the sphere: from
-    /// inside the only hit, from outside the far one. `None` where the ray misses, where the
-    /// sphere lies behind it, and for a direction that is zero or not finite.
+    /// Returns the point at which the ray from `origin` along `direction` (any length but 0) leaves
+    /// the sphere: from inside the only hit, from outside the far one. `None` where the ray misses,
+    /// where the sphere lies behind it, and for a direction that is zero or not finite.
     ///
     /// The foot of the perpendicular from the centre is found from `o × d`, not from the difference
     /// of large squares (Haines, Günther, Akenine-Möller, *Ray Tracing Gems* ch. 7), so the error
@@ -23,8 +23,8 @@ impl Sphere {
         self.hit(origin, direction, 1.0)
     }
 
-    /// Where the ray enters the sphere; `None` also from inside, where it never does.
-    /// Accuracy and other cases as for [`Self::far_hit`].
+    /// Returns the point at which the ray enters the sphere; `None` also from inside, where it
+    /// never does. Accuracy and other cases as for [`Self::far_hit`].
     pub fn near_hit(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         if origin.distance_squared(self.center) <= self.radius * self.radius {
             return None;

@@ -19,7 +19,7 @@ pub fn begin() {
     ON.store(true, Ordering::Relaxed);
 }
 
-/// Whether calls are summed up.
+/// True if calls are summed up.
 #[inline]
 pub fn is_on() -> bool {
     ON.load(Ordering::Relaxed)
@@ -66,7 +66,7 @@ pub const fn code(name: &str) -> u64 {
 
 /// A parameter of a call.
 pub trait Parameter: Copy {
-    /// What counts of it.
+    /// Returns the part of it that counts.
     fn number(self) -> u64;
 }
 

@@ -84,8 +84,9 @@ impl Cameras {
         list.chain(self.fixed.iter().map(|(lens, _)| lens))
     }
 
-    /// What a matrix is of one of the cameras that are shown, or, where there is none, of one that
-    /// it tells itself. `inverted`: the shader computes its inverse.
+    /// Returns the dependence of a matrix on one of the cameras that are shown, or, where there is
+    /// none, on the camera that the matrix itself tells. `inverted`: the shader computes its
+    /// inverse.
     pub fn function_of(&self, matrix: &[f64; 16], inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
         let mut known = self.shown().peekable();
         if known.peek().is_none() {

@@ -25,7 +25,7 @@ thread_local! {
     static LAST_ACT: LastAct = const { LastAct(Cell::new(None)) };
 }
 
-/// What is done when the thread ends, while the driver is whole.
+/// Function that runs when the thread ends, while the driver is whole.
 struct LastAct(Cell<Option<fn()>>);
 
 impl Drop for LastAct {

@@ -21,7 +21,7 @@ pub struct LastFrame {
     pub views: Vec<Picture>,
 }
 
-/// What is stored.
+/// Most recent frame, with its state.
 struct Latest {
     frame: Option<LastFrame>,
     /// The frame's sequence number.

@@ -6,15 +6,15 @@ use std::collections::BTreeSet;
 /// A matrix that may hold the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<'a> {
-    /// How much its name promises, as [`rank`] says.
+    /// Rank of its name, by [`rank`].
     pub rank: u8,
     /// Its values, column by column.
     pub value: &'a [f64; 16],
-    /// What is known of its order.
+    /// Order of its values, as far as it is known.
     pub order: Order,
 }
 
-/// Whether a shader means what a program gives as columns by columns.
+/// Order in which a shader reads the values that a program gives column by column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// They are columns.
@@ -25,7 +25,7 @@ pub enum Order {
     Either,
 }
 
-/// How much of a lens a matrix tells.
+/// Part of a lens that a matrix tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
     /// All: it is the lens alone.
@@ -41,7 +41,7 @@ pub enum Certainty {
 pub struct Told {
     /// The lens; of [`Certainty::Depth`] only E and F.
     pub intrinsics: Intrinsics,
-    /// How much of it is known.
+    /// Part of it that is known.
     pub certainty: Certainty,
 }
 
@@ -58,7 +58,7 @@ impl Told {
         Self { intrinsics, certainty: Certainty::Projection }
     }
 
-    /// Where it was found.
+    /// Returns the kind of matrix in which it was found.
     pub fn how(&self) -> &'static str {
         match self.certainty {
             Certainty::Projection => "projection matrix uniform",
@@ -116,7 +116,7 @@ impl Candidate<'_> {
         (told.certainty != Certainty::Depth).then_some(told.intrinsics)
     }
 
-    /// What its numbers say, in words.
+    /// Describes its values in words.
     pub fn description(&self) -> String {
         match self.found().map(|found| (found.told.certainty, found.told.intrinsics)) {
             Some((Certainty::Projection, lens)) => format!("projection, {}", field_of_view(&lens)),
@@ -222,7 +222,7 @@ pub fn transposed(m: &[f64; 16]) -> [f64; 16] {
     std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
 }
 
-/// How much a name promises to be the projection: 0, 1, 2, the lower the more.
+/// Returns the rank of a name among candidates for the projection, 0…2: the lower, the more likely.
 pub fn rank(name: &str) -> u8 {
     let name = name.to_ascii_lowercase();
     let has = |words: &[&str]| words.iter().any(|w| name.contains(w));

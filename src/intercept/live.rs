@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-/// How often the file is looked at.
+/// Interval at which the file is checked.
 const INTERVAL: Duration = Duration::from_millis(50);
 
 /// The rig of the moment.

@@ -25,8 +25,8 @@ fn gate() -> Option<&'static Mutex<Gate>> {
     .as_ref()
 }
 
-/// Whether there are other machines. To be called before the program draws: its calls are summed up
-/// from then on.
+/// True if there are other machines. Call it before the program draws: its calls are summed up from
+/// then on.
 pub fn are_there() -> bool {
     gate().is_some()
 }

@@ -27,7 +27,7 @@ struct Publishing {
     pace: Pace,
 }
 
-/// When the next frame is published, where not all of them are.
+/// Time of the last published frame. It decides which frame is next, if not all are published.
 #[derive(Debug, Default)]
 struct Pace {
     /// The last frame that was, in nanoseconds.
@@ -112,7 +112,7 @@ pub fn left_out() {
     PUBLISHING.locked().left_out += 1;
 }
 
-/// What was published so far, for the statistics.
+/// Returns the numbers of published frames, for the statistics.
 pub fn statistics() -> Option<Published> {
     let publishing = PUBLISHING.locked();
     let writer = publishing.writer.as_ref()?;

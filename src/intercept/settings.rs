@@ -1,4 +1,4 @@
-//! What the environment asks of the injected library.
+//! Settings of the injected library, from the environment.
 
 use super::file_stamp::FileStamp;
 use super::log;

@@ -1,4 +1,4 @@
-//! Where the outputs of a rig are in a window.
+//! Rectangles of a rig's outputs in a window.
 
 use super::{Output, Rig};
 use crate::geom::PixelRect;

@@ -15,7 +15,7 @@ pub fn read_mask(path: &Path) -> Result<((u32, u32), Vec<u16>)> {
     png_luma(&format!("mask {}", path.display()), &read_file(path)?)
 }
 
-/// Why the file cannot be a mask, if so.
+/// Returns the reason why the file cannot be a mask; `None` if it can.
 pub(super) fn unusable(path: &Path) -> Option<String> {
     let mut signature = [0; 8];
     // Opening a named pipe would wait for somebody who writes to it.

@@ -1,12 +1,12 @@
-//! What stands where: the dome, the viewer, the program's camera, the outputs.
+//! The dome, the viewer, the program's camera and the outputs, and where each of them stands.
 //!
 //! Types here are validated and in radians where they are angles. [`load`] and [`parse`] read
 //! them from TOML in metres and degrees; `docs/rig-file.md` describes the file key by key.
 //!
-//! The way of a rig: `reading` takes typed values out of the parsed TOML and remembers their lines,
-//! `schema` knows the keys and single values' ranges, `validate` knows what values must satisfy
-//! together. All of them add to one list of problems, so that one look at the message mends the
-//! whole file.
+//! A rig passes three steps: `reading` takes typed values out of the parsed TOML and remembers
+//! their lines, `schema` knows the keys and single values' ranges, `validate` knows what values
+//! must satisfy together. All of them add to one list of problems, so that one message shows all
+//! that has to be mended.
 
 mod layout;
 mod mask;
@@ -131,7 +131,8 @@ fn too_long(file_name: &str) -> Error {
     )
 }
 
-/// Why `name_or_path` is neither a preset nor a readable file, and what was perhaps meant.
+/// Explains why `name_or_path` is neither a preset nor a readable file, and names the preset that
+/// was perhaps meant.
 fn unreadable(name_or_path: &str, error: &std::io::Error) -> String {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
     let file = format!("the rig {name_or_path:?} is no preset, and reading it as a file failed: {error}");

@@ -43,11 +43,11 @@ pub struct Profile {
     pub executables: Vec<String>,
     /// Beginnings of the names of libraries; it is for the programs that load one of them.
     pub libraries: Vec<String>,
-    /// What the user should do in the program, in one line.
+    /// Instruction for the user of the program, in one line.
     pub hint: Option<String>,
     /// Variables of the environment and their values.
     pub environment: Vec<(String, String)>,
-    /// What it says of keys of rigs.
+    /// Values that it gives to keys of rigs.
     pub defaults: Defaults,
 }
 
@@ -85,7 +85,7 @@ built_in!["minetest", "openarena", "stellarium", "vtk"];
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
     all: Vec<Profile>,
-    /// Why files of the user are left out.
+    /// Errors of the user's files that are left out.
     errors: Vec<Error>,
 }
 
@@ -112,7 +112,7 @@ impl Profiles {
         profiles
     }
 
-    /// Why files of the user are left out.
+    /// Returns the errors of the user's files that are left out.
     pub fn errors(&self) -> &[Error] {
         &self.errors
     }

@@ -1,4 +1,4 @@
-//! What the values of a rig must satisfy together.
+//! Conditions that several values of a rig must satisfy together.
 
 use super::reading::problems::Problems;
 use super::{Method, Output, OutputKind, Rig, mask};
@@ -177,7 +177,7 @@ fn projector(index: usize, rig: &Rig, optics: &Optics, problems: &mut Problems) 
     }
 }
 
-/// Why a projector lights nothing.
+/// Returns the reason why a projector lights nothing.
 fn unlit(optics: &Optics, screen: &Screen) -> &'static str {
     match (&optics.mirror, &screen.shape) {
         (Some(_), _) => {
@@ -198,7 +198,7 @@ fn unlit(optics: &Optics, screen: &Screen) -> &'static str {
 /// near to the point behind.
 const WIDEST_FLATTENED: f64 = 1.5 * std::f64::consts::PI;
 
-/// Why an output's picture cannot be made by its method, if so.
+/// Returns the reason why the method of an output cannot make its picture; `None` if it can.
 fn impossible_method(rig: &Rig, output: &Output) -> Option<&'static str> {
     match (output.method, &output.kind) {
         (Method::Fragment, _) => None,
@@ -225,8 +225,8 @@ fn impossible_method(rig: &Rig, output: &Output) -> Option<&'static str> {
     })
 }
 
-/// Why vertices cannot be projected straight to an output, if so: that takes a closed form from
-/// direction to pixel.
+/// Returns the reason why vertices cannot be projected straight to an output; `None` if they can.
+/// Such a projection needs a closed form from direction to pixel.
 fn unprojectable(rig: &Rig, output: &Output) -> Option<&'static str> {
     match &output.kind {
         OutputKind::Domemaster { .. } | OutputKind::Projector { .. } if rig.screen.is_some() => Some(

@@ -18,7 +18,7 @@ use glam::{DMat4, DVec4};
 /// Greatest width and height of the pictures, pixels.
 const LARGEST_PICTURE: u32 = 16384;
 
-/// What a program needs to draw one view.
+/// Facts that a program needs to draw one view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmbeddedView<'a> {
     /// Name: `front`, `left`, `projector-3` …
@@ -61,13 +61,13 @@ pub struct Embedded {
     backend: GlBackend,
     state: State,
     counts: EmbeddedCounts,
-    /// Where the outputs of this frame go; kept so that frames allocate nothing.
+    /// Targets of this frame's outputs; kept so that frames allocate nothing.
     targets: Vec<Target>,
     es: bool,
     plan: Planner,
 }
 
-/// How a rig is planned: with perspective views only, or with pictures of outputs as views.
+/// Function that plans a rig: with perspective views only, or with pictures of outputs as views.
 type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
 impl Embedded {
@@ -75,8 +75,8 @@ impl Embedded {
     /// needs on the current context, which must be OpenGL 3.3 or OpenGL ES 3.0 at least.
     ///
     /// # Errors
-    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size out of range
-    /// or a rig that corrects nothing.
+    /// Those of the planner and of the driver; [`ErrorKind::InvalidArgument`] for a size out of
+    /// range or a rig that corrects nothing.
     pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
         Self::planned(gl, rig, size, Session::new)
     }
@@ -205,7 +205,7 @@ impl Embedded {
         Error::new(ErrorKind::InvalidArgument, format!("there is no output {index}; there are {count}, from 0"))
     }
 
-    /// How many views there are; changes only with [`Embedded::resize`] and
+    /// Returns the number of views; it changes only with [`Embedded::resize`] and
     /// [`Embedded::set_viewer`].
     pub fn view_count(&self) -> usize {
         self.session.views().len()
@@ -228,7 +228,7 @@ impl Embedded {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of
+    /// Returns the values of `cupola_view` for a view, for the functions of
     /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
     /// draws with the perspective `matrix` (column by column, as OpenGL has it).
     ///

@@ -47,7 +47,7 @@ impl Durations {
         self.sum += milliseconds;
     }
 
-    /// What they say; `None` if nothing was measured.
+    /// Returns the mean and the percentiles; `None` if nothing was measured.
     pub fn summary(&self) -> Option<Milliseconds> {
         let mut last = self.last.clone();
         let mut at = |part: f64| {

@@ -1,6 +1,6 @@
-//! What belongs to one window: its rig and plan ([`session`]), captures and statistics ([`report`],
-//! [`frame_times`]), which view a frame draws ([`turns`]). [`cache`] opens the process's cache of
-//! results, [`embedded`] serves the C interface.
+//! State of one window: its rig and plan ([`session`]), captures and statistics ([`run_results`],
+//! [`frame_times`]), and the view that a frame draws ([`turns`]). [`cache`] opens the process's
+//! cache of results, [`embedded`] serves the C interface.
 
 pub mod cache;
 pub mod embedded;

@@ -1,4 +1,4 @@
-//! What a run leaves behind: captures and statistics.
+//! Captures and statistics that a run leaves.
 
 use crate::cache::Counts;
 use crate::error::{Error, ErrorKind, Result};
@@ -21,7 +21,7 @@ pub struct Picture {
     pub rgba: Vec<u8>,
 }
 
-/// What `--stats` writes.
+/// Numbers that `--stats` writes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Statistics {
     /// Presented frames.
@@ -44,8 +44,8 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
-    /// How often a draw that was recorded for each view and the panel was left out of one of them,
-    /// because it turned out to be out of sight there (Vulkan).
+    /// Number of times that a draw that was recorded for each view and the panel was left out of
+    /// one of them, because it turned out to be out of sight there (Vulkan).
     pub draws_out_of_sight: u64,
     /// Draws of the scene of which it was known where their vertices are.
     pub bounded_draws: u64,
@@ -56,13 +56,13 @@ pub struct Statistics {
     pub draws_beside: u64,
     /// Ranges of buffers that were read back for that, each once until its buffer changes.
     pub ranges_read: u64,
-    /// How often the parts of the views that no output samples were closed for drawing.
+    /// Number of times that the parts of the views that no output samples were closed for drawing.
     pub closings: u64,
     /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
     pub duplicated_framebuffers: u64,
     /// The others, by the reason why they are drawn once only.
     pub single_framebuffers: BTreeMap<String, u64>,
-    /// How the projection was found, with the number of draws.
+    /// Number of draws by the way in which their projection was found.
     pub projection_found: BTreeMap<String, u64>,
     /// The program's own lenses with which the views of the last frames were drawn: left, right,
     /// lower and upper edge of the program's picture, as tangents of the angles from straight
@@ -96,7 +96,7 @@ pub struct Statistics {
     pub own_errors: u64,
     /// Times of the window's frames.
     pub milliseconds: FrameMilliseconds,
-    /// What was published for other processes, if anything was.
+    /// Frames that were published for other processes, if any were.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<Published>,
     /// Notes of the planner.
@@ -174,7 +174,7 @@ pub struct ViewStatistics {
 /// Writes text to a file.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// The file cannot be written.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     write(path, text.as_bytes())
 }
@@ -182,7 +182,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
 /// Writes `statistics` as JSON.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// The file cannot be written.
 pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
     let text = serde_json::to_string_pretty(statistics)
         .map_err(|error| Error::new(ErrorKind::Internal, format!("statistics: {error}")))?;
@@ -193,7 +193,7 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
 /// content.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// The file cannot be written.
 pub fn replace_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
     let next = path.with_extension(format!("{}.next", std::process::id()));
     write_statistics(&next, statistics)?;
@@ -218,7 +218,7 @@ pub fn capture_path(path: &Path, name: &str, several: bool) -> PathBuf {
 /// Writes a picture as an RGB PNG, turned so that its first row is the top one.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// The file cannot be written.
 pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
     let failed = |error| Error::new(ErrorKind::Internal, format!("{}: {error}", path.display()));
     write(path, &png(picture.width, picture.height, &upright_rgb(picture)).map_err(failed)?)
@@ -227,7 +227,7 @@ pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
 /// A picture as a PNG file, reduced to no more than `width` pixels across.
 ///
 /// # Errors
-/// When it cannot be encoded.
+/// The picture cannot be encoded.
 pub fn reduced_png(picture: &Picture, width: u32) -> Result<Vec<u8>> {
     let failed = |error: String| Error::new(ErrorKind::Internal, format!("{}: {error}", picture.name));
     let rgb = image::RgbImage::from_raw(picture.width, picture.height, upright_rgb(picture))

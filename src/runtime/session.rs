@@ -18,15 +18,15 @@ use crate::rig::{Camera, Favour, Method, Rig};
 use crate::views::{Request, Tile, View};
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a program has been seen to need: tiles beside the views, and how many views are worth their
-/// while.
+/// Needs of a program, as far as they were seen: tiles beside the views, and the number of draws,
+/// which decides how many views are worth their cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extras {
     /// The flat panel.
     pub panel: bool,
     /// The program's own picture.
     pub primary: bool,
-    /// How many draws a frame of it has, once that is known.
+    /// Number of draws of a frame, once that is known.
     pub draws: Option<u32>,
 }
 
@@ -38,7 +38,7 @@ pub struct Session {
     plan: Plan,
     /// Places of the outputs in the window.
     rects: Vec<PixelRect>,
-    /// Which outputs lost their own method.
+    /// Outputs that lost their own method.
     refused: Vec<String>,
     /// The program draws one view in each of its frames.
     turns: Option<Turns>,
@@ -78,7 +78,7 @@ impl Session {
     /// method `fragment`, and the plan's notes say so.
     ///
     /// # Errors
-    /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
+    /// Those of the planner: a rig that no set of views can serve, or an atlas that is too small.
     pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         Self::refusing(Method::projects_vertices, rig, window, off_screen, max_atlas, extras)
     }
@@ -183,7 +183,7 @@ impl Session {
         &self.plan
     }
 
-    /// What the program has been seen to need.
+    /// Returns the needs of the program, as far as they were seen.
     pub fn extras(&self) -> Extras {
         Extras { panel: self.request.panel, primary: self.request.primary, draws: self.draws }
     }
@@ -198,7 +198,7 @@ impl Session {
         &self.plan.views.views
     }
 
-    /// Where a view is drawn, and whether flat drawing goes there as well.
+    /// Returns the rectangle of a view, and whether flat drawing goes there as well.
     pub fn tile(&self, index: usize) -> (LowerLeftRect, bool) {
         match (self.views().get(index), &self.turns) {
             (None, _) => (LowerLeftRect::new(0, 0, 1, 1), true),
@@ -243,7 +243,7 @@ impl Session {
         self.rig.outputs.iter().chain(&self.rig.beside).nth(output)?.method.max_error()
     }
 
-    /// How primitives are divided for a view; `None` where they need not be.
+    /// Returns the division of primitives for a view; `None` if they need not be divided.
     pub fn division(&self, index: usize) -> Option<Division> {
         let view = self.views().get(index)?;
         let max_error = self.max_error(index).filter(|max_error| *max_error > 0.0)?;
@@ -258,7 +258,7 @@ impl Session {
         views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
     }
 
-    /// Where the flat panel is drawn.
+    /// Returns the rectangle of the flat panel.
     pub fn panel(&self) -> Option<LowerLeftRect> {
         let window = LowerLeftRect::of_size(self.request.window);
         let above = LowerLeftRect { y: window.height + TURN_GUTTER as i32, ..window };
@@ -270,7 +270,7 @@ impl Session {
         self.plan.views.primary.as_ref().filter(|_| self.turns.is_none()).map(rect)
     }
 
-    /// Where each output is in the window from the top left, `place` added.
+    /// Returns the rectangle of each output in the window from the top left, `place` added.
     pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<UpperLeftRect> {
         let from_top = move |r: &PixelRect| {
             let (x, y) = (place.0.saturating_add(r.x as i32), place.1.saturating_add(r.y as i32));
@@ -279,7 +279,7 @@ impl Session {
         self.rects.iter().map(from_top).collect()
     }
 
-    /// Where each output is in the window.
+    /// Returns the rectangle of each output in the window.
     pub fn viewports(&self) -> impl Iterator<Item = LowerLeftRect> + '_ {
         let height = self.request.window.1 as i32;
         let from_top = move |r: &PixelRect| {
@@ -300,13 +300,14 @@ impl Session {
         })
     }
 
-    /// How many samples of all views show what the program sees through `lens`, to a few per cent.
-    /// `own`: how many the program's own picture has, which are those of a view with its lens, and,
-    /// `off_screen`, of every view.
+    /// Returns the number of samples of all views that show what the program sees through `lens`,
+    /// to a few per cent. `own` is the number of samples of the program's own picture. A view with
+    /// the program's lens has as many, and so has, `off_screen`, every view.
     ///
-    /// Added up over a grid on the program's picture: a view has `D / cos³ θ` samples per steradian
-    /// at θ off its axis, where D is how many it has per unit of tangents squared. A picture to
-    /// which vertices are projected has the area that the grid's cells take there.
+    /// The number is added up over a grid on the program's picture. A view has `D / cos³ θ` samples
+    /// per steradian at θ off its axis, where D is its number of samples per unit of tangents
+    /// squared. A picture to which vertices are projected has the area that the grid's cells take
+    /// there.
     pub fn samples(&self, lens: &Intrinsics, own: f64, off_screen: bool) -> f64 {
         const GRID: u32 = 16;
         let camera = &self.rig.camera;
@@ -361,7 +362,8 @@ impl Session {
         Some(Intrinsics { a, b: 0.0, c, d: 0.0, e: -1.0, f: None })
     }
 
-    /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
+    /// Returns the adaptation of the program's camera for a view: as the rig says, from the view's
+    /// eye.
     pub fn camera(&self, view: &View) -> CameraAdjustment {
         let camera = &self.rig.camera;
         let rotation = camera_rotation(camera);

@@ -12,7 +12,7 @@ pub struct Turns {
     repeats: usize,
 }
 
-/// What the end of a frame of the program is.
+/// Result of a program's frame in the round of the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EndOfTurn {
     /// The view that was drawn, if its picture counts; `None`: it was a frame to warm up.

@@ -116,7 +116,7 @@ pub fn with_fixed_addresses(command: &mut Command) -> &mut Command {
 /// Sends SIGTERM to a child that has not been waited for.
 ///
 /// # Errors
-/// What the system says, for example that the child belongs to another user by now.
+/// Those of the system, for example that the child belongs to another user by now.
 pub fn terminate(child: &Child) -> io::Result<()> {
     // SAFETY: kill takes plain integers; the id is the child's, since it has not been waited for.
     match unsafe { libc::kill(child.id() as libc::pid_t, libc::SIGTERM) } {
@@ -129,7 +129,7 @@ pub fn terminate(child: &Child) -> io::Result<()> {
 /// waited for.
 ///
 /// # Errors
-/// What the system says, for example that no process of the group is left.
+/// Those of the system, for example that no process of the group is left.
 pub fn kill_group(child: &Child) -> io::Result<()> {
     // SAFETY: killpg takes plain integers; the group has the child's id, which is in use until the
     // child has been waited for.
@@ -159,7 +159,7 @@ pub fn end_was_asked_for() -> bool {
     END_ASKED_FOR.load(Ordering::SeqCst)
 }
 
-/// How a program ended.
+/// End of a program.
 #[derive(Clone, Copy, Debug)]
 pub enum Ended {
     /// By itself, or by a signal of others.

@@ -48,13 +48,14 @@ pub(crate) fn request(sizes: &[(u32, u32)]) -> Request {
     Request { output_sizes: sizes.to_vec(), window: (800, 600), panel: false, primary: false, max_atlas: 16384 }
 }
 
-/// Where a view shows a direction, in its tangents.
+/// Returns the place at which a view shows a direction, in its tangents.
 fn tangents(view: &View, direction: DVec3) -> Option<DVec2> {
     let local = view.rotation * direction;
     (local.z < 0.0).then(|| DVec2::new(local.x, local.y) / -local.z)
 }
 
-/// Where a view shows a direction, in texels from the tile's lower left corner.
+/// Returns the place at which a view shows a direction, in texels from the tile's lower left
+/// corner.
 fn texel(view: &View, direction: DVec3) -> Option<DVec2> {
     let at = tangents(view, direction)?;
     let part = DVec2::new(

@@ -20,7 +20,7 @@ pub struct MapError {
     pub max: f64,
     /// Root mean square error, output pixels.
     pub rms: f64,
-    /// Where the greatest error is: column and row, from the top left.
+    /// Place of the greatest error: column and row, from the top left.
     pub worst: (u32, u32),
     /// Pixels whose direction is zero or not finite.
     pub non_finite: u64,
@@ -197,14 +197,14 @@ fn angle_around(exact: &WarpMap, pixel: DVec2, direction: DVec3) -> Option<f64> 
     (size > 0.0).then_some(size)
 }
 
-/// How far from a pixel's middle the exact map looks `angle` (radians) elsewhere, output pixels:
-/// the distance at which the places on either side and those above and below, of each the farther,
-/// are turned so much, as a root mean square. `None` where a pixel's size is unknown; at most
-/// `angle` over that size.
+/// Returns the distance from a pixel's middle, in output pixels, at which the exact map looks
+/// `angle` (radians) elsewhere. The angle at a distance is a root mean square over both axes, of
+/// each the larger of its two sides. `None` where a pixel's size is unknown; at most `angle` over
+/// that size.
 ///
-/// Where the map is smooth over that distance this is the error of [`compare`]. Beside a silhouette
-/// it is not: directions go there with the root of the distance, and what is shown a ten thousandth
-/// of a pixel beside its place, nearer to the silhouette than that, is turned by a hundredth of
+/// In smooth parts of the map this is the error of [`compare`]. Beside a silhouette it is not:
+/// directions change there with the root of the distance. A point that is shown a ten thousandth of
+/// a pixel beside its place, and is nearer to the silhouette than that, is turned by a hundredth of
 /// what a pixel spans.
 pub fn displacement(exact: &WarpMap, pixel: DVec2, angle: f64) -> Option<f64> {
     let here = exact.direction(pixel)?;

@@ -152,8 +152,9 @@ impl WarpMap {
         }
     }
 
-    /// Where a point of the screen (metres, dome axes) appears in this output: the inverse of
-    /// [`Self::hit`], for perspective outputs of [`Self::direction`]. `None` if it does not.
+    /// Returns the place in this output of a point of the screen (metres, dome axes): the inverse
+    /// of [`Self::hit`], for perspective outputs of [`Self::direction`]. `None` if the output does
+    /// not show it.
     pub fn pixel(&self, point: DVec3) -> Option<DVec2> {
         match &self.optics {
             Optics::Domemaster { lens, rotation } => {
@@ -236,7 +237,7 @@ impl WarpMap {
         }
     }
 
-    /// Where the circle of a circular picture is: its centre and half its width and height, pixels.
+    /// Returns the circle of a circular picture: its centre and half its width and height, pixels.
     pub fn circle(&self) -> Option<(DVec2, DVec2)> {
         let circle = match &self.optics {
             Optics::Domemaster { .. } => Circle::Inscribed,

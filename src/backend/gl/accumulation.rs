@@ -13,7 +13,7 @@ use crate::backend::gl::state;
 use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 
-/// What `glAccum` does with the buffer `A` and the colours `C`, by its value `v`.
+/// Operation of `glAccum` on the buffer `A` and the colours `C`, with its value `v`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     /// `A += v C`.

@@ -31,7 +31,7 @@ pub struct DrawCall {
     pub count: i32,
 }
 
-/// What the driver was told since [`reset`].
+/// Calls that the driver got since [`reset`].
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// The draw calls, in order.

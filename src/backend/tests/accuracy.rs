@@ -1,4 +1,4 @@
-//! What the shaders compute, against f64.
+//! Results of the shaders, against f64.
 
 use super::Driver;
 use super::plans::*;
@@ -7,7 +7,6 @@ use crate::correct::shaders::map::MapPixel;
 use crate::geom::Frustum;
 use glam::DVec3;
 
-/// What a comparison found.
 #[derive(Debug)]
 struct Comparison {
     /// Greatest angle between the two directions, in pixels of the output.

@@ -25,7 +25,7 @@ const OVERLAP: &str = "[dome]\ntilt = 60.0\ncoverage = 150.0\n[viewer]\nposition
 /// From outside the dome, whose outline is in the picture.
 const OUTSIDE: &str = "[dome]\ntilt = 90.0\ncoverage = 170.0\n[[output]]\nkind = \"projector\"\nposition = [1.0, 0.0, 20.0]\nyaw = -2.0\n\
     fov = [32.0, 22.0]\n";
-/// What has no formula.
+/// A lens without a formula.
 const LENS: &str = "[screen]\nshape = \"cylinder\"\nradius = 4.0\nheights = [-1.0, 2.0]\nazimuth = [-70.0, 60.0]\n\
     [[output]]\nkind = \"projector\"\nposition = [0.0, 0.5, 1.0]\nfov = [100.0, 70.0]\ndistortion = { radial = [-0.05, 0.0, 0.0] }\n";
 /// A window, which has no place on the dome.
@@ -38,7 +38,7 @@ fn planned(text: &str, method: &str) -> (Rig, Arc<Plan>) {
     (rig, plan)
 }
 
-/// What a driver shows of an output: the error, and the weight of each pixel.
+/// Returns the error of an output as a driver shows it, and the weight of each pixel.
 fn shown(driver: &dyn Driver, rig: &Rig, plan: &Plan, output: usize) -> (MapError, Vec<Option<f32>>) {
     let exact = rigs::exact(rig, output, SIZE);
     let map = driver.map(plan, output);

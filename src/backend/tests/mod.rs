@@ -1,5 +1,4 @@
-//! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics
-//! API.
+//! Tests of every backend: the same plans, pictures and bounds, whatever the graphics API.
 
 pub mod accuracy;
 pub mod blacks;

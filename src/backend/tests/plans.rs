@@ -83,7 +83,7 @@ pub fn fisheye_plan(size: (u32, u32), aperture: f64, offset: DVec3) -> Plan {
     Plan { views: cube_views(side, turn), passes: vec![pass(size, source, (0..6).collect(), true)] }
 }
 
-/// Where a projector of the tests stands and how it opens.
+/// Position and opening of a projector of the tests.
 #[derive(Clone, Copy, Debug)]
 pub struct Projector {
     pub pose: Pose,
@@ -107,7 +107,8 @@ impl Projector {
         self.pose.rotation * self.frustum.rays()
     }
 
-    /// Where the pixel's ray meets the unit sphere around the origin, far side.
+    /// Returns the point at which the pixel's ray meets the unit sphere around the origin, far
+    /// side.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
         // The textbook quadratic, on purpose another form than the one under test.
         let (o, d) = (self.pose.position, self.rays() * DVec3::new(x, y, 1.0));

@@ -1,4 +1,4 @@
-//! What is presented, against pictures computed in f64.
+//! Presented pictures, against pictures computed in f64.
 
 use super::Driver;
 use super::picture::Picture;
@@ -24,7 +24,7 @@ pub fn noise(size: (u32, u32)) -> Picture {
     Picture::new(size, |_, _| std::array::from_fn(|_| (random.borrow_mut().unit() * 256.0) as u8))
 }
 
-/// Where the first view that shows `direction` has it in the atlas, in texels.
+/// Returns the place in the atlas, in texels, of `direction` in the first view that shows it.
 pub fn place(views: &[View], direction: DVec3) -> Option<(f64, f64)> {
     views.iter().find_map(|view| {
         let v = view.rotation * direction;

@@ -1,4 +1,4 @@
-//! What the filters make of a scene with hard edges, against 64 samples per pixel, and that none
+//! Quality of the filters for a scene with hard edges, against 64 samples per pixel. No filter
 //! reads beyond its tile.
 
 use super::Driver;
@@ -27,7 +27,7 @@ fn checker(direction: DVec3) -> f64 {
     if cell.x.sin() * cell.y.sin() * cell.z.sin() > 0.0 { 1.0 } else { 0.0 }
 }
 
-/// What is seen in a direction of any length, 0…1.
+/// Brightness in a direction of any length, 0…1.
 type Scene<'a> = &'a dyn Fn(DVec3) -> f64;
 
 /// π over a cell's side.
@@ -104,7 +104,7 @@ fn planned(size: u32, quality: f64, filter: Filter) -> Plan {
     build(&rig, &request(&[(size, size)])).expect("a plan")
 }
 
-/// What the pixels of a fisheye picture should be. The same for all drivers.
+/// Exact values of the pixels of a fisheye picture. The same for all drivers.
 static EXACT: LazyLock<Vec<Option<f64>>> =
     LazyLock::new(|| sampled(&planned(SIZE, 1.0, Filter::Bilinear), 8, &checker));
 
@@ -207,7 +207,7 @@ pub fn one_resampling_is_better_than_two(driver: &dyn Driver) {
     }
 }
 
-/// How much better a projector's picture of a scene is than one made of a domemaster, dB.
+/// Returns the gain of a projector's picture of a scene over one made of a domemaster, dB.
 fn gain_of_one_resampling(driver: &dyn Driver, plan: &Plan, dome: &Plan, scene: &Resampled) -> f64 {
     let direct = shown(driver, plan, &scene.atlas, &scene.exact);
     let master = driver.show(dome, false, &scene.dome_atlas);

@@ -23,8 +23,8 @@ fn projectors() -> [Projector; 3] {
     [at(0.0, 0.0, 0.1, 0.3), at(0.3, 0.45, 0.15, 0.5), at(-0.2, 0.2, 0.6, 0.15)]
 }
 
-/// What each projector gives to a point before it is shared out, in f64, from the point's place in
-/// all pictures.
+/// Returns the raw weight of each projector at a point, in f64, from the point's place in all
+/// pictures.
 fn claims(projectors: &[Projector], point: DVec3) -> Vec<f64> {
     let smooth = |t: f64| t.clamp(0.0, 1.0).powi(2) * (3.0 - 2.0 * t.clamp(0.0, 1.0));
     let claim = |projector: &Projector| {
@@ -46,8 +46,8 @@ fn others(projectors: &[Projector], index: usize) -> Vec<Projector> {
     projectors.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, p)| *p).collect()
 }
 
-/// Where the claims on a point add up to less than this, borders cross with nothing beneath: shares
-/// jump there, and f32 cannot follow them closely. It is a hair's breadth.
+/// Sum of the raw weights below which a point is meagre: borders cross there with nothing beneath,
+/// blend weights jump, and f32 cannot follow them closely. Such places are a hair's breadth wide.
 const MEAGRE: f64 = 0.05;
 
 pub fn shares_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {

@@ -11,7 +11,8 @@ use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// What a bent projector shows at a pixel: a narrow picture with a hole, and weights.
+/// Returns the table entry of a bent projector at a pixel: a narrow picture with a hole, and
+/// weights.
 fn shown(size: (u32, u32), opening: f64, column: u32, row: u32) -> Option<TablePixel> {
     let (x, y) = normalised(size, column, row);
     let direction = DVec3::new(opening * (x + 0.1 * y * y), opening * (y - 0.2 * x * y), -1.0);

@@ -11,14 +11,14 @@ pub const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-/// How an image is used before or after a barrier.
+/// Use of an image before or after a barrier.
 #[derive(Clone, Copy, Debug)]
 pub struct Use {
     /// The layout that it has.
     pub layout: vk::ImageLayout,
     /// The stages that use it; none: there is nothing to wait for, or nothing that waits.
     pub stages: vk::PipelineStageFlags,
-    /// What they do.
+    /// Accesses of these stages.
     pub access: vk::AccessFlags,
 }
 

@@ -1,4 +1,4 @@
-//! What the driver made of shaders, kept by the shaders and by the driver on its device.
+//! Compiled shaders of the driver, cached by the shaders and by the driver on its device.
 //!
 //! Drivers keep what they compile, too, most of them; some only what they are given back.
 
@@ -48,7 +48,7 @@ fn with<T>(api: &Api, data: &[u8], body: impl FnOnce(vk::PipelineCache) -> Resul
     result
 }
 
-/// What the driver gives out of its cache; empty where that is nothing.
+/// Returns the data of the driver's cache; empty if the driver gives none.
 fn data(api: &Api, cache: vk::PipelineCache) -> Vec<u8> {
     if cache == vk::PipelineCache::null() {
         return Vec::new();

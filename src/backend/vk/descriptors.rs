@@ -1,5 +1,5 @@
-//! Which images the shaders of a plan read: a descriptor set for each draw, each set of pictures
-//! and each filter.
+//! Images that the shaders of a plan read: a descriptor set for each draw, each set of pictures and
+//! each filter.
 
 use super::images::SourceImage;
 use super::program::{Common, picture_bindings};
@@ -9,7 +9,7 @@ use crate::correct::{Arrangement, ImageSize};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
-/// What one draw reads.
+/// Images that one draw reads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reads {
     /// The views that it samples, as numbers in the plan.

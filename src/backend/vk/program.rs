@@ -9,7 +9,7 @@ use crate::correct::shaders::spirv::{Modules, VERTEX_ENTRY, binding};
 use crate::error::Result;
 use ash::vk;
 
-/// What all pipelines of one target format share.
+/// Objects that all pipelines of one target format share.
 #[derive(Debug, Default)]
 pub(super) struct Common {
     pub set_layout: vk::DescriptorSetLayout,
@@ -20,7 +20,7 @@ pub(super) struct Common {
     pub render_passes: [vk::RenderPass; 2],
 }
 
-/// Where a shader's pictures are bound, in the order of the batch's views.
+/// Returns the bindings of a shader's pictures, in the order of the batch's views.
 pub(super) fn picture_bindings(arrangement: Arrangement) -> impl Iterator<Item = u32> {
     let others = if arrangement == Arrangement::Images { binding::IMAGES } else { 0..0 };
     std::iter::once(binding::ATLAS).chain(others)

@@ -1,4 +1,4 @@
-//! What black is raised to in each pixel, as the shaders get it.
+//! Black level of each pixel, as the shaders get it.
 
 use crate::blend::code_of;
 use crate::rig::{Black, BlackValues, Blend, Flip};

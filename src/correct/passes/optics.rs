@@ -168,9 +168,9 @@ impl OpticsSource {
         (exact && self.is_sound()).then_some(self)
     }
 
-    /// Whether rounding moves little what is shown at a place; `None` where nothing is, there or
-    /// around. `pixel`: one of the reference's size; `own`: how many such a pixel of the picture is
-    /// wide.
+    /// Tests whether rounding moves the content of a place only little; `None` if there is none at
+    /// the place or around it. `pixel` is a pixel of the reference's size; `own` is the width of a
+    /// pixel of the picture in such pixels.
     fn is_exact_at(&self, x: f64, y: f64, pixel: DVec2, own: f64) -> Option<bool> {
         let seen =
             |x: f64, y: f64, kick: Kick| self.path(x, y, kick).map(|path| self.to_viewer.transform_point3(path.point));

@@ -91,7 +91,8 @@ impl OutputPass {
         filled.flat_map(|batch| &batch.rects)
     }
 
-    /// Which part of the output, 0…1, is black before its batches are drawn, and mostly after it.
+    /// Returns the part of the output, 0…1, that is black before its batches are drawn, and mostly
+    /// after it.
     pub fn black_part(&self) -> f64 {
         let filled: f64 = self.filled().map(|rect| f64::from(rect.width) * f64::from(rect.height)).sum();
         1.0 - filled / (f64::from(self.size.0) * f64::from(self.size.1)).max(1.0)

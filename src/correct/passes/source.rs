@@ -1,4 +1,4 @@
-//! How a pixel of an output becomes a direction: the coefficients, and their evaluation in f64.
+//! Map from a pixel of an output to a direction: the coefficients, and their evaluation in f64.
 
 use crate::blend::EdgeWeight;
 use crate::correct::passes::optics::OpticsSource;
@@ -9,9 +9,9 @@ use crate::geom::{Fisheye, Panorama, PinholeRays, QuadraticForm};
 use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
-/// How a pixel of an output becomes a direction. `(x, y)` are the pixel's normalised
-/// coordinates: −1…1 from left to right and from bottom to top, at pixel centres, scaled so for
-/// [`Source::Fisheye`] that the inscribed circle is the unit circle.
+/// Map from a pixel of an output to a direction. `(x, y)` are the pixel's normalised coordinates:
+/// −1…1 from left to right and from bottom to top, at pixel centres. For [`Source::Fisheye`] they
+/// are scaled so that the inscribed circle is the unit circle.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Source {
     /// `v = rotation·(q·S(|q|²), −C(|q|²)) + offset` with `q = (x, y)·aperture/2`, in viewer axes
@@ -57,7 +57,7 @@ pub struct ProjectorSource {
     pub direction: QuadraticForm,
     /// The part of the surface that is screen.
     pub bounds: Bounds,
-    /// Whether a pixel's point is there; `None` = the whole surface is screen.
+    /// Test whether a pixel's point is on the screen; `None` = the whole surface is screen.
     pub rim: Option<RimForms>,
     /// From the dome's centre to the point, times a positive factor, dome axes turned so that the
     /// pole is +y and the front −z; for ramps in dome angles.

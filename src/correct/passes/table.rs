@@ -62,8 +62,8 @@ impl Table {
         self.entries
     }
 
-    /// How far apart entries are in pixels. 1: each is that of a pixel's centre. Otherwise the
-    /// first one is at the output's top left corner.
+    /// Returns the distance between entries in pixels. 1: each entry is that of a pixel's centre.
+    /// Otherwise the first one is at the output's top left corner.
     pub fn step(&self) -> u32 {
         self.step
     }
@@ -90,9 +90,9 @@ impl Table {
         self.weighted
     }
 
-    /// What is shown at a place (0…1 from the left and from the top, limited to it): what the
-    /// nearest pixel shows, or, if that shows anything and entries are farther apart, what lies
-    /// between them.
+    /// Returns the entry at a place (0…1 from the left and from the top, limited to it): that of
+    /// the nearest pixel, or, if that pixel shows anything and entries are farther apart, the
+    /// interpolation of the entries around the place.
     pub fn at(&self, across: f64, down: f64) -> Option<TablePixel> {
         let index = |part: f64, count: u32| ((part * f64::from(count)).max(0.0) as usize).min(count as usize - 1);
         if self.texels.is_empty() {

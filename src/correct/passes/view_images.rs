@@ -1,4 +1,4 @@
-//! How the pictures of the views lie in memory.
+//! Layout of the views' pictures in memory.
 
 use crate::correct::passes::output_pass::Plan;
 use crate::views::{Tile, ViewPlan};

@@ -1,4 +1,4 @@
-//! Which rectangles of an output can be drawn by which shader, from what its blocks need.
+//! Rectangles of an output, with the shader that can draw each, from the needs of its blocks.
 
 use crate::cache::Cache;
 use crate::correct::passes::mask::Mask;
@@ -110,7 +110,7 @@ struct BlockKind {
     class: Class,
     /// A mask is not white there.
     faded: bool,
-    /// What they need together.
+    /// Needs of all of them together.
     needs: Needs,
 }
 

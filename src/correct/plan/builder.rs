@@ -1,4 +1,4 @@
-//! How the passes of a frame are built from a rig.
+//! Construction of a frame's passes from a rig.
 
 use crate::blend::Weights;
 use crate::cache::Cache;
@@ -141,8 +141,8 @@ fn pass(rig: &Rig, index: usize, picture: Picture, batches: Vec<Batch>, lift: f6
     }
 }
 
-/// What is known of each output's picture before there are views; nothing of a rig that corrects
-/// nothing.
+/// Returns the parts of each output's picture that are known before there are views. A rig that
+/// corrects nothing has no pictures.
 fn pictures(
     rig: &Rig,
     sizes: &[(u32, u32)],

@@ -1,4 +1,4 @@
-//! Which part of an output no rectangle covers.
+//! Part of an output that no rectangle covers.
 
 use crate::geom::rectangle::PixelRect;
 

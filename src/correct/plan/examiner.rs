@@ -33,7 +33,7 @@ pub(super) struct Examiner<'a> {
     unseen: Vec<DVec2>,
 }
 
-/// What a view answers for.
+/// Directions for which a view answers.
 struct Answering {
     cone: Cone,
     /// Viewer axes → its own.
@@ -330,7 +330,8 @@ impl<'a> Examiner<'a> {
     }
 }
 
-/// Whether all of a block that a projector lights is on the screen; `None` where that is not clear.
+/// Tests whether all of a block that a projector lights is on the screen; `None` if that is not
+/// clear.
 fn on_screen(bounds: &Bounds, corners: &[Corner; 4]) -> Option<bool> {
     let points = all_of(corners.map(|corner| corner.on_surface))?;
     // No point of the patch is farther than its diameter from a corner.

@@ -1,5 +1,5 @@
-//! Which parts of an output sample which parts of the views, coarsely: so that only what was drawn
-//! to is corrected.
+//! Coarse map from parts of an output to the parts of the views that they sample. With it, only the
+//! parts whose texels were drawn are corrected.
 
 use crate::correct::LowerLeftRect;
 use crate::correct::passes::output_pass::{OutputPass, Plan};
@@ -98,15 +98,15 @@ pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Foo
     Some(Footprints { size: pass.size, flip: pass.flip, parts })
 }
 
-/// What is shown at a place of the lattice of samples, counted from the top left.
+/// Returns the direction of a place of the lattice of samples, counted from the top left.
 fn direction(pass: &OutputPass, place: [u32; 2]) -> Option<DVec3> {
     let at = |place: u32, length: u32| f64::from(place) / f64::from(SAMPLES - 1) * f64::from(length) / f64::from(CELLS);
     let (x, y) = pass.source.normalised(pass.size, at(place[0], pass.size.0), at(place[1], pass.size.1));
     pass.source.direction(x, y)
 }
 
-/// What the cell at `place` may sample of a view: around its samples, and as far again as
-/// neighbouring ones are apart.
+/// Returns the texels of a view that the cell at `place` may sample: those around its samples,
+/// widened by the distance of neighbouring samples.
 fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) -> Option<TexelSpan> {
     let tile = &view.tile;
     let (low, size) =

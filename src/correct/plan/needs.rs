@@ -52,7 +52,7 @@ pub(in crate::correct) struct Examined {
 /// others like them, or can be widened.
 pub(super) const MOST_UNSEEN: usize = 4096;
 
-/// What is kept: runs of blocks with the same needs, with their lengths, the tangents beyond each
+/// Cached form: runs of blocks with the same needs, with their lengths, the tangents beyond each
 /// view, and the positions that no view can show.
 type Kept = (Vec<(u32, Needs)>, Vec<Option<Frustum>>, Vec<DVec2>);
 

@@ -38,7 +38,7 @@ pub fn unsampled_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     sheets.iter().zip(&plan.views.views).map(|(sheet, view)| sheet.unsampled(view)).collect()
 }
 
-/// Which cells of a view's tile are sampled.
+/// Cells of a view's tile, and which of them are sampled.
 struct Sheet {
     columns: u32,
     rows: u32,

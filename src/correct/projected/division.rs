@@ -275,10 +275,11 @@ pub fn division(input: Input, shared: bool, count: &str) -> String {
     with_values(&[parts, MAIN].concat(), &replace)
 }
 
-/// What a geometry stage of Vulkan has of its own, in the order of [`STAGE_FUNCTIONS`]: which run
-/// it is, how many parts it may emit, where corners of its primitive are, how a vertex is emitted,
-/// how a primitive ends, and what is done where a part is emitted that is not fine enough. What
-/// stands here takes their place where the text is translated.
+/// Placeholders for the functions of a geometry stage of Vulkan, in the order of
+/// [`STAGE_FUNCTIONS`]: number of its invocation, number of parts that it may emit, corner of its
+/// primitive, emission of a vertex, end of a primitive, and count of a part that is emitted
+/// although it is not fine enough. The translated text replaces them with the functions of the
+/// stage.
 const OWN: &str = "int cupola_left = 0;
 int cupola_run() { return 0; }
 int cupola_room() { return 0; }
@@ -292,8 +293,8 @@ void cupola_count() {}
 pub const STAGE_FUNCTIONS: [&str; 6] =
     ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end", "cupola_count"];
 
-/// What comes before the division there: what has no lens, or is not to be divided for it, is
-/// emitted as it is.
+/// Code before the division there. Primitives without a lens, and those that the lens need not
+/// divide, are emitted as they are.
 const UNDIVIDED: &str = "void cupola_divided() {
 cupola_left = cupola_room();
 if (cupola_view[3].w == 0.0 || cupola_view[7].y == 0.0) {

@@ -18,7 +18,7 @@ pub struct ReprojectionMatrix {
     pub y: [f32; 4],
     /// Row of the view's w.
     pub w: [f32; 4],
-    /// How the view's depth follows from q and w.
+    /// Terms that give the view's depth from q and w.
     pub depth: DepthTerms,
 }
 
@@ -99,7 +99,7 @@ pub struct LensConstants {
     pub scale: [f32; 2],
     /// Offset of the picture; of a fisheye half the aperture and 0.
     pub offset: [f32; 2],
-    /// Where the picture ends.
+    /// Limit of the picture.
     pub limit: f32,
     /// Greatest error in the middle of an edge before it is cut, pixels; 0: nothing is divided.
     pub max_error: f32,

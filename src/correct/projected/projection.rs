@@ -72,7 +72,7 @@ CURVEDreturn r;
 }
 ";
 
-/// Where outputs are projected to, the rows may lead to a lens.
+/// Branch for rows that lead to a lens, for views that are projected to outputs.
 const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.x, r.y, -r.w), q, c.z == c.w);
 ";
 

@@ -10,7 +10,7 @@ pub const MAX_NEIGHBOURS: usize = 12;
 /// Most ramps in dome angles of one output.
 pub const MAX_RAMPS: usize = 8;
 
-/// Which correction.
+/// Kind of correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// A fisheye picture.

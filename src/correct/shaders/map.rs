@@ -1,4 +1,4 @@
-//! What the shaders' map says of a pixel.
+//! Entry of the shaders' map for a pixel.
 
 use crate::correct::passes::output_pass::Plan;
 use crate::correct::shaders::uniforms::direction_at;

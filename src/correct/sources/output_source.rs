@@ -100,8 +100,8 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
     }
 }
 
-/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` for
-/// screens where no such vector exists.
+/// Returns the vector that is added to a unit direction from the dome's centre for an eye
+/// elsewhere; `None` for screens where no such vector exists.
 fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
     match &rig.screen {
         None => Some(-(viewer_rotation(rig).transpose() * eye) / rig.dome.radius),

@@ -1,5 +1,4 @@
-//! How far rounding to f32 moves what a projector's formula shows: estimated in f64, before there
-//! is a shader.
+//! Error of a projector's formula by rounding to f32, estimated in f64 before there is a shader.
 //!
 //! Each term of a sum is rounded to a part of its own size. Where terms cancel, as they do when the
 //! viewer is near the lit screen or the projector near the wall behind it, the sum is small and its

@@ -1,4 +1,4 @@
-//! What each place of an output shows, exactly: what tables and meshes are made of.
+//! Exact samples of an output, from which tables and meshes are made.
 
 use crate::blend::Weights;
 use crate::correct::passes::table::{Table, TablePixel};

@@ -93,9 +93,9 @@ impl Table {
         (0..width * height).map(step).collect()
     }
 
-    /// How far this table is from `exact` at the worst pixel's centre, in pixels, whose angles are
-    /// `pixels`; `None` where that is more than `max_error`, or weights differ by more than
-    /// [`WEIGHT_ERROR`].
+    /// Returns the error of this table against `exact` at the worst pixel's centre, in pixels,
+    /// whose angles are `pixels`; `None` if it is more than `max_error`, or weights differ by more
+    /// than [`WEIGHT_ERROR`].
     fn error_within(&self, exact: &Self, pixels: &[f64], max_error: f64) -> Option<f64> {
         let width = self.size.0 as usize;
         let worst = Mutex::new(Some(0.0f64));

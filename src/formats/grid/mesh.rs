@@ -12,7 +12,7 @@ use std::fmt;
 pub const MOST_NODES: usize = 1 << 20;
 /// Greatest number of entries of the index: 128 MiB.
 const MOST_ENTRIES: u64 = 1 << 25;
-/// How many times over the area of a mesh the boxes of its triangles may fill it. A grid of squares
+/// Greatest ratio of the area of all triangles' boxes to the area of their mesh. A grid of squares
 /// has 2, a folded one a few more; beyond this the file is damaged, and finding a pixel's triangle
 /// would take too long.
 const MOST_LAYERS: f64 = 256.0;
@@ -24,7 +24,7 @@ const SLACK: f64 = 1e-9;
 /// A node of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Where it is in the output: from the middle, x to the right, y up, in the units of the
+    /// Its place in the output: from the middle, x to the right, y up, in the units of the
     /// [`Grid`](super::Grid) that the mesh is in.
     pub position: DVec2,
     /// Value there, see [`Sample::value`].
@@ -139,8 +139,8 @@ impl Mesh {
         &self.triangles
     }
 
-    /// What is shown at a place of the output, in the units of the nodes' positions; `None` outside
-    /// all triangles.
+    /// Returns the value at a place of the output, in the units of the nodes' positions; `None`
+    /// outside all triangles.
     pub fn sample(&self, position: DVec2) -> Option<Sample> {
         let candidates = self.index.candidates(position)?;
         candidates.iter().rev().find_map(|triangle| {
@@ -174,7 +174,8 @@ fn bounds([a, b, c]: [DVec2; 3]) -> (DVec2, DVec2) {
     (a.min(b).min(c), a.max(b).max(c))
 }
 
-/// Which triangles may hold a point: the triangles of each cell of a grid over the mesh's box.
+/// Index of the triangles that may hold a point: the triangles of each cell of a grid over the
+/// mesh's box.
 #[derive(Clone, Debug, PartialEq)]
 struct Index {
     low: DVec2,
@@ -182,7 +183,7 @@ struct Index {
     scale: DVec2,
     /// Columns, and as many rows.
     side: usize,
-    /// Where each cell's triangles begin in `triangles`, and the end.
+    /// Place in `triangles` at which each cell's triangles begin, and the end.
     starts: Vec<u32>,
     /// In ascending order within a cell.
     triangles: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What a calibration says about the pixels of an output: nodes with triangles, or pixel by pixel.
+//! Calibrations of the pixels of an output: nodes with triangles, or pixel by pixel.
 
 mod mesh;
 mod raster;
@@ -32,8 +32,8 @@ pub enum Grid {
 }
 
 impl Grid {
-    /// What is shown at a pixel (from the top left, centres at +½) of an output of `size` pixels;
-    /// `None` outside the grid and where it shows nothing.
+    /// Returns the value at a pixel (from the top left, centres at +½) of an output of `size`
+    /// pixels; `None` outside the grid and where it shows nothing.
     pub fn sample(&self, pixel: DVec2, size: (u32, u32)) -> Option<Sample> {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         match self {

@@ -34,7 +34,7 @@ pub(super) struct DescribedRegion {
     pub(super) size: (u32, u32),
     /// x, y, width and height in the whole picture, 0…1 from the bottom left.
     pub(super) place: [f64; 4],
-    /// Where the projector alone is described, none.
+    /// Name of the warp file; `None` if the file describes the projector alone.
     pub(super) warp: Option<String>,
     /// Name and gamma.
     pub(super) alpha: Option<(String, f64)>,

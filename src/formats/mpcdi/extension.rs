@@ -20,12 +20,12 @@ use std::ops::RangeInclusive;
 /// The name of the extension.
 pub(super) const NAME: &str = "BufferExtension";
 
-/// Where the rim of a fisheye of 180° may lie, in half widths of the picture. The range is narrower
-/// than the 57 between a degree and a radian, so that of the two at most one fits a lens that is
+/// Range for the rim of a fisheye of 180°, in half widths of the picture. It is narrower than the
+/// ratio 57 between a degree and a radian, so at most one of the two units fits a lens that is
 /// nearly equidistant.
 const RIM: RangeInclusive<f64> = 0.1..=4.0;
 
-/// What the extension says of a region's lens.
+/// Lens of a region, as the extension describes it.
 pub(super) enum Described {
     /// Nothing.
     Plain,

@@ -130,7 +130,7 @@ fn frustum(camera: &Camera) -> String {
     )
 }
 
-/// What readers that know no fisheyes may take for the opening: the angles of the middles of the
+/// Returns the opening for readers that do not know fisheyes: the angles of the middles of the
 /// sides, as far as planes go.
 fn nearest_plane(optics: &Optics, size: (u32, u32)) -> Camera {
     let aspect = f64::from(size.0) / f64::from(size.1);
@@ -144,8 +144,8 @@ fn nearest_plane(optics: &Optics, size: (u32, u32)) -> Camera {
     Camera { offset: optics.pose.position, rotation: optics.pose.rotation, frustum }
 }
 
-/// Where a camera stands, with the axes of the file: the pitch axis to the right, the yaw axis
-/// down, the roll axis forward.
+/// Formats the frame of a camera at this position, with the axes of the file: the pitch axis to the
+/// right, the yaw axis down, the roll axis forward.
 fn frame(DVec3 { x, y, z }: DVec3) -> String {
     let vector =
         |name: &str, [x, y, z]: [f64; 3]| format!("<{name}x>{x}</{name}x><{name}y>{y}</{name}y><{name}z>{z}</{name}z>");

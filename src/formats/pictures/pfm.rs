@@ -75,7 +75,7 @@ struct Header<'a> {
     /// The file's.
     name: &'a str,
     bytes: &'a [u8],
-    /// Where the next word is looked for.
+    /// Position of the search for the next word.
     at: usize,
 }
 

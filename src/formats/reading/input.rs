@@ -1,4 +1,4 @@
-//! What all readers share: limits, and the form of their errors.
+//! Common parts of all readers: limits, and the form of their errors.
 
 use crate::error::{Error, ErrorKind, Result};
 use std::io::Read;

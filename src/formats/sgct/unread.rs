@@ -1,4 +1,4 @@
-//! What a configuration says and Cupola does not take over.
+//! Parts of a configuration that Cupola does not take over.
 
 use serde_json::Value;
 use std::collections::BTreeSet;

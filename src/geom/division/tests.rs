@@ -17,8 +17,8 @@ fn division(map: PictureMap, max_error: f64) -> Division {
     Division { map, pixels: DVec2::splat(1024.0), max_error, most: 1 << 20 }
 }
 
-/// Where a rasteriser shows the point of a triangle with these weights, each corner's w being its
-/// distance.
+/// Returns the place at which a rasteriser shows the point of a triangle with these weights. The w
+/// of each corner is its distance.
 fn drawn(map: &PictureMap, corners: [DVec3; 3], weights: Weights) -> Option<DVec2> {
     let (mut sum, mut w) = (DVec2::ZERO, 0.0);
     for (corner, weight) in corners.into_iter().zip(weights.to_array()) {

@@ -3,7 +3,7 @@
 use crate::geom::lenses::panorama::Panorama;
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a picture shows.
+/// Kind of map that a picture is.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum ContentPicture {
     /// Directions around the dome's centre. A fisheye's circle touches all four sides.
@@ -27,7 +27,7 @@ pub struct Region {
 /// The map from directions to places of a window.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ContentMap {
-    /// What is shown.
+    /// Kind of map that the picture is.
     pub picture: ContentPicture,
     /// Viewer axes → the picture's: x right, y up, −z its middle.
     pub rotation: DMat3,
@@ -47,8 +47,8 @@ impl ContentPicture {
         }
     }
 
-    /// Where a direction of any length in the picture's axes appears, −1…1 from the left and from
-    /// the bottom; `None` where it does not.
+    /// Returns the place of a direction (any length, picture axes) in the picture, −1…1 from the
+    /// left and from the bottom; `None` if the picture does not show it.
     pub fn place(&self, direction: DVec3) -> Option<DVec2> {
         match self {
             Self::Directions(panorama) => panorama.picture(direction, 1.0),
@@ -90,8 +90,8 @@ impl Region {
 }
 
 impl ContentMap {
-    /// Where a direction of any length in viewer axes appears in the window, parts of its width and
-    /// height from the bottom left; `None` where it does not.
+    /// Returns the place of a direction (any length, viewer axes) in the window, as parts of its
+    /// width and height from the bottom left; `None` if the window does not show it.
     pub fn place(&self, direction: DVec3) -> Option<DVec2> {
         let place = self.picture.place(self.rotation * direction)?;
         Some(self.region.origin + (0.5 + 0.5 * place) * self.region.size)

@@ -160,8 +160,8 @@ fn sine_quotient(s: f64) -> f64 {
     if root > 0.0 { root.sin() / root } else { 1.0 }
 }
 
-/// Where a fit over 0…`end` is judged; dense enough that nothing is missed between extrema of the
-/// error.
+/// Angles at which a fit over 0…`end` is judged, dense enough that no extremum of the error is
+/// missed between them.
 fn samples(end: f64) -> impl Iterator<Item = f64> {
     (0..=2000).map(move |i| end * f64::from(i) / 2000.0)
 }

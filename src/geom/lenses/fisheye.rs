@@ -1,4 +1,4 @@
-//! How fisheye lenses put angles into a picture: the published projections, polynomials, and
+//! Projections of fisheye lenses, from angle to radius: the published formulas, polynomials, and
 //! measured curves.
 
 use crate::geom::Curve;
@@ -15,7 +15,7 @@ pub struct FisheyeLens {
     pub aperture: f64,
 }
 
-/// How the radius of a fisheye's picture grows with the angle θ from its axis (scale apart: the rim
+/// Growth of the radius in a fisheye's picture with the angle θ from its axis (scale apart: the rim
 /// has radius 1).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Projection {

@@ -16,7 +16,7 @@ pub enum Lens {
         frustum: Frustum,
         /// Distortion of tangents by the lens.
         distortion: Distortion,
-        /// What the projector does to the picture before the lens: picture as it is sent, `(x, y,
+        /// Distortion that the projector applies before the lens: picture as it is sent, `(x, y,
         /// 1)`, → picture as it fills the opening, homogeneous ([`homography::from_corners`]).
         keystone: DMat3,
     },
@@ -24,12 +24,12 @@ pub enum Lens {
     Fisheye {
         /// The lens.
         lens: FisheyeLens,
-        /// Where its circle is in the picture.
+        /// Place of its circle in the picture.
         circle: Circle,
     },
 }
 
-/// Where the circle of a fisheye is in a picture.
+/// Place of a fisheye's circle in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum Circle {
     /// As large as it fits, in the middle.
@@ -77,8 +77,8 @@ pub struct Distortion {
 
 /// Steps of an iteration that doubles its digits, with room to spare.
 const NEWTON_STEPS: usize = 30;
-/// Where an undistorted tangent is taken as found: the distance of its image from the point asked
-/// for.
+/// Tolerance of the search for an undistorted tangent: greatest distance of its image from the
+/// point asked for.
 const ARRIVED: f64 = 1e-13;
 
 impl Distortion {
@@ -87,7 +87,7 @@ impl Distortion {
         *self == Self::default()
     }
 
-    /// Where the ray `(x, y, −1)` appears, and the derivative by x and by y.
+    /// Returns the place of the ray `(x, y, −1)`, and the derivatives by x and by y.
     pub fn apply(&self, tangent: DVec2) -> (DVec2, [DVec2; 2]) {
         let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
         let DVec2 { x, y } = tangent;
@@ -149,7 +149,8 @@ impl Lens {
         }
     }
 
-    /// Where a ray of any length appears: the inverse of [`Self::ray`]; perhaps outside −1…1.
+    /// Returns the place of a ray of any length in the picture, perhaps outside −1…1: the inverse
+    /// of [`Self::ray`].
     pub fn picture(&self, ray: DVec3, aspect: f64) -> Option<DVec2> {
         match self {
             Self::Pinhole { frustum, distortion, keystone } => {

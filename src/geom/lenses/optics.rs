@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 /// Optics of a projector: its lens, and perhaps a mirror.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Optics {
-    /// Where the lens is and how it is turned, in dome axes.
+    /// Position and orientation of the lens, in dome axes.
     pub pose: Pose,
     /// The lens.
     pub lens: Lens,
@@ -18,9 +18,9 @@ pub struct Optics {
 const HALVINGS: usize = 60;
 
 impl Optics {
-    /// Where the light of a point of the picture (−1…1 both ways; its width is `aspect` times its
-    /// height) sets out for the screen, and in which direction (any length); `None` where the lens
-    /// has no ray or the mirror is missed.
+    /// Returns the point from which the light of a point of the picture (−1…1 both ways; its width
+    /// is `aspect` times its height) sets out for the screen, and its direction (any length);
+    /// `None` where the lens has no ray or the mirror is missed.
     pub fn ray(&self, picture: DVec2, aspect: f64) -> Option<(DVec3, DVec3)> {
         let direction = self.pose.direction_to_parent(self.lens.ray(picture, aspect)?);
         let Some(mirror) = self.mirror else { return Some((self.pose.position, direction)) };
@@ -29,8 +29,8 @@ impl Optics {
         Some((point, direction - normal * (2.0 * direction.dot(normal))))
     }
 
-    /// Where a point that the light may reach appears in the picture (perhaps outside −1…1): the
-    /// inverse of following [`Self::ray`]. `None` where no light goes there.
+    /// Returns the place in the picture (perhaps outside −1…1) of a point that the light may reach:
+    /// the inverse of following [`Self::ray`]. `None` where no light goes there.
     pub fn picture(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
         let aim = match &self.mirror {
             Some(mirror) => self.reflection(mirror, point)?,

@@ -1,5 +1,5 @@
-//! Where a vertex appears in an output's picture: the inverse of an output's map, for programs
-//! whose vertices are projected straight to the output.
+//! Place of a vertex in an output's picture: the inverse of an output's map, for programs whose
+//! vertices are projected straight to the output.
 //!
 //! After Kooima, Roberts & SubbaRao (2008), figure 3: the vertex as the viewer sees it lies behind
 //! a point of the dome, and that point lies somewhere in the picture of the projector (or of the
@@ -13,9 +13,9 @@ use std::f64::consts::PI;
 /// Viewer, spherical dome and lens, all in the lens's axes and in radii of the dome.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PictureMap {
-    /// Where the viewer is, from the dome's centre; inside the dome.
+    /// Position of the viewer, from the dome's centre; inside the dome.
     pub viewer: DVec3,
-    /// Where the lens is, from the dome's centre; inside the dome.
+    /// Position of the lens, from the dome's centre; inside the dome.
     pub position: DVec3,
     /// The lens.
     pub lens: PictureLens,
@@ -38,7 +38,7 @@ pub enum PictureLens {
     Pinhole(Frustum),
 }
 
-/// Where a vertex appears.
+/// Place of a vertex in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// At this point of the picture, which reaches from −1 to 1; finite.
@@ -77,8 +77,8 @@ impl PictureMap {
         self.viewer - self.position + unit * ((along * along + inside).sqrt() - along)
     }
 
-    /// Where a vertex appears that the viewer sees in `direction` (lens axes, any length). The zero
-    /// vector is at the picture's middle.
+    /// Returns the place of a vertex that the viewer sees in `direction` (lens axes, any length).
+    /// The zero vector is at the picture's middle.
     pub fn place(&self, direction: DVec3) -> Place {
         let ray = self.from_lens(direction);
         match self.lens {
@@ -317,8 +317,8 @@ mod tests {
         FRAC_PI_2 - x.signum() * (FRAC_PI_2 - (1.0 - a).sqrt() * sum)
     }
 
-    /// What was published fails on whole pictures, by the rounding of its formula and by the
-    /// driver's arc cosine.
+    /// The published formula fails on whole pictures, by its own rounding and by the driver's arc
+    /// cosine.
     #[test]
     fn arc_cosines_fail_over_the_picture_of_a_projector() {
         let (worst, none) = recipe_of_a_projector(driver_s_arc_cosine, (1920, 1080));

@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DVec3};
 /// all in the surface's own axes.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PinholeRays {
-    /// Where the rays begin.
+    /// Origin of the rays.
     pub origin: DVec3,
     /// Pixel `(x, y, 1)` → ray.
     pub rays: DMat3,

@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 1e-3;
 /// A matrix whose determinant is this small beside its numbers has no inverse.
 const SINGULAR: f64 = 1e-14;
 
-/// How a matrix depends on the camera.
+/// Dependence of a matrix on the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CameraFunction {
     direction: Direction,
@@ -27,7 +27,7 @@ pub struct CameraFunction {
     transposed: bool,
 }
 
-/// Where a matrix leads.
+/// Direction in which a matrix maps coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// To clip coordinates.
@@ -65,8 +65,8 @@ impl Coordinates {
 }
 
 impl CameraFunction {
-    /// How `matrix` (column-major) depends on the camera with this lens; `None`: not at all, as far
-    /// as its numbers tell.
+    /// Returns the dependence of `matrix` (column-major) on the camera with this lens; `None` if
+    /// its numbers show none.
     pub fn of(matrix: &[f64; 16], lens: &Intrinsics) -> Option<Self> {
         let mut best: Option<(Self, f64)> = None;
         for function in Self::all() {
@@ -128,7 +128,7 @@ impl CameraFunction {
         self.transposed
     }
 
-    /// Where it leads.
+    /// Returns the direction in which the matrix maps coordinates.
     pub fn direction(&self) -> Direction {
         self.direction
     }
@@ -147,7 +147,8 @@ impl CameraFunction {
         Some(inverse(self.coordinates.matrix())? * matrix)
     }
 
-    /// What `matrix` is for a view with the reprojection `view` (both column-major).
+    /// Returns the matrix that replaces `matrix` for a view with the reprojection `view` (both
+    /// column-major).
     pub fn for_view(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<[f64; 16]> {
         let matrix = self.oriented(DMat4::from_cols_array(matrix));
         let change = self.coordinates.matrix();
@@ -322,7 +323,7 @@ mod tests {
         }
     }
 
-    /// What a view's matrices make of a point of the scene are the view's pixel, and of the pixel
+    /// A view's matrices map a point of the scene to its pixel in the view, and that pixel back to
     /// the point.
     #[test]
     fn a_view_s_matrices_lead_to_its_pixels_and_back() {

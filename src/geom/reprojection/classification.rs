@@ -1,4 +1,4 @@
-//! What a matrix that a program gives is, and its lens.
+//! Class and lens of a matrix that a program gives.
 
 use super::{Intrinsics, MatrixClass};
 use glam::DVec3;

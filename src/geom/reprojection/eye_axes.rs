@@ -13,7 +13,7 @@ use glam::{DMat3, DMat4, DVec3};
 /// Greatest relative deviation that rounding explains.
 const TOLERANCE: f64 = 1e-4;
 
-/// What a matrix is that turns and moves.
+/// Direction in which a matrix that turns and moves maps coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewMatrix {
     /// From the world to the eye.
@@ -61,7 +61,7 @@ pub fn is_rigid(matrix: &[f64; 16], transposed: bool) -> bool {
 }
 
 impl ViewMatrix {
-    /// What a view matrix, or its inverse, is for an eye that is turned.
+    /// Returns a view matrix, or its inverse, for an eye that is turned.
     pub fn turned(self, matrix: &[f64; 16], transposed: bool, turn: DMat4) -> [f64; 16] {
         let oriented = |matrix: DMat4| if transposed { matrix.transpose() } else { matrix };
         let matrix = oriented(DMat4::from_cols_array(matrix));
@@ -96,7 +96,7 @@ impl CameraFunction {
         turn_of_rows(DMat4::from_cols_array(view) * self.to_clip(matrix)?)
     }
 
-    /// What `matrix`, which is one of the projection alone, is for a view whose eye is turned.
+    /// Returns `matrix`, which depends on the projection alone, for a view whose eye is turned.
     pub fn for_turned_view(&self, matrix: &[f64; 16], view: &[f64; 16], turn: DMat4) -> Option<[f64; 16]> {
         let matrix = self.oriented(DMat4::from_cols_array(&self.for_view(matrix, view)?));
         let matrix = match self.direction() {

@@ -288,8 +288,7 @@ fn widened_planes_are_those_of_a_wider_lens() {
     }
 }
 
-/// What a tight near plane lets through straight ahead is not cut in a turned view (it was,
-/// before).
+/// A turned view does not cut what a tight near plane lets through straight ahead (it once did).
 #[test]
 fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     let frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };

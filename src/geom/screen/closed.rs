@@ -90,7 +90,7 @@ impl Bounds {
     }
 }
 
-/// Whether both hold, where that is clear.
+/// Returns the conjunction of both; `None` if it is unknown.
 fn both(a: Option<bool>, b: Option<bool>) -> Option<bool> {
     match (a, b) {
         (Some(false), _) | (_, Some(false)) => Some(false),
@@ -111,8 +111,8 @@ pub struct ClosedForm {
 }
 
 impl Shape {
-    /// What the shape is a part of; `None` for meshes, and for a cap of an ellipsoid with three
-    /// different half axes, whose rim is in no plane.
+    /// Returns the surface of which the shape is a part; `None` for meshes, and for a cap of an
+    /// ellipsoid with three different half axes, whose rim is in no plane.
     pub fn closed_form(&self) -> Option<ClosedForm> {
         let above = |height: f64| Some(HalfSpace { normal: DVec3::Y, distance: height });
         let below = |height: f64| Some(HalfSpace { normal: DVec3::NEG_Y, distance: -height });

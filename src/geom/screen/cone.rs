@@ -36,9 +36,9 @@ impl Surface for Cone {
         })
     }
 
-    /// Where the ray leaves the cone's inside: with the distance t, `A·t² + 2B·t + C` is the
-    /// squared distance from the axis less the squared radius, and it grows at the root `(−B + √(B²
-    /// − AC))/A` alone.
+    /// Returns the point at which the ray leaves the cone's inside. With the distance t, `A·t² +
+    /// 2B·t + C` is the squared distance from the axis less the squared radius, and it grows at the
+    /// root `(−B + √(B² − AC))/A` alone.
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let direction = unit(direction)?;
         let slope = self.slope();

@@ -16,7 +16,7 @@ pub const MOST_TRIANGLES: usize = 1 << 22;
 /// The corners of a triangle, counter-clockwise as seen from its front.
 pub type Triangle = [DVec3; 3];
 
-/// Which side of its triangles is screen. The other side stops light and shows nothing.
+/// Side of a mesh's triangles that is screen. The other side stops light and shows nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Faces {
     /// The side from which corners run counter-clockwise.
@@ -159,7 +159,7 @@ impl Mesh {
         &self.triangles
     }
 
-    /// Which side is screen.
+    /// Returns the side of the triangles that is screen.
     pub fn faces(&self) -> Faces {
         self.faces
     }
@@ -334,7 +334,7 @@ impl Ray {
     }
 }
 
-/// What [`Mesh::hit`] ought to find, by trying every triangle.
+/// Returns the point that [`Mesh::hit`] ought to find, by trying every triangle.
 #[cfg(test)]
 pub(super) fn by_every_triangle(mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<DVec3> {
     let ray = Ray::new(origin, direction);

@@ -24,7 +24,7 @@ use super::Pose;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Where a ray ends on a screen.
+/// End of a ray on a screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The point.
@@ -46,12 +46,12 @@ const INSET: f64 = 1e-9;
 
 /// A surface in axes of its own.
 pub trait Surface {
-    /// Where the ray from `origin` along `direction` (any length but 0) lights the screen; `None`
-    /// where it does not, and for directions that are zero or not finite.
+    /// Returns the point at which the ray from `origin` along `direction` (any length but 0) lights
+    /// the screen; `None` if it does not, and for directions that are zero or not finite.
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
 
-    /// The same on the surface of which the screen is a part: not cut at the screen's rim. Where
-    /// the shape has no such continuation, as [`Self::hit`].
+    /// Returns the same on the surface of which the screen is a part: not cut at the screen's rim.
+    /// A shape without such a continuation answers as [`Self::hit`].
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
 
     /// Lines along which the screen ends, just within it.

@@ -1,5 +1,4 @@
-//! What was seen in one frame, for `cupola inspect`: each pass, each draw, the matrices, the
-//! pictures.
+//! Record of one frame for `cupola inspect`: each pass, each draw, the matrices, the pictures.
 //!
 //! The rooms of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]).
 //! The end of the program writes all of it as a page ([`page`]). Nothing is done unless a page was
@@ -20,9 +19,9 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub struct MatrixNote {
     /// Its name in the shader.
     pub name: String,
-    /// How the program gives it.
+    /// Form in which the program gives it.
     pub form: &'static str,
-    /// What its numbers say.
+    /// Meaning of its numbers, in words.
     pub says: String,
 }
 
@@ -33,16 +32,16 @@ impl MatrixNote {
     }
 }
 
-/// What is known of a draw.
+/// Facts about a draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawNote {
-    /// What it was taken for.
+    /// Class that it was given.
     pub class: &'static str,
     /// The reason for that.
     pub why: String,
     /// The lens that it is drawn with.
     pub lens: Option<Intrinsics>,
-    /// What draws it: its shaders.
+    /// Shaders that draw it.
     pub shaders: String,
     /// State that matters: depth test, blending and the like.
     pub state: String,
@@ -54,13 +53,13 @@ pub struct DrawNote {
 pub struct PassNote {
     /// Number of the context that draws; names of framebuffers are those of a context.
     pub context: u64,
-    /// What is drawn to.
+    /// Target of the draws.
     pub target: String,
     /// How: once, or once for each view, and why.
     pub how: String,
     /// Its draws, each with the number of those that are alike.
     pub draws: Vec<(DrawNote, u64)>,
-    /// What the target holds afterwards.
+    /// Picture of the target afterwards.
     pub picture: Option<Picture>,
 }
 
@@ -72,7 +71,7 @@ const MOST_PASSES: usize = 400;
 
 static PASSES: Mutex<Vec<PassNote>> = Mutex::new(Vec::new());
 
-/// Whether draws are noted: not known yet, no, yes.
+/// State of the recording of draws: not known yet, off, on.
 static RECORDING: AtomicU8 = AtomicU8::new(UNKNOWN);
 const UNKNOWN: u8 = 0;
 const OFF: u8 = 1;

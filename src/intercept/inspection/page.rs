@@ -5,7 +5,7 @@ use crate::intercept::lens::field_of_view;
 use crate::runtime::run_results::{self, Picture, Statistics};
 use std::fmt::{self, Write};
 
-/// What a page shows.
+/// Content of a page.
 pub struct Page<'a> {
     /// The program's command line.
     pub command: String,

@@ -37,7 +37,7 @@ impl Eye {
     }
 }
 
-/// What a matrix that turns and moves is by its name.
+/// Returns the kind of view matrix that a name suggests, for a matrix that turns and moves.
 pub fn view_matrix_called(name: &str) -> Option<ViewMatrix> {
     let name = name.rsplit('.').next().unwrap_or(name).to_ascii_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| name.contains(word));

@@ -6,7 +6,7 @@ use crate::runtime::Session;
 /// Number of draws after which it is told so.
 const ENOUGH: u64 = 300;
 
-/// What a program draws to images of its own.
+/// Drawing of a program to images of its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum OffScreen {
     /// Nothing.

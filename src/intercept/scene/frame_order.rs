@@ -4,7 +4,7 @@
 //! *before* its scene (a sky, a gradient) belongs behind it. Whether a scene follows is known from
 //! the frame before.
 
-/// What is known about flat drawing before the scene.
+/// Order of flat drawing and scene, in the last frame and so far in this one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameOrder {
     /// Flat drawing came before the scene in the last frame.

@@ -1,4 +1,4 @@
-//! Which images lie between a scene and the window: those are drawn once per view.
+//! Images that lie between a scene and the window. They are drawn once per view.
 //!
 //! ```text
 //! perspective draws → image ─ sampled by → image ─ shown on → window

@@ -1,4 +1,5 @@
-//! What both APIs decide about a program's frame, without naming either of them.
+//! Decisions about a program's frame that are the same for both APIs. Neither of them is named
+//! here.
 //!
 //! - [`viewport`]: does a viewport hold the program's main picture?
 //! - [`eye`]: does a shader hold the projection and the view matrix apart?
@@ -8,7 +9,7 @@
 //! - [`culling_program`]: does it leave out what it does not see itself?
 //! - [`obstacle`]: why is something shown flat, or drawn once only?
 //! - [`query_scaling`]: what does a query's count become for the program?
-//! - [`report`]: what do the statistics say of a plan?
+//! - [`common_statistics`]: what do the statistics say of a plan?
 //! - [`to_window`]: where is a fragment of a view in the program's window?
 //!
 //! ```text

@@ -1,8 +1,8 @@
-//! Why drawing is shown flat, or not drawn once per view.
+//! Reasons why drawing is shown flat, or not drawn once per view.
 
 use std::borrow::Cow;
 
-/// What keeps a draw, a pass or a program from being drawn once per view.
+/// Reason that keeps a draw, a pass or a program from being drawn once per view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Obstacle {
     /// Everything is shown flat already; the reason for that was reported.

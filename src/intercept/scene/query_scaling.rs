@@ -8,9 +8,9 @@
 //!   draw was issued.
 //! - Time, and whether anything was seen: as they are.
 //!
-//! What was counted at all counts at least one.
+//! A factor never turns a count above 0 into 0: it becomes at least 1.
 
-/// What a query counts.
+/// Quantity that a query counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Samples and fragments.

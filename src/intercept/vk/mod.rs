@@ -42,7 +42,7 @@
 //!                        next layer                the real image is presented
 //! ```
 //!
-//! What cannot be followed is shown flat on the panel, with the [`Obstacle`] in the log.
+//! Draws that cannot be followed are shown flat on the panel, with the [`Obstacle`] in the log.
 //!
 //! [`Obstacle`]: crate::intercept::scene::obstacle::Obstacle
 

@@ -1,4 +1,4 @@
-//! How bright an output is where.
+//! Brightness of an output, pixel by pixel.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Transfer;
@@ -53,8 +53,8 @@ impl Blend {
         self.contrast.map_or(0.0, f64::recip)
     }
 
-    /// Whether every value is in its range, for values that come from no rig file. Angles of ramps
-    /// are not looked at.
+    /// Checks that every value is in its range, for values that come from no rig file. Angles of
+    /// ramps are not checked.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] with the first value that is not, and what would be right.
@@ -99,11 +99,11 @@ pub enum RampShape {
 /// A ramp in an angle of the dome: 0 at `zero`, 1 at `full`.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AngleRamp {
-    /// Which angle.
+    /// Angle along which the ramp runs.
     pub angle: DomeAngle,
-    /// Where the weight is 0, radians.
+    /// Angle at which the weight is 0, radians.
     pub zero: f64,
-    /// Where the weight is 1, radians; less or greater than `zero`.
+    /// Angle at which the weight is 1, radians; less or greater than `zero`.
     pub full: f64,
     /// Its shape.
     pub shape: RampShape,

@@ -1,4 +1,4 @@
-//! What a file says about the pixels of an output.
+//! Calibration of an output's pixels, read from a file.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::formats::pictures::pfm;

@@ -8,7 +8,7 @@ use crate::rig::{Method, OutputKind, Rig, schema, validate};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 
-/// What the program's window shows, where it is not redrawn in views.
+/// Picture that the program's window shows, where it is not redrawn in views.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Content {
     /// Kind of the picture.
@@ -138,7 +138,7 @@ impl Rig {
         if problems.is_empty() { Ok(rig) } else { Err(wrong(problems.reasons())) }
     }
 
-    /// Why content cannot be shown by an output of this kind, if so.
+    /// Returns the reason why an output of this kind cannot show content; `None` if it can.
     pub(in crate::rig) fn refuses_content(kind: &OutputKind) -> Option<&'static str> {
         let own_lens = matches!(kind, OutputKind::Perspective { frustum: None, .. });
         own_lens

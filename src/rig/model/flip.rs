@@ -37,8 +37,8 @@ impl Flip {
         DVec2::new(sign(self.horizontal), sign(self.vertical))
     }
 
-    /// Where a pixel position (from the top left) of a picture of `size` pixels comes from, and
-    /// where it goes.
+    /// Returns the mirrored place of a pixel position (from the top left) in a picture of `size`
+    /// pixels. Mirrored again, it is the old position.
     pub fn pixel(self, pixel: DVec2, size: (u32, u32)) -> DVec2 {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         DVec2::new(

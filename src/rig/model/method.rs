@@ -1,4 +1,4 @@
-//! How an output's picture is made of the views, and how that is replaced for one run.
+//! Methods by which an output is computed from the views, and their replacement for one run.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::reading::one_line::OneLine;
@@ -47,7 +47,7 @@ pub enum Method {
     },
 }
 
-/// Which stage of the graphics processor divides.
+/// Stage of the graphics processor that divides primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Divider {
     /// A geometry shader: every strip and fan, up to so many parts as it can emit.
@@ -98,8 +98,8 @@ impl Method {
         matches!(self, Self::Primitive { .. })
     }
 
-    /// What `text` says, in the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then
-    /// the keys that go with it, which may be absent.
+    /// Parses a method of the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then
+    /// its keys, which may be absent.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for unknown names and keys, and for numbers missing,

@@ -33,7 +33,7 @@ pub struct Rig {
     /// The dome: what domemasters and angles of ramps are measured from, and the screen where
     /// `screen` says no other.
     pub dome: Dome,
-    /// What light falls on; `None` = the dome itself. [`Rig::surface`] has either.
+    /// Screen on which the light falls; `None` = the dome itself. [`Rig::surface`] returns either.
     pub screen: Option<crate::geom::Screen>,
     /// The correct point of view.
     pub viewer: Viewer,
@@ -43,7 +43,7 @@ pub struct Rig {
     pub content: Option<Content>,
     /// Choice of the views.
     pub views: Views,
-    /// Where flat (orthographic) drawing appears.
+    /// Panel on which flat (orthographic) drawing appears.
     pub overlay: Overlay,
     /// The outputs that the window shows.
     pub outputs: Vec<Output>,
@@ -165,8 +165,8 @@ pub struct Camera {
     pub answer_wide: bool,
 }
 
-/// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with
-/// the window's aspect.
+/// Panel on which flat drawing appears: a window in front of the viewer, as wide as `width` says
+/// and with the window's aspect.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Overlay {
     /// Direction of its centre, right-positive, radians from the viewer's forward direction.
@@ -239,7 +239,7 @@ pub enum OutputKind {
     },
     /// A pinhole projector, anywhere inside or outside the dome.
     Projector {
-        /// Where its lens is, metres from the dome's centre.
+        /// Position of its lens, metres from the dome's centre.
         position: DVec3,
         /// Aim, radians: right-positive, up-positive, clockwise-positive.
         angles: [f64; 3],

@@ -31,8 +31,8 @@ impl Place {
         (number < count).then_some(Self { number, count, host })
     }
 
-    /// Whether an output of this node is shown here. Where none is named the first machine shows
-    /// it.
+    /// Tests whether an output of this node is shown here. The first machine shows the outputs that
+    /// name no node.
     fn shows(&self, node: Option<&Node>) -> bool {
         match node {
             Some(Node::Number(number)) => *number == self.number,

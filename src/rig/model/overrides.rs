@@ -1,4 +1,4 @@
-//! What is replaced in a rig for one run.
+//! Values of a rig that are replaced for one run.
 
 use crate::error::Result;
 use crate::rig::Rig;

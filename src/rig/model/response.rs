@@ -1,4 +1,4 @@
-//! What light a display makes of values.
+//! Light that a display makes of the values sent to it.
 
 use crate::geom::Curve;
 use std::sync::Arc;

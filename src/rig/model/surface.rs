@@ -1,4 +1,4 @@
-//! Where the light of a rig falls, and from where it is looked at.
+//! Surface on which a rig's light falls, and the point from which it is viewed.
 
 use crate::geom::screen::{Ellipsoid, Region, Screen, Shape};
 use crate::geom::{Pose, pose};
@@ -16,12 +16,12 @@ impl Dome {
 }
 
 impl Rig {
-    /// What light falls on.
+    /// Returns the surface on which the light falls.
     pub fn surface(&self) -> Screen {
         self.screen.clone().unwrap_or_else(|| self.dome.screen())
     }
 
-    /// Where the viewer looks from, and in which axes.
+    /// Returns the position and the axes of the viewer.
     pub fn viewer_pose(&self) -> Pose {
         let viewer = &self.viewer;
         Pose::new(viewer.position, viewer.yaw, viewer.pitch, viewer.roll)

@@ -1,4 +1,4 @@
-//! What a rig says about views: their arrangement, resolution, filter and number.
+//! Keys of a rig for its views: their arrangement, resolution, filter and number.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub enum ViewMethod {
 /// Choice of the views.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Views {
-    /// Which family of views.
+    /// Family of views.
     pub method: ViewMethod,
     /// Factor on the resolution of the views in each direction, 0.1…8; 1 = as many texels as output
     /// pixels.
@@ -30,7 +30,7 @@ pub struct Views {
     /// One view for each of these vectors, viewer axes, any lengths: it shows the directions with
     /// which the vector has the greatest scalar product. Empty = as `method` says.
     pub cells: Vec<DVec3>,
-    /// Which pictures that a program draws off screen are drawn once per view.
+    /// Choice of the off-screen images that are drawn once per view.
     pub duplicate: Duplicate,
     /// Frames that a program draws of a view before the one that counts, where the views are drawn
     /// in turn: what it mixes with earlier frames is then that view's. 0…60.
@@ -62,7 +62,7 @@ pub enum Resolution {
     Full,
 }
 
-/// Which pictures that a program draws off screen are drawn once per view.
+/// Choice of the images, among those that a program draws off screen, that are drawn once per view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Duplicate {
     /// Those that are seen to be the scene's, on their way to the window.

@@ -1,4 +1,4 @@
-//! What each key of a rig accepts, noted while a file is read.
+//! Values that each key of a rig accepts, noted while a file is read.
 
 use serde::Serialize;
 
@@ -9,12 +9,12 @@ pub struct Key {
     pub path: String,
     /// The file has it.
     pub given: bool,
-    /// What it accepts.
+    /// Values that it accepts.
     #[serde(flatten)]
     pub accepts: Accepts,
 }
 
-/// What a key accepts.
+/// Values that a key accepts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub enum Accepts {
@@ -26,21 +26,21 @@ pub enum Accepts {
         least: f64,
         /// Greatest number.
         greatest: f64,
-        /// What it is, with its unit.
+        /// Description of the number, with its unit.
         what: &'static str,
-        /// What stands for it where the file has no such key, if that is one number.
+        /// Value that replaces a missing key, if that is one number.
         default: Option<f64>,
     },
     /// A list of whole numbers.
     Whole {
         /// Least and greatest of each.
         ranges: Vec<(u32, u32)>,
-        /// What they are, with their unit.
+        /// Description of the numbers, with their unit.
         what: &'static str,
     },
     /// `true` or `false`.
     Truth {
-        /// What stands for it where the file has no such key.
+        /// Value that replaces a missing key.
         default: bool,
     },
     /// One of these words.

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// A line, and what it is about.
 pub(in crate::rig) struct OneLine<'a> {
-    /// What the line says something of.
+    /// Subject of the line.
     pub what: &'static str,
     /// A right one.
     pub example: &'static str,

@@ -1,4 +1,4 @@
-//! What is wrong with a rig file: the list of problems, and guesses at what was meant.
+//! Problems of a rig file: their list, and guesses at what was meant.
 
 use super::accepted_keys::{Accepts, Key};
 use std::collections::BTreeMap;
@@ -122,7 +122,7 @@ impl Problems {
         lines.join("\n")
     }
 
-    /// What was found, without lines, in one.
+    /// Returns all problems in one line, without line numbers.
     pub(in crate::rig) fn reasons(&self) -> String {
         let found = self.found.iter().map(|(_, path, why)| format!("{path}: {why}"));
         found.collect::<Vec<_>>().join("; ")

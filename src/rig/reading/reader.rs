@@ -18,7 +18,7 @@ pub(in crate::rig) struct Allowed {
     greatest: f64,
     /// The ends are excluded: (least, greatest).
     open: (bool, bool),
-    /// What the number is, with its unit: "a radius in metres".
+    /// Description of the number, with its unit: "a radius in metres".
     what: &'static str,
 }
 
@@ -48,7 +48,7 @@ impl Allowed {
         Accepts::Number { count, least: self.least, greatest: self.greatest, what: self.what, default }
     }
 
-    /// Why `value` is not allowed, if so.
+    /// Returns the reason why `value` is not allowed; `None` if it is allowed.
     pub(in crate::rig) fn refuse(&self, value: f64) -> Option<String> {
         if !value.is_finite() {
             return Some(format!("{value} is no number that can be used; expected {}, {}", self.what, self.words()));
@@ -145,7 +145,7 @@ impl<'a> Section<'a> {
         self.number(key, allowed, allowed.least, problems)
     }
 
-    /// `count` numbers in an array; `None` if the key is absent or wrong.
+    /// Reads `COUNT` numbers in an array; `None` if the key is absent or wrong.
     pub(in crate::rig) fn numbers<const COUNT: usize>(
         &mut self,
         key: &'static str,

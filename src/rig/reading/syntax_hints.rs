@@ -1,4 +1,4 @@
-//! What was probably meant where a text is no TOML.
+//! Guesses at what was meant in a text that is not TOML.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub(in crate::rig) fn with_hint(text: &str, span: Option<Range<usize>>, why: Str
     format!("{why}, in column {column}{meant}")
 }
 
-/// What would be right in a line.
+/// Returns a hint at what would be right in a line.
 fn meant(line: &str) -> Option<String> {
     if line.contains(['“', '”', '„', '‘', '’', '«', '»']) {
         return Some("words are in straight quotes: \"word\"".to_owned());

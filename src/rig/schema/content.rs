@@ -26,7 +26,7 @@ const KINDS: [(&str, Kind); 5] = [
     ("flat", Kind::Flat),
 ];
 
-/// Where the keys of one kind belong, for those who give them to another kind.
+/// Kind to which each key belongs, for users who give a key to another kind.
 const KINDS_OF_KEYS: [(&str, &str); 7] = [
     ("aperture", "kind = \"domemaster\""),
     ("projection", "kind = \"domemaster\""),

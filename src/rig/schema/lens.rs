@@ -126,7 +126,7 @@ pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> 
     lens.map(|lens| Lens::Fisheye { lens, circle })
 }
 
-/// Where the circle of a projector's fisheye is.
+/// Returns the place of the circle of a projector's fisheye.
 fn circle(section: &mut Section, problems: &mut Problems) -> Circle {
     let center = section.numbers::<2>("center", &SHIFT, problems);
     let allowed = Allowed::closed(0.01, 100.0, "[width, height] of the circle as parts of the picture's");

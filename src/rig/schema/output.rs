@@ -15,7 +15,7 @@ const LARGEST_PICTURE: u32 = 16384;
 /// Greatest coordinate in a window: the X protocol's.
 const LARGEST_WINDOW: u32 = 32767;
 
-/// Where the keys of one kind of output belong, for those who give them to another kind.
+/// Kind of output to which each key belongs, for users who give a key to another kind.
 const KINDS_OF_KEYS: [(&str, &str); 21] = [
     ("file", "kind = \"mesh\""),
     ("values", "kind = \"mesh\""),
@@ -183,7 +183,8 @@ fn domemaster(section: &mut Section, dome: &Dome, problems: &mut Problems) -> Op
     })
 }
 
-/// What an unrolled picture shows; its latitudes end at most `limit` degrees up and down.
+/// Returns the part of the directions that an unrolled picture shows. Its latitudes end at most
+/// `limit` degrees up and down.
 pub(super) fn span(section: &mut Section, limit: f64, problems: &mut Problems) -> Option<Span> {
     let width = section.number("width", &WIDTH, 360.0, problems).to_radians();
     let allowed = match limit {

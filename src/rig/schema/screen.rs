@@ -33,7 +33,7 @@ const AZIMUTH: Allowed = Allowed::closed(
     "[from, to] in degrees around the axis, 0 = front, to the right, at most a whole turn",
 );
 
-/// What `shape` says.
+/// Values of `shape`.
 #[derive(Clone, Copy)]
 enum Kind {
     Sphere,

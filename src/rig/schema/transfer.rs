@@ -15,7 +15,7 @@ const EXPECTED: &str =
 /// Greatest length of a file of measurements, bytes.
 const LONGEST_FILE: u64 = 1 << 20;
 
-/// What a channel's key says.
+/// Response of one channel, as its key gives it.
 enum Channel {
     Power(f64),
     Measured(Box<Response>),

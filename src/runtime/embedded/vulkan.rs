@@ -13,27 +13,27 @@ use glam::{DMat4, DVec4};
 /// Most frames that may be on their way at the same time.
 pub const MOST_FRAMES: usize = 16;
 
-/// What to make an [`EmbeddedVulkan`] from.
+/// Options of a new [`EmbeddedVulkan`].
 #[derive(Clone, Copy, Debug)]
 pub struct VulkanOptions {
     /// Width and height in pixels of the picture that all outputs share, 1…16384.
     pub size: (u32, u32),
     /// Family of the queues that the command buffers are for.
     pub queue_family: u32,
-    /// How many frames may be on their way at the same time, 1…[`MOST_FRAMES`]: each has images of
-    /// its own.
+    /// Number of frames that may be on their way at the same time, 1…[`MOST_FRAMES`]: each has
+    /// images of its own.
     pub frames: usize,
     /// Format of the images that are corrected into.
     pub target_format: vk::Format,
     /// Format of images that are made for the views; `UNDEFINED`: the program brings its own.
     pub view_format: vk::Format,
-    /// How the views lie in their images.
+    /// Arrangement of the views in their images.
     pub arrangement: Arrangement,
     /// The program's depth is 1 at the near plane and 0 at the far one.
     pub reversed_depth: bool,
 }
 
-/// What a program needs to draw one view on Vulkan.
+/// Facts that a program needs to draw one view on Vulkan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VulkanView {
     /// Name: `front`, `left`, `projector-3` …
@@ -73,8 +73,8 @@ impl EmbeddedVulkan {
     /// Plans `rig` and makes everything that does not depend on images of the program.
     ///
     /// # Errors
-    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a number that is out
-    /// of range, a queue family that cannot draw, or a rig that corrects nothing.
+    /// Those of the planner and of the driver; [`ErrorKind::InvalidArgument`] for a number that is
+    /// out of range, a queue family that cannot draw, or a rig that corrects nothing.
     pub fn new(api: Api, rig: &Rig, options: VulkanOptions) -> Result<Self> {
         Self::planned(api, rig, options, Session::new)
     }
@@ -138,7 +138,7 @@ impl EmbeddedVulkan {
         self.make()
     }
 
-    /// How many views there are; changes only with [`EmbeddedVulkan::resize`].
+    /// Returns the number of views; it changes only with [`EmbeddedVulkan::resize`].
     pub fn view_count(&self) -> usize {
         self.plan.views.views.len()
     }
@@ -237,8 +237,9 @@ impl EmbeddedVulkan {
         self.frames
     }
 
-    /// How long the device took for the corrections since the last [`EmbeddedVulkan::resize`]; a
-    /// frame's is known when the next one with the same images is recorded.
+    /// Returns the time that the device took for the corrections since the last
+    /// [`EmbeddedVulkan::resize`]; a frame's time is known when the next one with the same images
+    /// is recorded.
     pub fn timing(&self) -> Timing {
         self.backend.timing()
     }

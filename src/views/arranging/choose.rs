@@ -1,4 +1,4 @@
-//! Which outputs get a view of their own, and which share a cube.
+//! Choice between a view of its own and a shared cube for each output.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::pose;
@@ -15,10 +15,10 @@ use glam::{DMat3, DVec3};
 
 /// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
 ///
-/// Where a projector's light grazes the screen close to its lens, or a lens crams a large part of
-/// its picture into a point, pixels shrink without bound, and a view as fine as the finest of them
-/// would fit into no atlas. The bar leaves alone what is merely oblique: a 90° × 60° lens at 0.9
-/// radii needs 7.
+/// Pixels shrink without bound where a projector's light grazes the screen close to its lens, or
+/// where a lens crams a large part of its picture into a point. A view as fine as the finest of
+/// them would fit into no atlas. The bar does not affect pictures that are merely oblique: a 90° ×
+/// 60° lens at 0.9 radii needs 7.
 pub(super) const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.

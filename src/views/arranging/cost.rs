@@ -1,4 +1,4 @@
-//! What a view costs beside its texels, in texels: submitting the program's draws once more.
+//! Cost of a view beside its texels, in texels: the program's draws are submitted once more.
 
 use crate::rig::{Favour, Rig, ViewMethod};
 use crate::views::view_plan::ViewPlan;
@@ -17,7 +17,7 @@ pub(crate) struct PlannerOptions {
     pub quality: f64,
     /// Families of views that are allowed.
     pub method: ViewMethod,
-    /// Which resource is scarce.
+    /// Resource that is scarce.
     pub favour: Favour,
     /// The rig gives the cells of the shared views.
     pub given_cells: bool,

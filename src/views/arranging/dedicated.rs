@@ -79,9 +79,9 @@ impl OutputSamples {
     }
 }
 
-/// Which of the outputs that are `wanted` alone can have views of their own; `None` where those are
-/// found to cost more than `most` texels together. Views are costly to plan: no more are than
-/// needed to tell.
+/// Returns for each output whether it is `wanted` alone and can have views of its own; `None` where
+/// those are found to cost more than `most` texels together. Views are costly to plan, so no more
+/// of them are planned than are needed to tell.
 pub(crate) fn dedicated_within(
     options: &PlannerOptions,
     sampled: &[OutputSamples],

@@ -30,7 +30,7 @@ pub(crate) struct Part {
     pub towards: DVec3,
     /// Axes, opening and resolution.
     pub oriented: OrientedView,
-    /// Which of the outputs given sample it.
+    /// Indices of those of the given outputs that sample it.
     pub outputs: Vec<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! Where the axis of a view points and how it is rolled, so that it needs the fewest texels.
+//! Direction and roll of a view's axis with which it needs the fewest texels.
 //!
 //! The axis only chooses the plane of the picture: the opening is off-centre as needed.
 

@@ -88,8 +88,9 @@ impl Patch {
     }
 }
 
-/// What a view with axes `rotation` (viewer → view) needs to show `samples` with `quality` texels
-/// per pixel; `None` if there are none, or one lies too far from the axis for a perspective view.
+/// Returns the opening and resolution that a view with axes `rotation` (viewer → view) needs to
+/// show `samples` with `quality` texels per pixel; `None` if there are no samples, or one lies too
+/// far from the axis for a perspective view.
 ///
 /// `fine` searches the ratio of the two resolutions to 1e-4 instead of some per cent.
 pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) -> Option<Fit> {

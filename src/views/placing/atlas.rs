@@ -2,8 +2,8 @@
 
 use crate::views::view_plan::Tile;
 
-/// Where rectangles of the given sizes go, and the width and height that hold them all. The first
-/// lies at the origin. At least `gutter` texels stay free between any two.
+/// Returns places for rectangles of the given sizes, and the width and height that hold them all.
+/// The first lies at the origin. At least `gutter` texels stay free between any two.
 ///
 /// Skyline packing, bottom-left rule, tallest first, for a series of widths; the smallest area
 /// wins. `None` if nothing tried fits into `limit × limit`. Deterministic; O(n³) with n tiles,

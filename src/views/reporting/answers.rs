@@ -1,4 +1,4 @@
-//! Which view answers for a direction of an output.
+//! Search for the view that answers for a direction of an output.
 
 use crate::geom::ContentMap;
 use crate::rig::Rig;

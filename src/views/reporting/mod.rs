@@ -1,5 +1,5 @@
-//! What a finished plan gives to outputs: sizes and shares for people and JSON (`report`), and
-//! texels per pixel, pixel by pixel (`survey`).
+//! Reports on a finished plan: sizes and shares for people and JSON (`report`), and texels per
+//! pixel, pixel by pixel (`survey`).
 
 mod answers;
 pub mod plan_report;

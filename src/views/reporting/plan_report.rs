@@ -1,4 +1,4 @@
-//! What a plan costs, for people and for programs.
+//! Cost of a plan, for people and for programs.
 
 use crate::rig::Rig;
 use crate::views::reporting::answers::Answers;

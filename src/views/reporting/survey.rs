@@ -1,4 +1,4 @@
-//! What a plan gives to the pixels of the outputs, looked at pixel by pixel.
+//! Survey of a plan, pixel by pixel of the outputs.
 
 use crate::error::Result;
 use crate::rig::Rig;

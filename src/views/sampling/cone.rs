@@ -47,7 +47,8 @@ impl Cone {
         Self { axes, normals: normals.map(DVec3::normalize_or_zero), whole: false }
     }
 
-    /// What `view` answers for; the picture of an output for all directions.
+    /// Returns the directions for which `view` answers; all directions for the picture of an
+    /// output.
     pub fn of(view: &View) -> Self {
         Self { whole: view.curved.is_some(), ..Self::new(view.rotation, &view.owned) }
     }
@@ -74,8 +75,8 @@ impl Cone {
         self.depths(direction).iter().all(|&depth| depth >= 0.0)
     }
 
-    /// How the patch with these corners, all of unit length, lies to the cone, if it departs from
-    /// their quadrilateral by `departure` at most.
+    /// Returns the relation of a patch to the cone. The patch has these corners, all of unit
+    /// length, and departs from their quadrilateral by `departure` at most.
     pub fn relation(&self, corners: &[DVec3; 4], departure: f64) -> Relation {
         let depths = corners.map(|corner| self.depths(corner));
         let mut inside = true;

@@ -1,4 +1,4 @@
-//! What each output looks at: pixel → direction from the viewer, and how far a pixel reaches.
+//! Map of each output: pixel → direction from the viewer, and the extent of a pixel.
 //!
 //! The planner's own map. Where passes use closed forms it is written as plain ray tracing, so that
 //! it is independent of them; the tests compare the two. For everything else it asks the exact map.
@@ -280,9 +280,9 @@ impl OutputMap {
         (squared > 0.0 && squared.is_finite()).then(|| seen / squared.sqrt())
     }
 
-    /// Where what an output shows may end inside its picture: the rims of the screen, and the
-    /// outline of a dome as a projector outside sees it. Each gives the samples along it (0…1) that
-    /// lie within the outermost pixel centres.
+    /// Returns the curves at which an output's content may end inside its picture: the rims of the
+    /// screen, and the outline of a dome as a projector outside sees it. Each gives the samples
+    /// along it (0…1) that lie within the outermost pixel centres.
     pub fn boundary_curves(&self) -> Vec<BoundaryCurve<'_>> {
         match &self.map {
             Map::Projector(map) => {

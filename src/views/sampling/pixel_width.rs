@@ -1,7 +1,8 @@
 //! Widths of the pixels of measured calibrations.
 //!
-//! Where two measured values are the same but for noise, a pixel has hardly any width. A view as
-//! fine as that would be of no use: no pixel that is far narrower than nearly all others decides.
+//! A pixel has hardly any width if two measured values are the same but for noise. A view as fine
+//! as that would be of no use, so pixels that are far narrower than nearly all others do not
+//! decide.
 
 use glam::{DMat3, DVec2, DVec3};
 

@@ -2,8 +2,7 @@
 
 use crate::views::tests::*;
 
-/// Where rays become parallel to the wall of a cone, what a picture shows ends without a rim of the
-/// screen.
+/// The picture ends without a rim of the screen where rays become parallel to the wall of a cone.
 #[test]
 fn near_the_horizon_of_a_cone_no_direction_is_without_a_view() {
     let text = "[screen]\nshape = \"cone\"\nradii = [6, 4.8]\nheights = [-3, 3]\n\
@@ -144,8 +143,7 @@ fn a_cubemap_that_is_turned_anyhow_has_a_view_for_every_pixel() {
     }
 }
 
-/// What a lens's circle shows ends at the picture's sides where they cut it off, and there views
-/// meet, too.
+/// The picture's sides cut off a lens's circle. Its content ends there, and views meet there, too.
 #[test]
 fn a_circle_that_the_picture_cuts_off_is_shown_completely() {
     let text = "[screen]\nshape = \"ellipsoid\"\nradii = [5.5, 4.8, 6]\nyaw = 20\n[viewer]\nposition = [2.16, -1.62, 3.6]\n\

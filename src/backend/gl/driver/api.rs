@@ -47,7 +47,7 @@ impl Outside {
     }
 }
 
-/// Whether a list, which is in order, has this name.
+/// Tests whether a sorted list contains this name.
 const fn is_in(list: &[&str], name: &str) -> bool {
     let (mut first, mut end) = (0, list.len());
     while first < end {

@@ -1,5 +1,5 @@
-//! Which driver GLX programs get on the current display: a small context off screen, asked for its
-//! names.
+//! Names of the driver that GLX programs get on the current display, read from a small off-screen
+//! context.
 
 use crate::backend::gl::driver::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
 use crate::error::{Error, ErrorKind, Result};
@@ -15,7 +15,7 @@ const GLX_PBUFFER_WIDTH: c_int = 0x8041;
 
 type Handle = *mut c_void;
 
-/// What a driver calls itself.
+/// Names that a driver gives of itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Driver {
     /// `GL_VENDOR`.

@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::mem::ManuallyDrop;
 use std::ptr::null_mut;
 
-/// Which kind of context.
+/// Kind of a context.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Api {
     /// OpenGL, core profile, 3.3 or later.
@@ -181,7 +181,7 @@ impl Headless {
         Ok(Self { egl, display, context, gl, is_gles })
     }
 
-    /// What the driver calls itself.
+    /// Returns the driver's renderer and version.
     pub fn driver(&self) -> String {
         let mut parts = [crate::backend::gl::driver::api::GL_RENDERER, crate::backend::gl::driver::api::GL_VERSION]
             .map(|name| self.gl.text(name))

@@ -7,7 +7,7 @@ use crate::backend::gl::driver::api::*;
 use crate::cache::{self, Cache, RawBytes};
 use crate::error::{Error, Result};
 
-/// Where linked programs come from and go to.
+/// Source and destination of linked programs.
 #[derive(Default)]
 pub(in crate::backend::gl) struct Binaries {
     cache: Cache,

@@ -19,7 +19,7 @@ pub struct Surface {
     size: (i32, i32),
 }
 
-/// What [`Surface::begin_tile`] changed.
+/// State that [`Surface::begin_tile`] changed.
 #[derive(Clone, Copy, Debug)]
 pub struct Saved {
     draw: i32,
@@ -207,7 +207,7 @@ pub fn greatest_texture(gl: &Gl) -> u32 {
     greatest.max(1024) as u32
 }
 
-/// Whether a framebuffer can be drawn to.
+/// State of a framebuffer as a target of drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FramebufferState {
     /// It can.

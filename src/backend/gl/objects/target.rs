@@ -2,7 +2,7 @@
 
 use crate::correct::LowerLeftRect;
 
-/// Where an output is shown.
+/// Place at which an output is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
     /// The framebuffer object; 0 is the window. Its first draw buffer is written.

@@ -14,11 +14,11 @@ use crate::correct::shaders::glsl::Specialised;
 use crate::error::{Error, ErrorKind, Result};
 use glam::DMat3;
 
-/// What is drawn of a picture, and where.
+/// Part of a picture that is drawn, and its place.
 pub struct Spread<'a> {
     /// The framebuffer that has the picture.
     pub framebuffer: u32,
-    /// Where the picture is there.
+    /// Place of the picture there.
     pub picture: LowerLeftRect,
     /// Its sized format.
     pub format: u32,
@@ -57,12 +57,12 @@ macro_rules! texts {
     };
 }
 
-/// What draws it, on one context.
+/// Objects that draw it, on one context.
 #[derive(Debug)]
 pub(in crate::backend::gl) struct Backdrop {
     vertex_array: u32,
     program: u32,
-    /// Where the uniforms `directions`, `lens` and `nearest` are.
+    /// Locations of the uniforms `directions`, `lens` and `nearest`.
     places: [i32; 3],
     framebuffer: u32,
     texture: u32,

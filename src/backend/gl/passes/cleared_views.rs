@@ -1,5 +1,4 @@
-//! Which draws show nothing but the colour of views that hold a single one, and so need not be
-//! issued.
+//! Draws that show nothing but the colour of views that hold a single one. They need not be issued.
 
 use crate::correct::shaders::constants::Constants;
 use crate::correct::{Footprints, LowerLeftRect, TexelSpan};
@@ -16,7 +15,7 @@ pub struct ClearedViews<'a> {
     pub touched: &'a [TexelSpan],
 }
 
-/// What becomes of the colour of views that hold a single one.
+/// Effect of a draw on the colour of views that hold a single one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::backend::gl) enum Shows {
     /// It is shown as it is.
@@ -81,7 +80,7 @@ impl Draw {
     }
 }
 
-/// What a draw with these constants makes of a single colour.
+/// Returns the effect on a single colour of a draw with these constants.
 pub(in crate::backend::gl) fn shows(constants: &Constants) -> Shows {
     // Only the pass that shows black has no views.
     let Some(shared) = constants.shared() else { return Shows::Black };

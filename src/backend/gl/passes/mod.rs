@@ -37,7 +37,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::mem::take;
 
-/// What one output needs.
+/// Objects and draws of one output.
 #[derive(Debug, Default)]
 struct Output {
     size: (u32, u32),
@@ -49,7 +49,7 @@ struct Output {
     /// The texture of what black is raised to; 0 = none.
     black_picture: u32,
     footprints: Option<Footprints>,
-    /// Which part of it is black whatever the views show.
+    /// Part of it that is black whatever the views show.
     black: f64,
 }
 
@@ -131,12 +131,13 @@ impl GlBackend {
         self
     }
 
-    /// How many errors our own calls have caused. None of them is left for the program to find.
+    /// Returns the number of errors that our own calls have caused. None of them is left for the
+    /// program to find.
     pub fn errors(&self) -> u64 {
         self.errors.get()
     }
 
-    /// How many programs of shaders were linked so far.
+    /// Returns the number of shader programs that were linked so far.
     pub fn linked(&self) -> u64 {
         self.linked
     }

@@ -46,12 +46,13 @@ impl GlBackend {
         self.pending.replace(GL_NO_ERROR)
     }
 
-    /// How many batches were cleared instead of being drawn, so far.
+    /// Returns the number of batches that were cleared instead of being drawn, so far.
     pub fn left_out(&self) -> u64 {
         self.left_out.get()
     }
 
-    /// How many pictures of outputs were corrected in a part only, and cleared around it.
+    /// Returns the number of outputs' pictures that were corrected in a part only, and cleared
+    /// around it.
     pub fn narrowed(&self) -> u64 {
         self.narrowed.get()
     }
@@ -100,7 +101,7 @@ impl GlBackend {
         }
     }
 
-    /// How many texture units are drawn with: one if there is nothing beside the atlas.
+    /// Returns the number of texture units in use: one if there is nothing beside the atlas.
     fn units(&self) -> usize {
         let more = self.outputs.iter().any(|output| output.mask | output.table | output.black_picture != 0);
         if more { state::UNITS } else { 1 }

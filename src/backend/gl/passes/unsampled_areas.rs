@@ -36,7 +36,7 @@ pub(in crate::backend::gl) struct UnsampledAreas {
     vertex_array: u32,
     buffer: u32,
     program: u32,
-    /// Where the uniform `frame` is.
+    /// Location of the uniform `frame`.
     frame: i32,
     vertices: i32,
     texels: u64,

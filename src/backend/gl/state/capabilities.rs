@@ -1,11 +1,11 @@
-//! What a context can do.
+//! Capabilities of a context.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::values::integer;
 use crate::backend::gl::state::known_state::MOST_DRAW_BUFFERS;
 use std::ffi::CStr;
 
-/// What a context can do, found once.
+/// Capabilities of a context, found once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::backend::gl) struct Capabilities {
     /// OpenGL ES.

@@ -60,7 +60,7 @@ pub(in crate::backend::gl) const MOST_DRAW_BUFFERS: usize = 16;
 /// The masks of all colour buffers.
 pub(in crate::backend::gl) type Masks = [[u8; 4]; MOST_DRAW_BUFFERS];
 
-/// What is known of a context's state.
+/// Known part of a context's state.
 #[derive(Clone, Default)]
 pub struct KnownState {
     /// A bit for each switch.
@@ -77,7 +77,7 @@ pub struct KnownState {
 }
 
 impl KnownState {
-    /// What is known of a context that has just been made.
+    /// Returns the known state of a context that has just been made.
     pub fn of_new_context() -> Self {
         Self { no_subroutines: Cell::new(true), ..Self::default() }
     }

@@ -222,7 +222,8 @@ pub(in crate::backend::gl) fn set_viewport(
     }
 }
 
-/// Whether colours are written to the first colour buffer; the others are closed while we draw.
+/// Sets whether colours are written to the first colour buffer; the others are closed while we
+/// draw.
 pub(in crate::backend::gl) fn set_color_writes(gl: &Gl, caps: &Capabilities, on: bool) {
     let on = u8::from(on);
     // SAFETY: a context is current.

@@ -6,7 +6,6 @@ use crate::backend::gl::state::capabilities::Capabilities;
 use crate::backend::gl::state::current_program::CurrentProgram;
 use crate::backend::gl::state::saved::pause_feedback;
 
-/// What uploading textures and vertices touches.
 struct SavedUpload {
     program: CurrentProgram,
     vertex_array: u32,

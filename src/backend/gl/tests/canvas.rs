@@ -47,7 +47,7 @@ impl Canvas {
         LowerLeftRect::of_size(self.size)
     }
 
-    /// What is in it.
+    /// Reads its pixels.
     pub fn read(&self, gl: &Gl) -> Picture {
         let mut picture = Picture::new(self.size, |_, _| [0; 4]);
         let data = picture.pixels.as_mut_ptr().cast();

@@ -10,7 +10,7 @@ use std::ffi::{CStr, c_void};
 pub struct Api {
     /// The device's functions.
     pub(in crate::backend::vk) device: ash::Device,
-    /// What kinds of memory there are.
+    /// Kinds of memory that the device has.
     pub(in crate::backend::vk) memory: vk::PhysicalDeviceMemoryProperties,
     /// Its limits.
     pub(in crate::backend::vk) limits: vk::PhysicalDeviceLimits,
@@ -137,14 +137,14 @@ impl Api {
         self.timestamp_bits(family) > 0
     }
 
-    /// How many bits the timestamps of queues of `family` have; 0: there are none.
+    /// Returns the number of bits of the timestamps of queues of `family`; 0: there are none.
     pub(in crate::backend::vk) fn timestamp_bits(&self, family: u32) -> u32 {
         // SAFETY: the physical device is one of the instance's.
         let families = unsafe { self.instance.get_physical_device_queue_family_properties(self.physical_device) };
         families.get(family as usize).map_or(0, |family| family.timestamp_valid_bits)
     }
 
-    /// What images of `format` with optimal tiling can be used for.
+    /// Returns the possible uses of images of `format` with optimal tiling.
     pub(in crate::backend::vk) fn features(&self, format: vk::Format) -> vk::FormatFeatureFlags {
         // SAFETY: the physical device is one of the instance's.
         unsafe { self.instance.get_physical_device_format_properties(self.physical_device, format) }

@@ -13,7 +13,7 @@ use std::ffi::CStr;
 pub struct Headless {
     /// The device's functions.
     pub api: Api,
-    /// What the driver calls itself.
+    /// Name that the driver gives of itself.
     pub driver: String,
     queue: vk::Queue,
     pool: vk::CommandPool,
@@ -126,7 +126,7 @@ impl Headless {
     /// Fills images, which have as many layers as `sizes` say, with a colour.
     ///
     /// # Errors
-    /// What the device says.
+    /// Those of the device.
     pub fn fill(&self, images: &[SourceImage], sizes: &[ImageSize], color: [f32; 4]) -> Result<()> {
         let (device, color) = (&self.api.device, vk::ClearColorValue { float32: color });
         self.run(|commands| {
@@ -148,7 +148,7 @@ impl Headless {
     /// Records commands, submits them, and waits until they are done.
     ///
     /// # Errors
-    /// What `record` or the device says.
+    /// Those of `record` and of the device.
     pub fn run(&self, record: impl FnOnce(vk::CommandBuffer) -> Result<()>) -> Result<()> {
         let device = &self.api.device;
         let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;

@@ -1,10 +1,10 @@
-//! How long the device takes for corrections.
+//! Time that the device takes for corrections.
 
 use crate::backend::vk::driver::api::{Api, refused};
 use crate::error::Result;
 use ash::vk;
 
-/// What was measured.
+/// Measured times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
     /// Corrections that were measured.
@@ -19,7 +19,7 @@ pub struct Timing {
 #[derive(Default)]
 pub(in crate::backend::vk) struct Timers {
     pool: vk::QueryPool,
-    /// Whether timestamps of a source were written.
+    /// True for each source whose timestamps were written.
     written: Vec<bool>,
     /// Nanoseconds of a step.
     period: f64,
@@ -48,7 +48,7 @@ impl Timers {
         })
     }
 
-    /// What was measured so far.
+    /// Returns the times measured so far.
     pub fn timing(&self) -> Timing {
         self.timing
     }

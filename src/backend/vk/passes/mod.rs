@@ -33,7 +33,7 @@ struct Draw {
     black: bool,
 }
 
-/// What one output needs.
+/// Draws and textures of one output.
 #[derive(Debug, Default)]
 struct Output {
     size: (u32, u32),
@@ -345,7 +345,7 @@ impl VkBackend {
         self.timers.read(&self.api, source);
     }
 
-    /// What was measured so far.
+    /// Returns the times measured so far.
     pub fn timing(&self) -> Timing {
         self.timers.timing()
     }

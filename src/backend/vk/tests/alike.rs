@@ -9,7 +9,7 @@ use crate::correct::build;
 use crate::rig;
 use crate::views::Request;
 
-/// How many channels differ by more than 1, and the greatest difference.
+/// Returns the number of channels that differ by more than 1, and the greatest difference.
 fn differences(a: &Picture, b: &Picture) -> (usize, u8) {
     let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
     let differences = pairs.map(|(a, b)| a.abs_diff(*b));

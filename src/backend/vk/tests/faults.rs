@@ -1,5 +1,5 @@
-//! What the device is asked to make: nothing in a steady frame, nothing that is not destroyed, and
-//! whatever it refuses is an error.
+//! Requests to the device: a steady frame makes nothing, everything that is made is destroyed, and
+//! each refusal of the device is an error.
 
 use super::headless;
 use crate::backend::vk::driver::headless::Headless;
@@ -15,7 +15,7 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 use std::ffi::{CStr, c_void};
 
-/// What makes and what destroys a kind of object, given by (device, structure, allocator, place)
+/// Functions that make and destroy a kind of object, given by (device, structure, allocator, place)
 /// and (device, object, allocator).
 const KINDS: [(&CStr, &CStr); 13] = [
     (c"vkCreateBuffer", c"vkDestroyBuffer"),
@@ -35,7 +35,7 @@ const KINDS: [(&CStr, &CStr); 13] = [
 const PIPELINE_CACHES: usize = KINDS.len() - 1;
 const PIPELINES: usize = KINDS.len();
 
-/// What this thread's device was asked.
+/// Requests to this thread's device.
 #[derive(Default)]
 struct Asked {
     /// The device's own functions.
@@ -46,7 +46,7 @@ struct Asked {
     calls: usize,
     /// The call that fails.
     fails: Option<usize>,
-    /// What kind of object was refused then.
+    /// Kind of the object that was refused then.
     refused: Option<usize>,
     live: HashSet<(usize, u64)>,
     /// Objects destroyed that are none.
@@ -260,7 +260,7 @@ impl Stage {
     }
 }
 
-/// What is left of objects, and how many were destroyed that are none.
+/// Returns the number of live objects, and the number of destroyed objects that were none.
 fn left() -> (usize, usize) {
     ASKED.with_borrow(|asked| (asked.live.len(), asked.strangers))
 }
@@ -313,7 +313,7 @@ fn whatever_the_device_refuses_is_an_error_and_leaves_nothing() {
     }
 }
 
-/// What is kept of pipelines is a saving: where the driver refuses that, they are made all the
+/// The cache of pipelines only saves time: a driver that refuses it makes the pipelines all the
 /// same.
 #[test]
 fn a_refused_cache_of_pipelines_is_no_obstacle() {

@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 
 static OWN: OnceLock<vk::PFN_vkGetPhysicalDeviceFormatProperties> = OnceLock::new();
 
-/// What the driver says, but for what it can do with 16 bits.
+/// Answers as the driver does, but reports no features of formats with 16 bits.
 unsafe extern "system" fn without_16_bits(
     device: vk::PhysicalDevice,
     format: vk::Format,

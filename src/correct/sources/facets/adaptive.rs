@@ -161,8 +161,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What the triangles of a rectangle show at a place, parts of its width and height from the top
-/// left.
+/// Returns the sample that the triangles of a rectangle show at a place, in parts of its width and
+/// height from the top left.
 fn interpolated(corners: &Corners, falling: bool, x: f64, y: f64) -> SurfaceSample {
     let [a, b, c, d] = corners;
     let parts = match falling {

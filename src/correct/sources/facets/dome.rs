@@ -20,8 +20,8 @@ use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// How far before the lens triangles end, as a part of the dome's radius: nearer ones would be all
-/// around it.
+/// Least distance of triangles from the lens, as a part of the dome's radius: nearer ones would be
+/// all around it.
 const NEAR: f64 = 1e-3;
 /// About so many triangles are measured.
 const MEASURED: usize = 8192;
@@ -128,8 +128,8 @@ impl Picture {
         }
     }
 
-    /// Where a point appears: its place in the output's circle or picture, −1…1 from the left and
-    /// from the bottom, and the dome's point there.
+    /// Returns the place of a point in the output's circle or picture, −1…1 from the left and from
+    /// the bottom, and the dome's point there.
     fn place(&self, point: DVec3) -> (DVec2, DVec3) {
         match self {
             Self::Circle { lens, rotation, radius } => {

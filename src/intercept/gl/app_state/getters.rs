@@ -1,4 +1,5 @@
-//! What a program asks about its state: what it set, not what a view needs.
+//! Answers to a program's questions about its state: the state that it set, not the state that a
+//! view needs.
 
 use super::wide_projection;
 use crate::backend::gl::driver::api;

@@ -79,7 +79,7 @@ fn scissor_test(ctx: &Context, cap: u32, index: u32) -> Option<usize> {
     Some(index as usize).filter(|index| is_followed(index) && ctx.driver.profile.viewport_arrays)
 }
 
-/// What a program asks about viewports and scissors by their index.
+/// Answer to a program's question about a viewport or scissor by its index.
 enum Answer {
     Viewport(Viewport),
     Scissor(LowerLeftRect),

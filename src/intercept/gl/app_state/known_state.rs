@@ -1,8 +1,8 @@
-//! The calls that set what is followed of a context's state ([`KnownState`]), so that draws and
+//! Calls that set the followed part of a context's state ([`KnownState`]), so that draws and
 //! corrections need not ask for it.
 //!
-//! What a display list may set is not known after it ran; what `glPopAttrib` brings back is known
-//! where it did not differ.
+//! State that a display list may set is unknown after the list ran. State that `glPopAttrib` brings
+//! back is known if it did not differ.
 
 use crate::backend::gl::KnownState;
 use crate::intercept::gl::context::gl_context::Context;

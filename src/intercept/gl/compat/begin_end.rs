@@ -51,8 +51,8 @@ pub fn note_list(ctx: &mut Context, list: u32) {
     ctx.compat.immediate.recorder.push_list(list);
 }
 
-/// What was recorded goes into the program's list that is compiled, and so will what comes, if
-/// there is one.
+/// Moves the recorded commands to the program's list that is compiled, if there is one. The
+/// commands that follow go there, too.
 pub fn leave_to_list(ctx: &mut Context) {
     if ctx.compat.immediate.under_way() && ctx.lists.recording.is_some() {
         give_to_list(ctx);
@@ -95,7 +95,8 @@ impl Current {
     }
 }
 
-/// Which of Begin and End are commands of their own. A list that was recorded holds the other.
+/// True for Begin and End if each is a command of its own. A list that was recorded holds the
+/// other.
 #[derive(Clone, Copy)]
 struct Own {
     begin: bool,
@@ -155,7 +156,7 @@ fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
     lists.recording.is_some() && !projected.views_only && methods::division_asked_for()
 }
 
-/// What was recorded becomes a command of the list that is compiled.
+/// Adds the recorded commands to the list that is compiled, as one command.
 fn keep_apart(ctx: &mut Context) {
     let (mode, bounds) = (ctx.compat.immediate.mode, ctx.compat.immediate.bounds);
     let recorder = std::mem::take(&mut ctx.compat.immediate.recorder);
@@ -163,8 +164,8 @@ fn keep_apart(ctx: &mut Context) {
     list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, own, bounds, &recorder));
 }
 
-/// What was recorded, and what comes until the program's End, goes into the list that is compiled
-/// as it is.
+/// Moves the recorded commands to the list that is compiled. The commands until the program's End
+/// go there as they come.
 fn give_to_list(ctx: &mut Context) {
     list_recording::will_draw(ctx, false);
     let Some(recording) = &mut ctx.lists.recording else { return };

@@ -12,7 +12,7 @@ pub(in crate::intercept::gl) struct Placed<'a> {
     present: Present,
     /// The program's matrix mode.
     mode: u32,
-    /// What is current is pushed.
+    /// True if the current attributes are pushed.
     keeps: bool,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Placed<'a> {
 
 /// State that setting a position again would change, as it is when a draw begins.
 struct Present {
-    /// Whether each of [`Present::SWITCHES`] is on.
+    /// True for each of [`Present::SWITCHES`] that is on.
     on: [bool; 2],
     color: [f32; 4],
     texture: [f32; 4],
@@ -143,7 +143,7 @@ pub fn move_by(gl: &Gl, x: f32, y: f32) {
     }
 }
 
-/// Where the driver has the raster position, in its window coordinates.
+/// Returns the driver's raster position, in its window coordinates.
 pub fn raster_position(gl: &Gl) -> [f32; 2] {
     let mut position = [0f32; 4];
     // SAFETY: writes four floats.

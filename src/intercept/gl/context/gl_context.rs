@@ -18,16 +18,15 @@ use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::runtime::session::Session;
 use std::sync::{Arc, Mutex};
 
-/// What objects that contexts share are known by.
+/// Records of the objects that contexts share.
 pub struct ShareGroup {
     /// Shaders and programs.
     pub(in crate::intercept::gl) programs: Mutex<Programs>,
     /// Display lists.
     pub(in crate::intercept::gl) lists: Mutex<Lists>,
-    /// What is known of images that are drawn off screen; `None` while a context that is current
-    /// has it.
+    /// Records of images that are drawn off screen; `None` while a context that is current has
+    /// them.
     pub(in crate::intercept::gl) off_screen: Mutex<Option<SharedViewCopies>>,
-    /// What is known of buffers.
     pub(in crate::intercept::gl) buffers: Mutex<Buffers>,
 }
 
@@ -50,11 +49,11 @@ pub struct Context {
     pub(in crate::intercept::gl) share: Arc<ShareGroup>,
     /// The driver and its state (`context`).
     pub(in crate::intercept::gl) driver: Driver,
-    /// What the program has set (`app_state`, `framebuffer`).
+    /// State that the program has set (`app_state`, `framebuffer`).
     pub(in crate::intercept::gl) app: AppState,
     /// The window, and what stands in for it (`entry`, `framebuffer`).
     pub(in crate::intercept::gl) drawable: Drawable,
-    /// What has been seen of the frame (`frame`, `draw`).
+    /// Facts seen in the frame (`frame`, `draw`).
     pub(in crate::intercept::gl) frame: Frame,
     /// The draw that is being issued (`draw`, `per_view`).
     pub(in crate::intercept::gl) draw: DrawState,

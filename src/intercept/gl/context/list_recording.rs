@@ -62,7 +62,7 @@ pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync 
     if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
 }
 
-/// Where a part of a list begins and ends, seen from `glBegin` and `glEnd`.
+/// Relation of a part of a list to the primitives of `glBegin` and `glEnd`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Primitive {
     /// It ends a primitive that began before it.
@@ -89,7 +89,7 @@ impl Primitive {
         self.began = false;
     }
 
-    /// What the next part begins with.
+    /// Returns the state in which the next part begins.
     fn next(self) -> Self {
         Self { ends: false, began: false, ..self }
     }

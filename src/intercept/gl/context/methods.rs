@@ -6,12 +6,12 @@ use crate::intercept::{live, log};
 use crate::rig::{Divider, Method, Rig};
 use crate::runtime::session::{Extras, Session};
 
-/// How a rig is planned for a window: rig, size, outputs at their own resolution, greatest texture,
-/// more tiles.
+/// Function that plans a rig for a window: rig, size, outputs at their own resolution, greatest
+/// texture, more tiles.
 pub type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
-/// How windows of a context are planned for `rig`: shaders were patched for lenses from the start,
-/// or never. What outputs lose is told.
+/// Returns the function that plans the windows of a context for `rig`. Shaders were patched for
+/// lenses from the start, or never. The log tells which outputs lose their method.
 pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
     if !asked_for() && rig.outputs.iter().any(|output| output.method.projects_vertices()) {
         log::once(

@@ -95,8 +95,8 @@ pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
     })
 }
 
-/// What another context of the group has for `window`, which is not current on any thread: contexts
-/// that draw to one window draw one picture.
+/// Takes the picture of `window` from another context of the group that is not current on any
+/// thread: contexts that draw to one window draw one picture.
 pub fn take_picture(share: &Arc<ShareGroup>, window: &Window) -> Option<Box<DefaultFramebuffer>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);

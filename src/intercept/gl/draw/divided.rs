@@ -74,7 +74,7 @@ pub fn draw_arrays(
     });
 }
 
-/// What is current of the attributes that vertices have.
+/// Returns the current values of the vertices' attributes.
 pub(in crate::intercept::gl) fn current(
     ctx: &Context,
     vertices: &Result<Vertices, &'static str>,

@@ -1,4 +1,4 @@
-//! Where one draw of the program goes.
+//! Route of one draw of the program.
 //!
 //! ```text
 //! draw ── to a framebuffer of the program ──────────────── offscreen::draws

@@ -1,4 +1,4 @@
-//! What making a context current and leaving it does.
+//! Effects of making a context current and of leaving it.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::ending;

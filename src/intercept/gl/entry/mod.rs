@@ -1,9 +1,9 @@
-//! How the program's calls reach us.
+//! Entry of the program's calls.
 //!
 //! libglvnd loads us as a vendor ([`glx`], [`egl`]); we load the real one and answer its names with
-//! our hooks ([`table`]). [`contexts`] is the table of all contexts of the process by their
-//! handles, [`attach`] is what happens when one becomes current with a window: its target is made,
-//! resumed, or taken over from another context of the group.
+//! our hooks ([`table`]). [`contexts`] follows which context is current on a thread. When one
+//! becomes current with a window, [`attach`] makes its target, resumes it, or takes it over from
+//! another context of the group.
 //!
 //! ```text
 //! program → libglvnd → vendor → our hook (a room below) → driver

@@ -1,4 +1,4 @@
-//! What the vendor wrappers of GLX and EGL have in common.
+//! Common parts of the vendor wrappers of GLX and EGL.
 
 use crate::intercept::gl::entry::table;
 use crate::intercept::{log, settings};

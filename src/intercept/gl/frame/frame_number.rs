@@ -1,4 +1,4 @@
-//! Which frame of which window it is, for `--frames`.
+//! Number of a frame of a window, for `--frames`.
 
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::last_frame;

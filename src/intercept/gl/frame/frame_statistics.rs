@@ -1,4 +1,4 @@
-//! What is kept of a frame: statistics and pictures.
+//! Statistics and pictures that are kept of a frame.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -34,7 +34,8 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
     last_frame::store(LastFrame { statistics, times, pictures, views });
 }
 
-/// What the program draws to images, in this context and in those that are current on no thread.
+/// Returns the kind of the program's drawing to images, in this context and in those that are
+/// current on no thread.
 pub fn off_screen(ctx: &Context) -> OffScreen {
     let mut found = off_screen_report::off_screen(ctx, &ctx.view_copies.images, &ctx.view_copies.framebuffers);
     each_other(ctx, |other, images, _| {

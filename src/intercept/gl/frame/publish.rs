@@ -46,7 +46,7 @@ pub fn hand_on(ctx: &mut Context, all: bool) {
     }
 }
 
-/// What reads the pictures of the window as it is now; `None` if there are none.
+/// Returns the reader of the pictures for the window as it is now; `None` if there are none.
 fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
     let gl = ctx.driver.gl;
     let session = ctx.drawable.target().map(|target| &target.session);

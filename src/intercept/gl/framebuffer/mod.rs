@@ -1,9 +1,9 @@
-//! What stands in for framebuffer 0.
+//! Stand-in image for framebuffer 0.
 //!
 //! [`commands`] answers the program's commands on framebuffers: bindings, clears, draw buffers,
-//! blits. [`reading`] answers what the program reads from its window. [`target`] owns the stand-in:
-//! it makes the atlas, replaces it where window or rig change, and enlarges it for the panel and
-//! the program's own picture. `commands` uses `reading` and `target`, `reading` uses `target`.
+//! blits. [`reading`] answers the program's reads from its window. [`target`] owns the stand-in: it
+//! makes the atlas, replaces it if window or rig change, and enlarges it for the panel and the
+//! program's own picture. `commands` uses `reading` and `target`, `reading` uses `target`.
 //!
 //! ```text
 //! framebuffer 0 of the program = one atlas: view │ view │ … │ panel │ program's own picture

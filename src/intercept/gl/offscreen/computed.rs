@@ -86,7 +86,7 @@ fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn F
     upload::load_own(ctx);
 }
 
-/// What shaders have written is seen by copies and by shaders.
+/// Makes the writes of shaders visible to copies and to shaders.
 fn barrier(gl: &Gl) {
     // SAFETY: there is the command where there are compute shaders.
     unsafe { gl.memory_barrier(api::GL_ALL_BARRIER_BITS) };
@@ -156,7 +156,7 @@ struct Bound {
     written: bool,
 }
 
-/// What is bound where a program has an image at this location.
+/// Returns the texture that is bound for a program's image at this location.
 fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
     let (mut unit, [mut texture, mut level, mut access]) = (0, [0; 3]);
     // SAFETY: each writes one integer.

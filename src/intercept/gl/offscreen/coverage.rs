@@ -1,7 +1,7 @@
-//! Whether a flat draw that samples an image fills the window, as one that shows a scene does, or a
-//! part of it, as a map in a corner does; and whether one into such an image fills its viewport, as
-//! a background does, or a part, as a text does. Counted by an occlusion query, once for each kind
-//! of draw.
+//! Coverage of flat draws. A flat draw that samples an image fills the window, as one that shows a
+//! scene does, or a part of it, as a map in a corner does. A draw into such an image fills its
+//! viewport, as a background does, or a part, as a text does. An occlusion query counts this once
+//! for each kind of draw.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -15,7 +15,7 @@ use crate::intercept::gl::state::queries::Queries;
 /// Of more kinds of draws the oldest are forgotten.
 const GREATEST: usize = 64;
 
-/// Whether the next draw fills the window; `Err`: it is to be measured, if it can be.
+/// Tests whether the next draw fills the window; `Err`: it is to be measured, if it can be.
 pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
     let Some(target) = ctx.drawable.target() else { return Ok(false) };
     let (width, height) = target.size();
@@ -23,15 +23,15 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
     known(ctx, sampled, all, false).unwrap_or_else(|| Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled)))
 }
 
-/// Whether the next draw, which samples no image that is followed, fills the program's viewport in
-/// a framebuffer with so many samples per pixel; `Err`: it is to be measured.
+/// Tests whether the next draw, which samples no image that is followed, fills the program's
+/// viewport in a framebuffer with so many samples per pixel; `Err`: it is to be measured.
 pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> {
     let [width, height] = ctx.app.viewport.size().map(i64::from);
     known(ctx, 0, width * height * i64::from(samples.max(1)), true).unwrap_or(Ok(true))
 }
 
-/// What is known of draws like the next one; `meanwhile` until the result of the measurement is
-/// there. `None`: it cannot be measured.
+/// Returns the known coverage of draws like the next one; `meanwhile` until the result of the
+/// measurement is there. `None`: it cannot be measured.
 fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<Result<bool, Measure>> {
     let program = ctx.shaders.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
     let signature = Signature { program, sampled, viewport: ctx.app.viewport };

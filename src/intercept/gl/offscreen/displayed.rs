@@ -88,8 +88,8 @@ fn make_canvases(ctx: &mut Context) -> bool {
     true
 }
 
-/// What is drawn into a canvas is scaled afterwards; more bits than the window's keep that from
-/// rounding twice. OpenGL ES has no such format, and what is encoded as sRGB is so only in 8 bits.
+/// Returns the format of a canvas. Its content is scaled afterwards; more bits than the window's
+/// keep that from rounding twice. OpenGL ES has no such format, and sRGB has only 8 bits.
 fn canvas_format(ctx: &Context) -> u32 {
     match window_format(&ctx.drawable) {
         api::GL_RGBA8 if !ctx.driver.profile.es => api::GL_RGBA16,

@@ -152,7 +152,7 @@ fn draw_in_tiles(
     true
 }
 
-/// Where a flat draw belongs in the views.
+/// Class of a flat draw in the views, and its coverage.
 struct Placed {
     class: DrawClass,
     /// It is to be measured.
@@ -167,8 +167,8 @@ impl Placed {
     }
 }
 
-/// Where a flat draw that samples no image of the scene belongs in the views: what fills the
-/// picture, all of each; a text, where the panel would be.
+/// Returns the class of a flat draw that samples no image of the scene. One that fills the picture
+/// fills each view; a text goes to the panel's place.
 fn place(ctx: &mut Context, index: usize) -> Placed {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);

@@ -1,4 +1,4 @@
-//! What the statistics say of the program's framebuffers.
+//! Statistics of the program's framebuffers.
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
@@ -27,7 +27,7 @@ pub fn status(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> 
     (duplicated, single)
 }
 
-/// What the program draws to `framebuffers`.
+/// Returns the kind of the program's drawing to `framebuffers`.
 pub fn off_screen(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> OffScreen {
     let holds_scene = |framebuffer: &&Framebuffer| any_colour(images, framebuffer, |image| image.scene);
     match framebuffers.iter().find(holds_scene) {
@@ -43,7 +43,7 @@ pub fn reason(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Opt
     Some(obstacle.reason().unwrap_or("everything is shown flat").to_owned())
 }
 
-/// Why a framebuffer is drawn once only.
+/// Returns the reason why a framebuffer is drawn once only; `None` if it is drawn once per view.
 fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Option<Obstacle> {
     if framebuffer.has_view_copies(images) {
         return None;

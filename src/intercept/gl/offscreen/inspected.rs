@@ -17,13 +17,13 @@ use crate::intercept::inspection::{self, DrawNote, MatrixNote};
 use crate::intercept::lens::{Candidate, field_of_view};
 use crate::lock::Lock;
 
-/// What of a draw is not in the state.
+/// Facts about a draw that are not in the state.
 pub struct Seen<'a> {
     /// Its class.
     pub class: DrawClass,
     /// Followed images that its shaders read.
     pub sampled: Set,
-    /// What decided, where the class does not tell.
+    /// Reason for the class, if the class does not tell it.
     pub why: Option<&'a str>,
 }
 
@@ -153,7 +153,7 @@ fn format_name(format: u32) -> String {
     name.to_owned()
 }
 
-/// How draws to the target are issued.
+/// Describes how draws to the target are issued.
 fn how(ctx: &Context) -> String {
     if ctx.app.draw_framebuffer == 0 {
         return match ctx.drawable.target() {

@@ -1,4 +1,4 @@
-//! Which of the images that are followed the next draw samples.
+//! Followed images that the next draw samples.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;

@@ -1,4 +1,4 @@
-//! Which of the program's images lie between a scene and the window.
+//! Images of the program that lie between a scene and the window.
 
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::scene::image_graph::{ImageGraph, Made};

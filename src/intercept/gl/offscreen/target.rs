@@ -14,7 +14,7 @@ use std::sync::Arc;
 struct CopiesPerView<F> {
     session: Option<Arc<Session>>,
     share: f64,
-    /// What `prepare` said of the present view.
+    /// Class that `prepare` returned for the present view.
     class: DrawClass,
     prepare: F,
 }

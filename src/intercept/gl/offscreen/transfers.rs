@@ -27,7 +27,7 @@ enum Side {
     ViewCopies(usize),
     /// An image with a view copy, by its place in the list.
     Image(usize),
-    /// What is drawn once only.
+    /// A framebuffer or image that is drawn once only.
     Single,
 }
 
@@ -267,7 +267,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
 /// One end of a copy between the bound framebuffers.
 #[derive(Clone, Copy)]
 pub(in crate::intercept::gl) struct End {
-    /// Where the picture is.
+    /// Rectangle of the picture.
     pub corners: Corners,
     /// Samples per pixel; 0 = not multisampled.
     pub samples: i32,

@@ -1,17 +1,18 @@
 //! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
 //!
-//! What the program's framebuffers get, sample and are copied to is remembered by their `images`.
-//! From the next frame on each image that lies between a scene and the window (`scene_graph`) has a
-//! *view copy* with a tile for each view, and framebuffers of ours with view copies stand for the
-//! program's (`framebuffers`), so that draws of the scene change no framebuffer. A tile has the
-//! size of the program's own image: what it has set about them (size, texel, viewport) stays true.
-//! Before a flat draw that samples such an image (`sampling`) is issued to a view, the view's tile
-//! is copied into the program's own: filter, wrapping and sampler objects hold without being
-//! followed.
+//! The `images` of the program's framebuffers remember the draws, the sampled images and the copies
+//! that go into them. From the next frame on each image that lies between a scene and the window
+//! (`scene_graph`) has a *view copy* with a tile for each view, and framebuffers of ours with view
+//! copies stand for the program's (`framebuffers`), so that draws of the scene change no
+//! framebuffer. A tile has the size of the program's own image, so the sizes, texels and viewports
+//! that the program has set stay true. Before a flat draw that samples such an image (`sampling`)
+//! is issued to a view, the view's tile is copied into the program's own image: filter, wrapping
+//! and sampler objects hold without being followed.
 //!
-//! `draws` issues draws to the view copies, but for views that cannot show them. `displayed` brings
-//! the pictures into the window's views, `transfers` does for `glBlitFramebuffer` and its relatives
-//! what draws do, `coverage` tells the picture from a map in its corner.
+//! `draws` issues draws to the view copies, except to those of views that cannot show them.
+//! `displayed` brings the pictures into the window's views, `transfers` does for
+//! `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
+//! its corner.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
@@ -27,7 +28,7 @@ use crate::lock::Lock;
 use crate::rig::Duplicate;
 use crate::runtime::Session;
 
-/// What the user asked for.
+/// Returns the user's setting of `duplicate`; `Never` if there are no settings.
 pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
@@ -39,7 +40,7 @@ pub(super) fn possible(ctx: &Context) -> bool {
     duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(has_other_lenses)
 }
 
-/// How many views there are.
+/// Returns the number of views.
 pub(super) fn views(ctx: &Context) -> usize {
     ctx.session().map_or(0, |session| session.views().len())
 }
@@ -81,7 +82,7 @@ fn destroy_view_copy(image: &mut Image, gl: &Gl, context: u64, left: &mut Vec<Pa
     left.extend(image.destroy_view_copy(gl, context));
 }
 
-/// How many tiles view copies have.
+/// Returns the number of tiles of a view copy.
 pub(super) fn copy_count(ctx: &Context) -> usize {
     views(ctx) + usize::from(ctx.view_copies.own_picture)
 }
@@ -319,7 +320,8 @@ pub(super) fn without_scissor(ctx: &mut Context, run: impl FnOnce(&mut Context))
     }
 }
 
-/// What is known of the program's draw framebuffer, which is asked for where it is not.
+/// Returns the index of the program's draw framebuffer. Its attachments are asked for if they are
+/// not known.
 pub(super) fn look(ctx: &mut Context) -> usize {
     let name = ctx.app.draw_framebuffer;
     let index = ctx.view_copies.position(name).unwrap_or_else(|| {

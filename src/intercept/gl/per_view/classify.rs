@@ -10,7 +10,7 @@ use crate::intercept::gl::state::shader::programs::Lens;
 use crate::intercept::scene::viewport;
 use crate::runtime::session::MatrixClass;
 
-/// Where a draw with the present state belongs.
+/// Returns the class of a draw with the present state.
 pub fn classify(ctx: &mut Context) -> DrawClass {
     if main_viewport(&ctx.app, &ctx.frame) { classify_by_projection(ctx) } else { DrawClass::Flat }
 }
@@ -21,7 +21,7 @@ pub fn several_viewports(ctx: &Context) -> bool {
     ctx.app.arrays().is_some_and(WindowArrays::differ) && chooses()
 }
 
-/// Where a draw belongs by its lens alone.
+/// Returns the class of a draw by its lens alone.
 pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
     if several_viewports(ctx) {
         return DrawClass::Flat;

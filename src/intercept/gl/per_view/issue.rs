@@ -15,7 +15,7 @@ use crate::intercept::gl::state::shader::variants::{InUse, Variant};
 use crate::intercept::scene::query_scaling::QueryScaling;
 use std::sync::Arc;
 
-/// Where the copies of a draw go: the atlas of the window, or copies per view of a framebuffer of
+/// Target of the copies of a draw: the atlas of the window, or copies per view of a framebuffer of
 /// the program.
 pub trait Target {
     /// Sets the window space for `view` and returns the class that it is drawn with. `None`: it is

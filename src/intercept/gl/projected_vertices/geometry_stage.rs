@@ -6,7 +6,7 @@ use crate::correct::projected::division::{Input, cuts, division};
 use crate::intercept::gl::projected_vertices::interface::Interface;
 use std::fmt::Write;
 
-/// What the context allows.
+/// Limits of the context.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// `GL_MAX_GEOMETRY_OUTPUT_VERTICES`.
@@ -21,7 +21,7 @@ pub struct Limits {
     pub compatibility: bool,
 }
 
-/// What is handed on besides values.
+/// Values that are handed on besides the stage's own outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passing {
     /// The fragment stage asks for the number of the primitive.
@@ -33,7 +33,7 @@ pub struct Passing {
 /// Name of the counter of what is not fine enough.
 pub const COUNTER: &str = "cupola_coarse";
 
-/// What the carriers of values are called, with a number behind.
+/// Name of the carriers of values, followed by a number.
 pub const CARRIER: &str = "cupola_carried_";
 
 /// The text of the stage for a primitive of `input` whose stage before hands on `interface` and the
@@ -113,7 +113,8 @@ fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, c
     text
 }
 
-/// What is put behind the `main` of the stage before: the values into their carriers.
+/// Returns the declarations and copies that are put behind the `main` of the stage before: they
+/// take the values into their carriers.
 pub fn carriers(interface: &Interface, out: &str) -> (String, String) {
     let (mut declarations, mut copies) = (String::new(), String::new());
     for (number, value) in interface.values.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! What a stage before rasterisation hands on: found in its text, so that a stage of ours can be
-//! put behind it.
+//! Outputs of a stage before rasterisation, found in its text, so that a stage of ours can be put
+//! behind it.
 //!
 //! The outputs become plain variables, which are copied into outputs of ours at the end of `main`;
 //! the stage behind reads these and has outputs with the names, qualifiers and places that the
@@ -11,9 +11,9 @@ use std::ops::Range;
 /// A value that is handed on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Value {
-    /// How the stage itself names it.
+    /// Its name in the stage itself.
     pub own: String,
-    /// How the stage behind names what it hands on.
+    /// Its name in the stage behind.
     pub handed: String,
     /// Its type.
     pub kind: String,
@@ -28,7 +28,7 @@ pub struct Interface {
     pub values: Vec<Value>,
     /// The declarations of the outputs of the stage behind.
     pub declarations: Vec<String>,
-    /// What takes the place of the declarations in the stage's own text.
+    /// Texts that replace the declarations in the stage's own text.
     edits: Vec<(Range<usize>, String)>,
 }
 
@@ -51,7 +51,7 @@ pub fn built_in(bare: &str) -> Vec<(&'static str, &'static str)> {
 /// The outputs of `bare`, a stage's text without comments.
 ///
 /// # Errors
-/// Why they cannot be handed on, for the log.
+/// The reason why they cannot be handed on, for the log.
 pub fn read(bare: &str) -> Result<Interface, &'static str> {
     if LEFT_OUT.iter().any(|name| patch::mentions(bare, name)) {
         return Err("a shader sets clip distances, layers or viewports");
@@ -80,7 +80,7 @@ impl Interface {
     /// The elements of `gl_TexCoord` that `bare` names.
     ///
     /// # Errors
-    /// Why they cannot be handed on, for the log.
+    /// The reason why they cannot be handed on, for the log.
     pub fn add_texture_coordinates(&mut self, bare: &str) -> Result<(), &'static str> {
         for part in bare.split("gl_TexCoord").skip(1) {
             let index = part.trim_start().strip_prefix('[').and_then(|rest| rest.split(']').next());

@@ -17,7 +17,8 @@ use crate::intercept::gl::state::shader::variants::{InUse, Kind, Variant};
 use crate::runtime::session::Division;
 use std::sync::Arc;
 
-/// What divides the draw that is being issued, the best first; points need not be divided.
+/// Returns the kinds of stages that divide the draw that is being issued, the best first. Points
+/// need not be divided.
 fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
     let patch = ctx.draw.wide_primitives.patch.filter(|_| tessellation_asked_for());
     let input = match ctx.draw.wide_primitives.drawn {

@@ -1,11 +1,11 @@
 //! The tessellation stages that divide triangles, lines and quadrilaterals: as many parts along
 //! each edge as it needs.
 //!
-//! Where on an edge its parts meet follows from the directions in which the viewer sees its two
-//! ends, and so does their number: what two primitives share is the same. All parts of an edge are
-//! equally wide in the chord between these directions, so that nearness to the viewer costs
-//! nothing. More than 64 parts no driver has to make; edges that would need more are counted where
-//! there are atomic counters.
+//! The number of an edge's parts and the places at which they meet follow from the directions in
+//! which the viewer sees its two ends, so they are the same for two primitives that share the edge.
+//! All parts of an edge are equally wide in the chord between these directions, so that nearness to
+//! the viewer costs nothing. No driver has to make more than 64 parts; edges that would need more
+//! are counted if there are atomic counters.
 
 use crate::correct::projected::division;
 use crate::intercept::gl::projected_vertices::geometry_stage::{CARRIER, COUNTER, Limits, Passing};
@@ -13,7 +13,7 @@ use crate::intercept::gl::projected_vertices::interface::{Interface, Value};
 use crate::intercept::gl::state::draw::primitives::Patch;
 use std::fmt::Write;
 
-/// What the values of the control stage are called, with a number behind.
+/// Name of the values of the control stage, followed by a number.
 const HANDED: &str = "cupola_handed_";
 
 /// Half the aperture of a fisheye, radians, from which on what is around the antipode of its axis
@@ -88,7 +88,7 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
     text
 }
 
-/// What stands before the functions of the control stage.
+/// Returns the declarations before the functions of the control stage.
 fn control_declarations(corners: usize, interface: &Interface, limits: &Limits) -> String {
     let mut text = format!("layout(vertices = {corners}) out;\n");
     if let Some(binding) = limits.counter {

@@ -109,7 +109,7 @@ impl Variant {
     }
 }
 
-/// What the context allows a stage of ours.
+/// Returns the limits of the context for a stage of ours.
 fn limits(driver: &Driver, kind: Kind) -> Limits {
     let number = |name: u32| {
         let mut value = 0;
@@ -292,7 +292,7 @@ fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Resul
     Err("it does not link with a stage that divides")
 }
 
-/// What the driver says of a program that does not link, for people who look for the reason.
+/// Logs the driver's messages about a program that does not link.
 fn tell(gl: &Gl, program: u32, shaders: &[u32]) {
     let mut buffer: [c_char; 512] = [0; 512];
     let mut say = |read: &dyn Fn(*mut c_char)| {

@@ -16,7 +16,8 @@ fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
     runs
 }
 
-/// What the program asks of a query whose result is in several objects; `None`: the driver answers.
+/// Returns the answer to the program's question about a query whose result is in several objects;
+/// `None`: the driver answers.
 fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u64> {
     let count = queries.split.get(&name)?;
     let ready = || count.parts.iter().all(|part| available(driver.gl, part.0));

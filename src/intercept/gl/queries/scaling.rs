@@ -44,8 +44,9 @@ pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     }
 }
 
-/// How many samples of the program's own picture one of the views' is worth: what fills that
-/// picture counts as many as it has. `off_screen`: each view has as many samples as that picture.
+/// Returns the number of samples of the program's own picture that one of the views' is worth.
+/// Drawing that fills that picture counts as many samples as it has. `off_screen`: each view has as
+/// many samples as that picture.
 pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
     let Some(lens) = ctx.frame.lens else { return 1.0 };
     let seen = Some((lens, ctx.app.viewport, off_screen));

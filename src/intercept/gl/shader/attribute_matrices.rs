@@ -12,7 +12,7 @@ use crate::intercept::gl::vertex_input::{buffers, ranges, vertex_arrays};
 use crate::intercept::lens::{self, Candidate, Told, rank};
 use std::ffi::{CStr, c_char};
 
-/// What the attributes of a program say.
+/// Result of the search for a lens in the attributes of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Found {
     /// A lens.

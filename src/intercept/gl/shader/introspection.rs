@@ -1,4 +1,4 @@
-//! What a program asks about its shaders: our uniforms are not among the answers.
+//! Introspection: the answers to a program's questions about its shaders leave out our uniforms.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;

@@ -6,7 +6,8 @@ use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::shader::programs::{Lens, Program};
 use std::sync::Arc;
 
-/// What now draws: the program in use, or else the pipeline's last program before rasterisation.
+/// Chooses the program that draws: the program in use, or else the pipeline's last program before
+/// rasterisation.
 pub fn choose(ctx: &mut Context) {
     if ctx.shaders.pipelines.used != 0 {
         ctx.shaders.program = programs::record(&ctx.share, ctx.shaders.pipelines.used);

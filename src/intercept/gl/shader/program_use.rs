@@ -1,4 +1,4 @@
-//! Which program is in use, and the deletion of programs.
+//! Use and deletion of programs.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;

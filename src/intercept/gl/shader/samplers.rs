@@ -4,7 +4,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::Sampler;
 use std::ffi::{CStr, c_char};
 
-/// What a uniform of this type samples, if that can be drawn into.
+/// Returns the texture target that a uniform of this type samples, if that can be drawn into.
 pub(in crate::intercept::gl) fn target_of(kind: u32) -> Option<u32> {
     match kind {
         api::GL_SAMPLER_2D | api::GL_SAMPLER_2D_SHADOW | api::GL_INT_SAMPLER_2D | api::GL_UNSIGNED_INT_SAMPLER_2D => {

@@ -78,7 +78,7 @@ pub fn location(gl: &Gl, program: u32, uniform: &str) -> i32 {
 /// An active variable of a program.
 struct Active<'a> {
     name: &'a str,
-    /// What its elements are elements of, without numbers.
+    /// Name of the array to which its elements belong, without numbers.
     array: &'a str,
     /// Number of its elements; 0 = as many as the buffer has.
     size: u32,
@@ -136,7 +136,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What is known of the elements of an array, by its name without numbers.
+    /// Returns the known elements of an array, by its name without numbers.
     fn elements(&self, name: &str) -> Option<&Elements> {
         let array = name.split('[').next().unwrap_or(name);
         self.position.and_then(|names| names.elements(array))

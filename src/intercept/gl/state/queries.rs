@@ -19,7 +19,7 @@ pub struct Queries {
     pub(in crate::intercept::gl) fresh: Vec<u32>,
     /// The lens and viewport for which `worth` was computed.
     pub(in crate::intercept::gl) seen: Option<(Intrinsics, LowerLeftRect, bool)>,
-    /// How many samples of the program's own picture one of the views' is worth.
+    /// Number of samples of the program's own picture that one of the views' is worth.
     pub(in crate::intercept::gl) worth: f64,
     /// The context has results of 64 bits.
     pub(in crate::intercept::gl) wide: bool,
@@ -38,7 +38,7 @@ pub(in crate::intercept::gl) struct Running {
     pub(in crate::intercept::gl) before: Count,
 }
 
-/// What finished parts of a query counted.
+/// Counts of the finished parts of a query.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Count {
     pub(in crate::intercept::gl) target: u32,
@@ -48,7 +48,7 @@ pub(in crate::intercept::gl) struct Count {
     pub(in crate::intercept::gl) sum: f64,
 }
 
-/// What a query of this target counts.
+/// Returns the quantity that a query of this target counts.
 pub(in crate::intercept::gl) fn quantity(target: u32) -> Quantity {
     match target {
         api::GL_SAMPLES_PASSED | api::GL_FRAGMENT_SHADER_INVOCATIONS => Quantity::Samples,

@@ -1,4 +1,4 @@
-//! Which buffers the program has bound: noted from its calls, and asked for once where these do not
+//! Buffers that the program has bound: noted from its calls, and asked for once if these do not
 //! tell.
 //!
 //! `GL_ELEMENT_ARRAY_BUFFER` belongs to a vertex array object

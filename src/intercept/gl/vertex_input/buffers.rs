@@ -1,10 +1,10 @@
-//! Which of the program's buffers hold what they held before: every command that may write to one
-//! is seen.
+//! Buffers of the program that hold what they held before: every command that may write to one is
+//! seen.
 //!
-//! Only buffers that were seen to get their content by commands are known. What the device itself
-//! may write (transform feedback, storage blocks, read-backs, images over buffers), what stays
-//! mapped, and names that came back after a buffer was deleted (a vertex array may still hold the
-//! old one) are not known any more, for good.
+//! Only buffers that were seen to get their content by commands are known. A buffer becomes unknown
+//! for good if the device itself may write to it (transform feedback, storage blocks, read-backs,
+//! images over buffers), if it stays mapped, or if its name came back after it was deleted (a
+//! vertex array may still hold the old one).
 
 use crate::backend::gl::driver::api;
 use crate::intercept::call_sum;

@@ -1,4 +1,4 @@
-//! What is known of buffers and vertex arrays.
+//! Records of buffers and vertex arrays.
 //!
 //! Answers the commands that write to buffers ([`buffers`], [`named_buffers_ext`]), bind them
 //! ([`buffer_bindings`]) and set vertex arrays ([`vertex_array_commands`]). [`vertex_arrays`] asks

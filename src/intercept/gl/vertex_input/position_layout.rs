@@ -1,4 +1,4 @@
-//! How the array of positions lies in memory.
+//! Layout in memory of the array of positions.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -8,8 +8,8 @@ use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::vertex_arrays;
 
 impl Layout {
-    /// What the program has set for `array`, of which `components` count; `None` where that is not
-    /// all there is to a position.
+    /// Returns the layout that the program has set for `array`, of which `components` count; `None`
+    /// if that is not all of a position.
     pub fn of(ctx: &mut Context, array: Array, components: usize) -> Option<Self> {
         let layout = match array {
             Array::Conventional => conventional(ctx)?,

@@ -29,7 +29,7 @@ fn attributes(driver: &Driver) -> u32 {
     if driver.profile.es { 8 } else { 16 }
 }
 
-/// Where `pointer` points, if the call that says so is right.
+/// Returns the place to which `pointer` points, if the call that gives it is right.
 fn source(ctx: &mut Context, stride: usize, pointer: *const c_void) -> Option<Source> {
     let name = ctx.vertex_input.vertex_arrays.current()?.name;
     let buffer = buffer_bindings::buffer(ctx, api::GL_ARRAY_BUFFER)?;

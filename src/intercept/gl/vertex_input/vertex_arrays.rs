@@ -1,9 +1,9 @@
-//! What the program has set about vertex arrays: asked for once and kept until a call changes it,
-//! so that nothing is asked for in each draw.
+//! Vertex arrays that the program has set: asked for once and kept until a call changes them, so
+//! that nothing is asked for in each draw.
 //!
-//! What the usual calls set is noted from their arguments, where OpenGL cannot have refused them;
-//! every other call that may change an array makes it unknown again (`vertex_array_commands`). Only
-//! attributes that a draw has asked about are kept.
+//! Values that the usual calls set are noted from their arguments, if OpenGL cannot have refused
+//! them; every other call that may change an array makes it unknown again
+//! (`vertex_array_commands`). Only attributes that a draw has asked about are kept.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;

@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
 const MOST_NUMBERS: u32 = 256;
 
-/// Why a dispatch cannot be followed.
+/// Reason that keeps a dispatch from being followed.
 const LOST: &str = "a compute shader writes a picture of its scene together with numbers of its own";
 
 /// Images that a dispatch reads and writes.
@@ -177,7 +177,7 @@ unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u3
 /// of the window's image, if it writes that.
 ///
 /// # Errors
-/// Why it cannot.
+/// The reason why it cannot.
 ///
 /// # Safety
 /// As for [`dispatch`].
@@ -230,7 +230,7 @@ unsafe fn follow(
     Ok(window)
 }
 
-/// What a dispatch reads and writes in each view.
+/// Images that a dispatch reads and writes in each view.
 struct Bindings<'a> {
     /// The pipeline of ours with its view constants, if it has matrices of the camera.
     variant: Option<(&'a ComputeVariant, vk::DescriptorSet, ChunkOffset)>,
@@ -241,7 +241,7 @@ struct Bindings<'a> {
 
 impl<'a> Bindings<'a> {
     /// # Errors
-    /// Why there are none.
+    /// The reason why there are none.
     fn of_views(
         device: &Device,
         recording: &mut Recording,

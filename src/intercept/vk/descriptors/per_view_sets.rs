@@ -29,7 +29,7 @@ impl Copies {
     /// run, so that its copies are not in use then, either.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason why there are none.
     pub fn of(
         kept: &mut Option<Self>,
         device: &Device,

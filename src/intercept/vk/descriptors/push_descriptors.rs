@@ -31,7 +31,7 @@ impl Pushed {
     /// scene.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason why there are none.
     pub fn of_views(&self, device: &Device, layout: &AtlasLayout) -> Result<Option<Vec<Self>>, Obstacle> {
         let mut all = vec![self.clone(); layout.views.len()];
         let mut any = false;

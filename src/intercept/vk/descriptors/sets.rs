@@ -33,7 +33,7 @@ impl Descriptors {
     /// Copies of a set for each view, where it shows the scene.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason why there are none.
     pub fn of_views(
         &self,
         device: &Device,

@@ -125,7 +125,7 @@ unsafe fn driver(
     }
 }
 
-/// What Cupola does on a device that the program made so.
+/// Returns the tasks of Cupola on a device that the program made in this way.
 ///
 /// # Safety
 /// `given` must be the program's.

@@ -37,7 +37,7 @@ const MARKS: &str = "
     WriteBufferMarker2AMD WriteBufferMarkerAMD WriteTimestamp WriteTimestamp2 WriteTimestamp2KHR
 ";
 
-/// What draws read that is the same for all views.
+/// Inputs of draws that are the same for all views.
 const INPUTS: &str = "
     BindDescriptorBufferEmbeddedSamplers2EXT BindDescriptorBufferEmbeddedSamplersEXT BindIndexBuffer
     BindIndexBuffer2KHR BindTransformFeedbackBuffersEXT BindVertexBuffers BindVertexBuffers2 BindVertexBuffers2EXT

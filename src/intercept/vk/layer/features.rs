@@ -14,8 +14,9 @@ const NO_STAGE: &str = "the device has no geometry shaders, primitives are not d
 const NO_WAY: &str =
     "the program asks for features of the device in a way that is not known, primitives are not divided";
 
-/// What is done on a device that has geometry shaders, if they are `offered`, and whether they can
-/// count. `rig`: the one at the start; shaders are made for it, whatever its file says later.
+/// Decides the work of shaders on vertices. `offered` returns whether the geometry shaders of the
+/// device can count, or why there are none. `rig`: the one at the start; shaders are made for it,
+/// whatever its file says later.
 pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> VertexDecision {
     let asks = |wanted: &dyn Fn(&Method) -> bool| {
         rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
@@ -41,8 +42,8 @@ pub struct Enabled<'a> {
     _chain: Option<Copied>,
 }
 
-/// What the rig needs. `looked_after`: Cupola has something to do on the device; `has`: what it
-/// has.
+/// Enables the features that the rig needs. `looked_after`: Cupola has something to do on the
+/// device; `has`: the features of the device.
 ///
 /// # Safety
 /// `given` must be the program's.

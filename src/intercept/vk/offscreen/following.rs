@@ -1,10 +1,10 @@
 //! Scenes that are drawn off screen follow the window to other views.
 //!
-//! Where the rig's file changes the views, a program that makes a new swapchain may keep the images
-//! that it draws its scene to. They get the new views at once. The view copies of the old ones stay
-//! as long as recorded commands sample them. Atlases and other atlas copies stay until the program
-//! destroys its image, and are used again if their size comes back: a barrier that is recorded
-//! somewhere may name them.
+//! A program that makes a new swapchain may keep the images that it draws its scene to, although
+//! the rig's file changed the views. These images get the new views at once. The view copies of the
+//! old ones stay as long as recorded commands sample them. Atlases and other atlas copies stay
+//! until the program destroys its image, and are used again if their size comes back: a barrier
+//! that is recorded somewhere may name them.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::viewport;
@@ -17,11 +17,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Images {
-    /// The window has this layout now, or other layouts of off-screen scenes: images that hold its
-    /// scene get them, too.
+    /// Gives the window's new layout, or new layouts of off-screen scenes, to the images that hold
+    /// its scene.
     ///
     /// # Errors
-    /// What the driver refuses; then such an image is the program's own.
+    /// The request that the driver refuses; then such an image is the program's own.
     pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
         for image in self.duplicated() {
             let old = {

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Reason for flat drawing: what a shader reads of the program's own image would be missing there.
 pub const READ_TOGETHER: &str = "its shaders read what it draws together with the window";
 
-/// Why a window is flat that compute shaders write.
+/// Reason why a window is flat that compute shaders write.
 pub const WRITES_WINDOW: &str = "compute shaders draw to its window, and not from a picture of its scene";
 
 /// A shader that is not followed may write these images: what it draws to a window is not seen.
@@ -62,7 +62,7 @@ impl Images {
     /// The view of the atlas copy of a view's image, for passes into the atlas of `layout`.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why there is none.
     pub fn atlas_copy(
         &self,
         device: &Device,

@@ -70,8 +70,8 @@ impl Cover {
         self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !mapped))
     }
 
-    /// What a draw that shows `image` makes of it, if that matters: `made`, or something that is
-    /// not followed. Images of other sizes than the window's that are not read at the fragment's
+    /// Returns the result of a draw that shows `image`, if that matters: `made`, or something that
+    /// is not followed. Images of other sizes than the window's that are not read at the fragment's
     /// place are mirrors.
     pub fn made(&self, device: &Device, image: vk::Image, made: Made) -> Option<Made> {
         let depths = device.images.is_depth(image);
@@ -84,8 +84,8 @@ impl Cover {
     }
 }
 
-/// What a draw in a pass that is not drawn for each view says of the images that it draws to. The
-/// matrices that it may use are looked at when the commands run.
+/// Notes the images that a draw reads and writes in a pass that is not drawn for each view. Its
+/// matrices are looked at when the commands run.
 pub fn note_draw(
     device: &Device,
     recording: &mut Recording,

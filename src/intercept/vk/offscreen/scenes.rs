@@ -41,7 +41,7 @@ impl Images {
     /// From now on an image is drawn for each view.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The request that the driver refuses.
     pub fn duplicate(&self, device: &Device, image: vk::Image, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
         if self.target_of_image(image).is_some() {
             return Ok(());
@@ -101,8 +101,8 @@ impl Images {
     /// has none.
     ///
     /// # Errors
-    /// What the driver refuses; and where the image has the views of another window or of another
-    /// state of the rig.
+    /// The request that the driver refuses; also an image that has the views of another window or
+    /// of another state of the rig.
     pub fn view_copies(
         &self,
         device: &Device,

@@ -162,7 +162,7 @@ pub unsafe fn show(device: &Device, buffer: vk::CommandBuffer, from: &ViewTarget
     }
 }
 
-/// What follows sees what came before.
+/// Makes the results of the commands before visible to those that follow.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.

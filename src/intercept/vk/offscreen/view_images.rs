@@ -24,7 +24,7 @@ pub struct ViewImages {
 /// An image of one sample.
 ///
 /// # Errors
-/// What the driver refuses.
+/// The request that the driver refuses.
 fn image(
     device: &Device,
     ((width, height), levels): ((u32, u32), u32),
@@ -56,7 +56,7 @@ impl Images {
     /// Images as large as these tiles, like an image of this kind and as many levels.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The request that the driver refuses.
     pub(super) fn view_images(
         &self,
         device: &Device,
@@ -106,7 +106,7 @@ impl Images {
     /// the window. All images of a swapchain share them.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The request that the driver refuses.
     pub fn make_window_copies(&self, device: &Device, window: &ViewTarget) -> Result<Arc<ViewTarget>, Obstacle> {
         let layout = window.layout.even(window.layout.window, self.own_read.load(Ordering::Relaxed));
         if let Some(known) = self.window_copies(window).filter(|known| Arc::ptr_eq(&known.layout, &layout)) {
@@ -128,7 +128,7 @@ impl Images {
     /// texels can be scaled before they are copied bit by bit. Its layout follows the image's.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// The request that the driver refuses.
     pub fn scaled_atlas(&self, device: &Device, of: vk::Image, layout: &AtlasLayout) -> Result<vk::Image, Obstacle> {
         if let Some(known) = self.atlas_copy_of_size(of, layout.atlas) {
             return Ok(known);

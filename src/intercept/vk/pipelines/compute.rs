@@ -46,7 +46,7 @@ impl ComputePipeline {
 /// The pipeline with matrices of a view; `None` where its shader has none that may be the camera's.
 ///
 /// # Errors
-/// Why there is none.
+/// The reason why there is none.
 ///
 /// # Safety
 /// `info` must be the program's.

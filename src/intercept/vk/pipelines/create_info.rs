@@ -9,7 +9,7 @@ use std::ffi::c_void;
 pub struct Parts<'a> {
     /// The structure.
     pub info: &'a vk::GraphicsPipelineCreateInfo<'a>,
-    /// Which parts it describes.
+    /// Parts that it describes.
     flags: Flags,
     /// The libraries that have the others.
     pub libraries: &'a [vk::Pipeline],
@@ -93,7 +93,7 @@ impl<'a> Parts<'a> {
         self.flags.intersects(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }
 
-    /// Why it has no variants, if it can have none.
+    /// Returns the reason why it can have no variants; `None` if it can.
     pub fn obstacle(&self) -> Option<&'static str> {
         let rendering = vk::StructureType::PIPELINE_RENDERING_CREATE_INFO;
         // SAFETY: the program's chain.

@@ -17,7 +17,7 @@ const NO_ROOM: &str = "a pipeline has no storage buffer to spare";
 /// by it; `None` where nothing is to be divided.
 ///
 /// # Errors
-/// Why what could be divided is not, for the log.
+/// The reason why primitives that could be divided are not, for the log.
 ///
 /// # Safety
 /// `parts` must be of a pipeline that the program has just made, and that can be followed.
@@ -97,7 +97,7 @@ unsafe fn input(device: &Device, parts: &Parts<'_>) -> Result<Option<Input>, &'s
     })
 }
 
-/// Whether the last vertex of a primitive has its values that are not interpolated.
+/// Tests whether the last vertex of a primitive has its values that are not interpolated.
 ///
 /// # Safety
 /// As for [`stage`].

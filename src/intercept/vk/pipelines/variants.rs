@@ -45,7 +45,7 @@ fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Op
 /// one.
 ///
 /// # Errors
-/// Why it has no variants.
+/// The reason why it has no variants.
 fn linked_libraries(device: &Device, parts: &Parts<'_>) -> Result<Linked, Obstacle> {
     let linked = |library: &vk::Pipeline| device.pipelines.get(*library).filter(|known| known.variants.is_some());
     let linked: Option<Vec<Arc<Pipeline>>> = parts.libraries.iter().map(linked).collect();
@@ -69,7 +69,7 @@ type Linked = (Vec<Arc<Pipeline>>, Option<Arc<PipelineLayout>>);
 /// Makes the variants of a pipeline of the program.
 ///
 /// # Errors
-/// Why it has none.
+/// The reason why it has none.
 ///
 /// # Safety
 /// `parts` must be of a pipeline that the program has just made.
@@ -119,8 +119,8 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     Ok(made)
 }
 
-/// What the variants of libraries, and the pipeline's own depth test, say of variants whose
-/// pipelines are not made yet.
+/// Returns the properties of variants whose pipelines are not made yet, from the variants of
+/// libraries and the pipeline's own depth test.
 fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
     let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
     Variants {
@@ -267,7 +267,7 @@ fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize
 /// constants by set `ours`. `changed`: a stage with other words than the program's.
 ///
 /// # Errors
-/// Why there are none.
+/// The reason why there are none.
 ///
 /// # Safety
 /// `stages` must be the program's.
@@ -308,7 +308,7 @@ fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorB
 /// them apart.
 ///
 /// # Errors
-/// What the driver refuses, or cannot be linked.
+/// The request that the driver refuses, or the library that cannot be linked.
 ///
 /// # Safety
 /// As for [`make`]; `stages` and libraries must be of the same pipeline.

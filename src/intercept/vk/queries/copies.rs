@@ -27,9 +27,9 @@ include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
 pub struct CopiedResults {
     /// The first query and the number of queries.
     pub queries: (u32, u32),
-    /// Where they go.
+    /// Buffer to which they go.
     pub to: vk::Buffer,
-    /// Where they begin there, and how far they are from each other, bytes.
+    /// Offset of the first result in the buffer, and distance from one result to the next, bytes.
     pub place: (u64, u64),
     /// The form.
     pub flags: vk::QueryResultFlags,
@@ -261,8 +261,8 @@ impl Queries {
         }
     }
 
-    /// What gives counts their factors; `None` where queues that draw need not compute, and where
-    /// the driver refuses it.
+    /// Returns the object that multiplies counts by their factors; `None` if queues that draw need
+    /// not compute, or if the driver refuses it.
     fn scaler(&self, device: &Device) -> Option<&QueryScaler> {
         use vk::QueueFlags as Q;
         let computes = |family: &Q| !family.contains(Q::GRAPHICS) || family.contains(Q::COMPUTE);

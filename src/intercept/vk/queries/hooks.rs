@@ -16,7 +16,7 @@ use ash::vk;
 use std::ffi::c_void;
 use std::sync::Arc;
 
-/// What the numbers of a query's result are; empty for queries whose numbers are the program's as
+/// Returns the quantities of a query's result; empty for queries whose numbers are the program's as
 /// they are.
 fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
     use vk::QueryPipelineStatisticFlags as S;

@@ -21,9 +21,9 @@ impl Pool {
     }
 }
 
-/// Where a program wants results, and in which form.
+/// Memory and form in which a program wants results.
 pub struct HostResults {
-    /// Where they go.
+    /// Address to which they go.
     pub to: *mut u8,
     /// Number of bytes there.
     pub size: usize,

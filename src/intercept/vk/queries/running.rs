@@ -9,7 +9,7 @@ use crate::intercept::vk::state::recording::Event;
 use ash::vk;
 use std::sync::Arc;
 
-/// What the samples of a draw are multiplied by.
+/// Factor for the samples of a draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleScale {
     /// The factor.

@@ -54,7 +54,7 @@ struct Found {
     variable: u32,
     /// The members of structures that lead to it.
     members: Vec<u32>,
-    /// What it is by its name.
+    /// Kind of view matrix that its name suggests.
     called: Option<ViewMatrix>,
     indices: Vec<u32>,
     class: u32,

@@ -1,11 +1,11 @@
-//! What a compute shader reads and writes.
+//! Images and buffers that a compute shader reads and writes.
 
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::texels::DescriptorPlace;
 use spirv::{Decoration, Dim, Op, StorageClass};
 use std::collections::{BTreeSet, HashMap};
 
-/// What a compute shader writes to buffers.
+/// Kind of a compute shader's writes to buffers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BufferWrites {
     /// Nothing.
@@ -17,7 +17,7 @@ pub enum BufferWrites {
     Places,
 }
 
-/// What a compute shader reads and writes.
+/// Images and buffers that a compute shader reads and writes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ComputeUse {
     /// Descriptors of the images that it samples, fetches from or loads.
@@ -116,7 +116,7 @@ fn images(
     (read, written)
 }
 
-/// Where images and pointers to them come from.
+/// Origins of images and of pointers to them.
 struct Origins {
     from: HashMap<u32, u32>,
     arguments: HashMap<u32, Vec<u32>>,
@@ -172,7 +172,7 @@ impl Origins {
     }
 }
 
-/// What is written through pointers into buffers, or to images of buffers.
+/// Returns the kind of writes through pointers into buffers, or to images of buffers.
 fn buffers(all: &[Instruction<'_>], declared: &Declarations<'_>) -> BufferWrites {
     let mut kinds: HashMap<u32, u32> = HashMap::new();
     for i in all.iter().filter(|i| i.operands.len() > 1) {

@@ -1,8 +1,8 @@
-//! What flows into `Position`: only a matrix among it can be the lens.
+//! Values that flow into `Position`: only a matrix among them can be the lens.
 //!
-//! Followed are ids and variables of all functions, each variable as a whole but blocks that the
-//! program fills, whose members are told apart. In doubt something flows: all conditions, whichever
-//! function they are in, and all that a call is given.
+//! Ids and variables of all functions are followed. Each variable is followed as a whole, except
+//! blocks that the program fills, whose members are told apart. In doubt a value flows: all
+//! conditions, in whichever function, and all arguments of a call.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};

@@ -56,7 +56,7 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
 /// Results and types of the access chains into the variable.
 ///
 /// # Errors
-/// Where the variable, or a part of it, is used otherwise than by loads.
+/// The variable, or a part of it, is used otherwise than by loads.
 fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'static str> {
     let is_chain = |i: &&Instruction<'_>| i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain);
     let chains: Vec<(u32, u32)> =
@@ -88,7 +88,7 @@ struct Ours {
     member: u32,
     /// Number of the member.
     zero: u32,
-    /// What stands for the program's `FragCoord`.
+    /// Variable that stands for the program's `FragCoord`.
     place: u32,
 }
 
@@ -112,7 +112,7 @@ fn variables(to: &mut Additions<'_>, vector: u32, (set, offset): (u32, u32)) -> 
 /// For each type of the chains, which are pointers to input, the same for our variable.
 ///
 /// # Errors
-/// Where a type is none that is known.
+/// A type is not known.
 fn private_pointers(
     to: &mut Additions<'_>,
     declared: &Declarations<'_>,

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 /// An instruction.
 #[derive(Clone, Copy, Debug)]
 pub struct Instruction<'a> {
-    /// Where it begins, in words.
+    /// Offset of its beginning, in words.
     pub offset: usize,
     /// Its opcode, known or not.
     pub opcode: u32,

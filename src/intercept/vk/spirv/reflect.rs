@@ -30,7 +30,7 @@ pub struct Matrix {
     pub stride: u32,
     /// Rows follow each other, not columns.
     pub row_major: bool,
-    /// How much its name promises: the lower, the sooner it is believed.
+    /// Rank of its name: the lower, the sooner it is believed.
     pub rank: u8,
 }
 
@@ -78,7 +78,7 @@ pub fn asks_place(words: &[u32]) -> bool {
     instructions(words).is_some_and(|all| all.iter().any(asks))
 }
 
-/// What is loaded of a variable for the position.
+/// Parts of a variable that are loaded for the position.
 struct Loaded<'a> {
     /// `None`: all may be.
     loads: Option<&'a PositionLoads>,

@@ -70,7 +70,7 @@ pub fn splice(
 /// The entry point of this name, and its function, which is no other's.
 ///
 /// # Errors
-/// Why there is none.
+/// The reason why there is none.
 pub fn entry_point<'a>(
     all: &'a [Instruction<'a>],
     model: ExecutionModel,

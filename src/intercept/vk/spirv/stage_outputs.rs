@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 /// A scalar or vector of 32-bit numbers within a variable.
 pub struct OutputPart {
-    /// Which members, elements and columns lead to it.
+    /// Indices of the members, elements and columns that lead to it.
     pub path: Vec<u32>,
     /// Its type.
     pub kind: u32,
@@ -20,7 +20,7 @@ pub struct OutputPart {
 pub struct Variable {
     /// Its id.
     pub id: u32,
-    /// What it is.
+    /// Type of the variable.
     pub pointee: u32,
     /// The numbers in it.
     pub leaves: Vec<OutputPart>,
@@ -83,11 +83,11 @@ fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Ve
     Some(point.rest(2 + string(point.rest(2)).1).to_vec())
 }
 
-/// What the vertex shader `vertex` hands on to `fragment`, if there is one: what that does not read
-/// would only take room.
+/// Returns the outputs of the vertex shader `vertex` for `fragment`, if there is one: outputs that
+/// it does not read would only take room.
 ///
 /// # Errors
-/// For people: what cannot be handed on by a stage between them.
+/// The reason, for people, why a stage between them cannot hand an output on.
 pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;

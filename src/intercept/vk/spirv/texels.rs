@@ -159,7 +159,7 @@ impl Scaling {
 /// A place where an image is read by numbers.
 struct Read {
     is_fetch: bool,
-    /// Which of the images.
+    /// Index of the image.
     picture: usize,
     /// The type of the coordinates, or of the size.
     kind: u32,
@@ -178,7 +178,7 @@ fn offset_index(fetch: &Instruction<'_>) -> Option<usize> {
     given.intersects(OFFSETS).then_some(5 + before.bits().count_ones() as usize + gradients)
 }
 
-/// Where a shader reads two-dimensional images by numbers.
+/// Places at which a shader reads two-dimensional images by numbers.
 #[derive(Default)]
 struct Reads {
     /// By the offset of the instruction.
@@ -271,11 +271,11 @@ fn place_of(declared: &Declarations<'_>, variable: u32) -> Option<Place> {
 /// Deeper calls are not followed.
 const DEEPEST: usize = 4;
 
-/// Where images come from.
+/// Origins of images.
 struct Sources {
     /// From a loaded value, or what is taken of it, to what it is loaded from.
     from: HashMap<u32, u32>,
-    /// What functions are given for a parameter.
+    /// Arguments that functions get for a parameter.
     arguments: HashMap<u32, Vec<u32>>,
 }
 
@@ -329,7 +329,7 @@ struct Ours {
     block: u32,
     /// Numbers of the block's members.
     members: [u32; 2],
-    /// What the driver says of the fragment's place.
+    /// Variable with the driver's value of the fragment's place.
     place: u32,
     half: u32,
     glsl: u32,

@@ -30,9 +30,9 @@ pub struct Device {
     pub(in crate::intercept::vk) driver: Driver,
     /// The next layer's functions that hooks call.
     pub(in crate::intercept::vk) next: NextLayer,
-    /// What Cupola does on this device; decided when it is made.
+    /// Tasks of Cupola on this device; decided when it is made.
     pub(in crate::intercept::vk) role: Role,
-    /// Whether draws are issued for each view.
+    /// Reasons for which draws are not issued for each view.
     pub(in crate::intercept::vk) flatness: Flatness,
     /// Command buffers (`commands`).
     pub(in crate::intercept::vk) recordings: Recordings,
@@ -40,7 +40,7 @@ pub struct Device {
     pub(in crate::intercept::vk) framebuffers: Framebuffers,
     /// Images (`offscreen`).
     pub(in crate::intercept::vk) images: Images,
-    /// Which images hold a scene on its way to the window (`offscreen`).
+    /// Images that hold a scene on its way to the window (`offscreen`).
     pub(in crate::intercept::vk) scene_graph: SceneGraph,
     /// Shaders and pipeline layouts (`pipelines`).
     pub(in crate::intercept::vk) layouts: PipelineLayouts,
@@ -64,7 +64,7 @@ pub struct Device {
     pub(in crate::intercept::vk) presented: Presented,
 }
 
-/// What Cupola does on a device.
+/// Tasks of Cupola on a device.
 pub struct Role {
     /// Cupola has something to do here.
     pub(in crate::intercept::vk) active: bool,

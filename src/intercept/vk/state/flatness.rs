@@ -1,4 +1,4 @@
-//! Whether draws are issued for each view, and why not.
+//! Decision whether draws are issued for each view, with the reason if they are not.
 
 use crate::intercept::log;
 use crate::intercept::scene::obstacle::Obstacle;
@@ -10,7 +10,7 @@ pub struct Flatness {
     /// Text for the log and the statistics, where the program's picture is not made of views; empty
     /// where it is.
     note: OnceLock<String>,
-    /// Why some pipeline has no variants.
+    /// Reason why some pipeline has no variants.
     pipeline: OnceLock<Obstacle>,
 }
 
@@ -48,7 +48,7 @@ impl Flatness {
         let _ = self.pipeline.set(why.clone());
     }
 
-    /// Why some pipeline has no variants.
+    /// Returns the reason why some pipeline has no variants.
     pub fn pipeline_obstacle(&self) -> Obstacle {
         self.pipeline.get().cloned().unwrap_or_else(|| "a pipeline that is not known".into())
     }

@@ -1,4 +1,4 @@
-//! What the program's buffers hold, as far as the host can know it.
+//! Content of the program's buffers, as far as the host can know it.
 
 use crate::lock::Lock;
 use ash::vk;

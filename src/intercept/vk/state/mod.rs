@@ -1,4 +1,4 @@
-//! What Cupola knows of a device: the data of each feature, below the code that works on it.
+//! State of a device: the data of each feature, below the code that works on it.
 //!
 //! A folder or file for each part of a device, with the part's struct in its `mod.rs`: types,
 //! look-ups, and methods that keep the data valid. No file here calls another room. The rooms above

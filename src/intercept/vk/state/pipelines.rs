@@ -76,7 +76,7 @@ pub struct Variants {
     pub(in crate::intercept::vk) follows: bool,
     /// Draws onto the panel.
     pub(in crate::intercept::vk) panel: vk::Pipeline,
-    /// Where its shaders' matrices are.
+    /// Places of the matrices that its shaders read.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
     /// Its fragment shader is told its place in the program's window, and the texels of the
     /// program's images.
@@ -85,8 +85,7 @@ pub struct Variants {
     pub(in crate::intercept::vk) loses_place: bool,
     /// Descriptors of the images that it reads by texels, or asks for their size.
     pub(in crate::intercept::vk) pictures: Vec<DescriptorPlace>,
-    /// Where the matrices of its shaders are that may be functions of the camera, each with its
-    /// place among ours.
+    /// Matrices of its shaders that may be functions of the camera, each with its place among ours.
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
     /// It tests depth.
     pub(in crate::intercept::vk) deep: bool,
@@ -105,7 +104,7 @@ pub enum MatrixStage {
 #[derive(Clone, Copy, Debug)]
 pub struct CameraMatrix {
     pub(in crate::intercept::vk) matrix: Matrix,
-    /// What it is by its name, if it turns and moves.
+    /// Kind of view matrix that its name suggests, if it turns and moves.
     pub(in crate::intercept::vk) called: Option<ViewMatrix>,
     pub(in crate::intercept::vk) stage: MatrixStage,
     /// The shader computes inverses.
@@ -114,7 +113,7 @@ pub struct CameraMatrix {
 
 /// A compute pipeline of the program.
 pub struct ComputePipeline {
-    /// What its shader reads and writes.
+    /// Images and buffers that its shader reads and writes.
     pub(in crate::intercept::vk) uses: ComputeUse,
     /// Its shader has matrices that may be the camera's: the pipeline with those of a view.
     pub(in crate::intercept::vk) variant: Option<ComputeVariant>,
@@ -127,7 +126,7 @@ pub struct ComputeVariant {
     pub(in crate::intercept::vk) pipeline: vk::Pipeline,
     /// Its layout, with the set of ours.
     pub(in crate::intercept::vk) layout: Arc<PipelineLayout>,
-    /// Where the program's matrices are.
+    /// Matrices of the program.
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
 }
 
@@ -159,7 +158,8 @@ impl DivisionStatistics {
         self.undivided.locked().clone()
     }
 
-    /// Why some pipeline that is divided does not count what is not fine enough.
+    /// Returns the reason why some pipeline that is divided does not count primitives that are not
+    /// fine enough.
     pub fn uncounted(&self) -> Option<&'static str> {
         self.uncounted.get().copied()
     }

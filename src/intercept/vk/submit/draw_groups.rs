@@ -191,7 +191,8 @@ fn find_lens(device: &Device, group: &mut DrawGroup) {
     }
 }
 
-/// What a group draws, by its lens and how that was found; counted in the frame.
+/// Returns the class of a group, by its lens and the way that lens was found, and counts it in the
+/// frame.
 fn classify(
     group: &DrawGroup,
     settled: Option<(Intrinsics, &'static str)>,

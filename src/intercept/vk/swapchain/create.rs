@@ -98,7 +98,7 @@ fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Atla
     AtlasLayout::new(rig, size, device.driver.greatest_image(), read, vertices)
 }
 
-/// Why a swapchain is left alone.
+/// Returns the reason why a swapchain is left alone; `None` if it is not.
 fn obstacle(info: &vk::SwapchainCreateInfoKHR<'_>) -> Option<String> {
     if TexelFormat::of(info.image_format).is_none() {
         let kinds = "supported are RGBA and BGRA of 8 bits, RGB of 10 bits and RGBA of 16-bit floats";
@@ -200,10 +200,10 @@ unsafe fn manage(
     }
 }
 
-/// What images of a new swapchain's surface can be used for: all, where the driver does not say. It
-/// is not asked again for a swapchain that follows another: it answers by way of the display's
-/// server, and the longer the program's call takes until the driver has it, the likelier the window
-/// has another size by then.
+/// Returns the supported usage of images of a new swapchain's surface: all, if the driver does not
+/// say. The driver is not asked again for a swapchain that follows another. It answers by way of
+/// the display's server, and the longer the program's call takes until the driver has it, the
+/// likelier the window has another size by then.
 ///
 /// # Safety
 /// The structure must be one that the program passes for this device.

@@ -133,10 +133,10 @@ struct Presentation<'a> {
     number: u64,
     /// The program ends after this frame.
     last: bool,
-    /// What the next submission has to wait for. The first one waits for everything; what follows on
-    /// the queue comes after it.
+    /// Semaphores for which the next submission has to wait. The first one waits for everything;
+    /// the commands that follow on the queue come after it.
     waits: &'a [vk::Semaphore],
-    /// What the presentation waits for, as for [`prepare`].
+    /// Semaphores for which the presentation waits, as for [`prepare`].
     ready: &'a mut Option<Vec<vk::Semaphore>>,
 }
 
@@ -210,7 +210,7 @@ impl Presentation<'_> {
     }
 }
 
-/// What is counted in the last frame is counted when this returns.
+/// Waits until the counts of the last frame are complete.
 fn wait_for_counts(device: &Device, managed: &Swapchain) {
     if let Some(stand_in) = &managed.stand_in {
         // SAFETY: the device is live.
@@ -239,7 +239,7 @@ unsafe fn timed_make(
     made
 }
 
-/// What the program draws to images.
+/// Returns the kind of the program's drawing to images.
 fn off_screen(device: &Device) -> OffScreen {
     let rule = settings::settings().map_or(Duplicate::Auto, |settings| settings.rig.views.duplicate);
     match device.scene_graph.single(rule).into_keys().next() {

@@ -55,7 +55,7 @@ pub unsafe fn frame(
     Ok(copied)
 }
 
-/// What reads the pictures of the window as it is now.
+/// Makes the reader of the pictures for the window as it is now.
 ///
 /// # Safety
 /// The device must be live.

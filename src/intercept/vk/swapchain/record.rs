@@ -17,7 +17,7 @@ use ash::vk;
 use std::time::Duration;
 
 impl PictureSource {
-    /// Whether it needs the correction, not only copies.
+    /// True if it needs the correction, not only copies.
     fn corrects(self) -> bool {
         matches!(self, Self::Panel | Self::Views)
     }

@@ -191,7 +191,7 @@ impl StandIn {
         Ok(())
     }
 
-    /// Which of the [`StandIn::sources`] the correction of image `index` reads.
+    /// Returns the index among [`StandIn::sources`] that the correction of image `index` reads.
     pub(super) fn source_of(&self, index: usize, show: PictureSource) -> usize {
         2 * index + usize::from(show == PictureSource::Panel && self.covers())
     }

@@ -10,9 +10,9 @@ use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::log;
 
-/// Where in the atlas an operation on the program's window counts: all of it, or the parts of its
-/// own pictures that lie within its scissor. A scissor around most of the window is taken for the
-/// whole, as for clears.
+/// Returns the parts of the atlas that an operation on the program's window reaches: all of it, or
+/// the parts of the program's own pictures that lie within its scissor. A scissor around most of
+/// the window is taken for the whole, as for clears.
 fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     let Some(target) = ctx.drawable.target() else { return Vec::new() };
     let window = target.size();

@@ -15,7 +15,8 @@ fn is_window_buffer(buffer: u32) -> bool {
     )
 }
 
-/// What stands for a buffer of the window in our framebuffer; names that are wrong stay wrong.
+/// Returns the attachment of our framebuffer that stands for a buffer of the window. Wrong names
+/// stay wrong.
 fn attachment(buffer: u32) -> u32 {
     match buffer {
         api::GL_NONE => buffer,

@@ -1,4 +1,4 @@
-//! What a program asks about its window's framebuffer, and hints about it.
+//! Answers to a program's questions about its window's framebuffer, and hints about it.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;

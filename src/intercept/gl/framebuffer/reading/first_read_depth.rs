@@ -62,7 +62,7 @@ pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directi
     write(gl, target, primary, Content::DepthStencil, &pixels);
 }
 
-/// What a tile is filled with.
+/// Kind of values that a tile is filled with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// 24 bits of depth, 8 of stencil.
@@ -106,10 +106,10 @@ pub fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
     shown.then_some(((column, line), -seen.z))
 }
 
-/// How stored depths follow from those of clip space.
+/// Relation of stored depths to those of clip space.
 #[derive(Clone, Copy)]
 struct Depths {
-    /// What normalised −1 (or 0, where the program said so) and 1 are stored as.
+    /// Stored values of the normalised depths −1 (or 0, if the program set that) and 1.
     range: [f64; 2],
     /// The normalised depth of the nearest.
     least: f64,
@@ -131,8 +131,9 @@ impl Depths {
         (range[0] != range[1]).then_some(Self { range: range.map(f64::from), least })
     }
 
-    /// What the program's own picture stores for what a view stores as `texel`, `farther` times as
-    /// far along the view's axis as along the program's. What nothing was drawn to stays so.
+    /// Returns the value that the program's own picture stores for `texel` of a view, whose point
+    /// is `farther` times as far along the view's axis as along the program's. A texel to which
+    /// nothing was drawn stays so.
     fn own(&self, texel: u32, rows: &ClipRows, farther: f64) -> u32 {
         let (depth, stencil) = (texel >> 8, texel & 0xff);
         if depth == 0 || depth == DEEPEST {
@@ -147,7 +148,8 @@ impl Depths {
     }
 }
 
-/// What a rectangle of a framebuffer of ours holds. Bindings and pixel storage are put back.
+/// Returns the texels in a rectangle of a framebuffer of ours. Bindings and pixel storage are put
+/// back.
 pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) -> Vec<u32> {
     let LowerLeftRect { x, y, width, height } = rect;
     let mut texels = vec![EMPTY; width as usize * height as usize];

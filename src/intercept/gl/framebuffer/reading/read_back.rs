@@ -1,4 +1,4 @@
-//! What a program reads from its window: from the primary picture, which is its own.
+//! Reads of a program from its window. They come from the primary picture, which is its own.
 //!
 //! Beside that picture lie others. Memory of the program for pixels outside of its window is not
 //! written.

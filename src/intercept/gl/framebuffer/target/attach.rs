@@ -73,7 +73,8 @@ pub fn follow_rig(ctx: &mut Context) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// How often a window that the program gives another size gets the size that was asked for.
+/// Greatest number of times that a window gets the size that was asked for after the program gave
+/// it another one.
 const MOST_RESIZED: u32 = 3;
 
 /// Looks at the window, and plans anew where it has another size than the plan. Only between

@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 /// Pictures that stand for a window.
 struct Surfaces {
-    /// What the program draws to.
+    /// Surface to which the program draws.
     drawn: Surface,
     /// The same with one sample per pixel, where it has several.
     resolved: Option<Surface>,

@@ -1,10 +1,10 @@
-//! How many draws a frame of the program has: it says how dear another view is, which decides how
-//! many there are.
+//! Number of draws in a frame of the program. It decides the number of views, since each view costs
+//! that many draws.
 //!
 //! The first plan is for a program of a thousand draws. Once the number has been steady for some
 //! frames, the views are planned anew for it, at a clear that begins a frame, so that nothing that
 //! was drawn is lost. It happens once. The number is that of the program's own draws, whether or
-//! not some of them are left out of views: what is left out never changes a picture.
+//! not some of them are left out of views: draws that are left out never change a picture.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;

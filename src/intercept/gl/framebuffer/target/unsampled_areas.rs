@@ -20,7 +20,7 @@ use crate::intercept::settings::{self, Mask};
 use crate::runtime::cache;
 use crate::views::Tile;
 
-/// What a program clears.
+/// Parts of the window's framebuffer that a program clears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cleared {
     /// Colour.

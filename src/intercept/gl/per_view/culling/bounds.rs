@@ -2,7 +2,7 @@
 
 use crate::intercept::gl::per_view::culling::position::{Transform, View};
 
-/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms'
+/// Greatest error of the driver's products of 32-bit numbers, as a part of the sum of the terms'
 /// sizes: five roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
 const ROUNDING: f64 = 1e-5;
 
@@ -17,7 +17,7 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// The box `low`…`high` after `transform`.
+    /// Returns the box `low`…`high` after a transformation.
     pub fn of(Transform { matrix, sizes }: &Transform, low: [f64; 3], high: [f64; 3]) -> Self {
         let column = |m: &[f64; 16], column: usize| -> [f64; 4] { std::array::from_fn(|row| m[4 * column + row]) };
         let mut placed = Self { middle: column(matrix, 3), edges: [[0.0; 4]; 3], sizes: column(sizes, 3) };
@@ -150,7 +150,7 @@ mod tests {
         assert!(!gone([0.1, 0.0]));
     }
 
-    /// What a box shows lies in its part of the picture, which is not much larger.
+    /// The part that is computed for a box holds all of the box, and is not much larger.
     #[test]
     fn the_part_of_a_box_holds_all_of_it() {
         let mut number = numbers();

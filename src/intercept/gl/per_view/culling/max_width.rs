@@ -1,4 +1,4 @@
-//! What makes points and lines wider than a pixel.
+//! Calls that make points and lines wider than a pixel.
 
 use crate::intercept::gl::context::hooks::hooks;
 

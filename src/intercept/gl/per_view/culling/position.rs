@@ -1,4 +1,4 @@
-//! What takes a draw's positions to clip coordinates: an array and matrices.
+//! Transformation of a draw's positions to clip coordinates: an array and matrices.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
@@ -36,7 +36,7 @@ impl Transform {
     }
 }
 
-/// What takes eye or clip coordinates of the program to clip coordinates of a view.
+/// Transformation from eye or clip coordinates of the program to clip coordinates of a view.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// The rows of x, y and w.
@@ -52,7 +52,7 @@ impl View {
         Self { rows, sizes: rows.map(|row: [f64; 4]| row.map(f64::abs)) }
     }
 
-    /// By the rows that a patched shader re-projects by (`glsl::patch`).
+    /// By the rows that a patched shader re-projects by (`shader::source::patch`).
     pub fn of_rows(matrix: &ReprojectionMatrix) -> Self {
         let e = f64::from(matrix.depth.pole);
         let rows = [matrix.x, matrix.y, matrix.w].map(|row| row.map(f64::from));
@@ -76,8 +76,8 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
     }
 }
 
-/// What takes positions of the scene at `class` to the program's eye or clip coordinates, whichever
-/// the views' own transforms start from; `None`: not known.
+/// Returns the transformation from positions of the scene at `class` to the program's eye or clip
+/// coordinates, whichever the views' own transforms start from; `None`: not known.
 pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
     match class {
         DrawClass::FixedScene => {
@@ -111,7 +111,7 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
     Some(product)
 }
 
-/// What takes them from there to the clip coordinates of the view `index`.
+/// Returns the transformation from there to the clip coordinates of the view `index`.
 pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -> Option<View> {
     match class {
         DrawClass::FixedScene => compat.projection.per_view.get(index).map(View::of),
@@ -120,7 +120,7 @@ pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -
     }
 }
 
-/// What takes them from there to the clip coordinates of the program's own picture.
+/// Returns the transformation from there to the clip coordinates of the program's own picture.
 pub fn of_own_picture(compat: &Compat, class: DrawClass) -> Option<View> {
     match class {
         DrawClass::FixedScene => Some(View::of(&compat.projection.matrix)),

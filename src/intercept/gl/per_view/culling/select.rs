@@ -83,9 +83,9 @@ struct Known {
     spread: f64,
 }
 
-/// What a view shows of a draw.
+/// Part of a draw that a view shows.
 struct Look {
-    /// What takes its vertices to the view; `None`: not known.
+    /// Transformation of its vertices to the view; `None`: not known.
     view: Option<View>,
     /// The view shows nothing of it.
     unseen: bool,

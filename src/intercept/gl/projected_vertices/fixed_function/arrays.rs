@@ -33,7 +33,7 @@ struct Array {
     normalised: bool,
 }
 
-/// What OpenGL calls the parts of an array's state.
+/// OpenGL's names of the parts of an array's state.
 struct Names {
     switch: u32,
     pointer: u32,
@@ -275,7 +275,8 @@ impl Array {
     }
 }
 
-/// What an integer stands for in a colour or a normal (OpenGL 2.1, table 2.9).
+/// Returns the part of 1 that an integer stands for in a colour or a normal (OpenGL 2.1, table
+/// 2.9).
 fn part_of_one(value: f64, kind: u32) -> f64 {
     let signed = matches!(kind, api::GL_BYTE | api::GL_SHORT | api::GL_INT);
     let whole = 256f64.powi(width(kind).unwrap_or(1) as i32) - 1.0;

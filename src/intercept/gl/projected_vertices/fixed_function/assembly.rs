@@ -1,4 +1,5 @@
-//! How vertices of Begin/End or of arrays become lines and triangles (OpenGL 2.1, section 2.6.1).
+//! Assembly of lines and triangles from vertices of Begin/End or of arrays (OpenGL 2.1, section
+//! 2.6.1).
 
 use crate::backend::gl::driver::api;
 
@@ -9,7 +10,7 @@ pub struct Triangle {
     pub corners: [usize; 3],
     /// The vertex whose colour it has where colours are flat.
     pub provoking: usize,
-    /// Whether the edge that begins at each corner is one of the primitive's own.
+    /// True for each corner if the edge that begins there is one of the primitive's own.
     pub own_edges: [bool; 3],
 }
 

@@ -64,8 +64,8 @@ pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
     }
 }
 
-/// Where the viewer sees a vertex of these clip coordinates of the program: lens axes, the
-/// program's units.
+/// Returns the place in which the viewer sees a vertex of these clip coordinates of the program:
+/// lens axes, the program's units.
 fn seen(rows: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
     let q = z + f64::from(rows.depth.pole) * w;
     let row = |row: [f32; 4]| {

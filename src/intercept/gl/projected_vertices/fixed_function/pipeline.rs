@@ -1,4 +1,4 @@
-//! What of the fixed-function pipeline's vertex stage is switched on.
+//! Switches of the fixed-function pipeline's vertex stage.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
@@ -12,7 +12,7 @@ impl Pipeline {
     /// The switches as they are.
     ///
     /// # Errors
-    /// What is on that is not followed, for the log.
+    /// A switch that is on and not followed, for the log.
     pub fn read(driver: &Driver) -> Result<Self, &'static str> {
         let (gl, profile) = (driver.gl, &driver.profile);
         if profile.version < 20 {

@@ -1,13 +1,13 @@
 //! The fixed-function pipeline, whose vertices only shaders can project to a lens: a program of
 //! ours stands in for its vertex stage while a draw of the scene is issued.
 //!
-//! [`pipeline`] is what of the stage is switched on, [`shader_text`] the shader that does the same.
-//! There is a program for each state of the switches that was met. What comes behind the stage
-//! (textures, fog, blending) stays the pipeline's own.
+//! [`pipeline`] holds the switches of the stage that are on, [`shader_text`] the shader that does
+//! the same. There is a program for each state of the switches that was met. The steps behind the
+//! stage (textures, fog, blending) stay the pipeline's own.
 //!
-//! Where primitives have to be divided, [`vertices`] are read from what was recorded or from
-//! [`arrays`], become triangles and lines ([`assembly`]) and are given to the driver with what is
-//! between them ([`division`]).
+//! If primitives have to be divided, [`vertices`] are read from the recorded commands or from
+//! [`arrays`], become triangles and lines ([`assembly`]) and are given to the driver with the
+//! vertices between them ([`division`]).
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::LensConstants;
@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// Puts a program in use that does what the pipeline's vertex stage does.
 ///
 /// # Errors
-/// Why there is none, for the log.
+/// The reason why there is none, for the log.
 pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     if ctx.shaders.program.is_some() || ctx.shaders.pipelines.used != 0 {
         return Err("a program has shaders for fragments only");

@@ -22,7 +22,7 @@ pub enum Attribute {
 }
 
 impl Attribute {
-    /// What is current of it; missing numbers as OpenGL has them.
+    /// Returns its current value; missing numbers as OpenGL has them.
     pub fn current(self, gl: &Gl) -> [f32; 4] {
         let mut value = [0.0, 0.0, 0.0, 1.0];
         let name = match self {
@@ -74,14 +74,14 @@ impl Attribute {
 pub struct Vertices {
     /// `GL_TRIANGLES` and so on.
     pub mode: u32,
-    /// What each vertex has besides its position.
+    /// Attributes of each vertex besides its position.
     pub attributes: Vec<Attribute>,
     /// Of each vertex its position, then its attributes.
     pub values: Vec<[f32; 4]>,
 }
 
 impl Vertices {
-    /// How many.
+    /// Returns the number of vertices.
     pub fn count(&self) -> usize {
         self.values.len() / self.stride()
     }
@@ -97,10 +97,10 @@ impl Vertices {
         self.values.get(start..start + self.stride()).unwrap_or_default()
     }
 
-    /// What was recorded between Begin and End.
+    /// Reads the vertices that were recorded between Begin and End.
     ///
     /// # Errors
-    /// What cannot be read, for the log.
+    /// The part that cannot be read, for the log.
     pub fn of_recorded(gl: &Gl, mode: u32, recorder: &Recorder) -> Result<Self, &'static str> {
         let mut vertices = Self { mode, ..Self::default() };
         let mut now = Vec::new();

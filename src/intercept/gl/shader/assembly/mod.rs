@@ -112,7 +112,7 @@ fn define(ctx: &mut Context, name: u32, own_text: &[u8]) -> bool {
     taken
 }
 
-/// What is known of the program that is bound.
+/// Returns the record of the program that is bound.
 fn record(ctx: &Context, target: u32) -> Option<Arc<AssemblyProgram>> {
     let name = if target == TARGET { bound(ctx) } else { 0 };
     ctx.share.programs.locked().assembly.get(&name).cloned()

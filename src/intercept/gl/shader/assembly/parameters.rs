@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 /// Arrays of parameters are not longer.
 const LONGEST: u32 = 1024;
 
-/// What flows into a position.
+/// Values that flow into a position.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// Parameters of the program or its environment, and how they are used.
@@ -35,7 +35,7 @@ impl Found {
     }
 }
 
-/// What one operand stands for.
+/// Meaning of one operand.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Source {
     Parameter(Parameter),
@@ -56,7 +56,7 @@ pub fn of_position(text: &str) -> Found {
 
 #[derive(Default)]
 struct Program {
-    /// What named parameters hold, one for each element of an array.
+    /// Content of named parameters, one for each element of an array.
     arrays: HashMap<String, Vec<Source>>,
     /// Other names of variables.
     aliases: HashMap<String, String>,
@@ -115,7 +115,7 @@ impl Program {
         name.to_owned()
     }
 
-    /// What an operand reads.
+    /// Returns the values that an operand reads.
     fn sources(&mut self, operand: &str) -> Vec<Source> {
         let operand = operand.trim_start_matches(['-', '+', ' ', '|']);
         let name = self.variable(operand);
@@ -129,7 +129,7 @@ impl Program {
         }
     }
 
-    /// What `part` of a list of parameters stands for, an operand included.
+    /// Returns the values that `part` of a list of parameters stands for, an operand included.
     fn elements(&mut self, part: &str) -> Vec<Source> {
         let range = |prefix: &str| part.strip_prefix(prefix).and_then(numbers);
         if part.starts_with("program.") {

@@ -9,7 +9,7 @@ pub const ROWS: u32 = 4;
 
 const HEADER: &str = "!!ARBvp1.0";
 
-/// What the end of a program does: `geom::reprojection` in the language of these programs.
+/// Code at the end of a program: `geom::reprojection` in the language of these programs.
 const EPILOGUE: &str = "\
 MOV cupola_place, cupola_position.xyww;
 MAD cupola_place.w, cupola_rows[3].x, cupola_position.w, cupola_position.z;

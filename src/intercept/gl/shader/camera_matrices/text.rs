@@ -26,7 +26,7 @@ pub struct Named {
     pub inverted: bool,
 }
 
-/// How a text names a matrix.
+/// Spelling of a matrix in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Spelling<'a> {
     /// The instance of a block, or a structure.
@@ -112,7 +112,7 @@ impl<'a> Spelling<'a> {
         if self.instance.is_some() { 3 } else { 1 }
     }
 
-    /// Where the words name it.
+    /// Returns the places at which the words name it.
     fn uses<'w>(&self, words: &'w [&'a str]) -> impl Iterator<Item = usize> + use<'w, 'a> {
         let Self { instance, name } = *self;
         (0..words.len()).filter(move |at| {
@@ -126,7 +126,7 @@ impl<'a> Spelling<'a> {
     }
 }
 
-/// What a text declares.
+/// Declarations in a text.
 #[derive(Default)]
 struct Declared<'a> {
     /// Matrices that the program sets, by how the text names them: as OpenGL calls them.

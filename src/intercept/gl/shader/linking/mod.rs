@@ -105,7 +105,7 @@ fn give_back_texts(ctx: &Context, sources: &HashMap<u32, Arc<str>>, linked: &Lin
     }
 }
 
-/// What is known of a program that was linked.
+/// Returns the record of a program that was linked.
 fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> Program {
     let (gl, profile) = (driver.gl, &driver.profile);
     let (shaders, sources) = (texts.shaders, texts.sources);

@@ -12,7 +12,7 @@ use crate::intercept::gl::state::shader::position_names::PositionNames;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What is changed in the texts of a program.
+/// Parts of a program's texts that are changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// The position of the last stage before rasterisation.
@@ -23,10 +23,10 @@ pub struct Changes {
     pub matrices: bool,
 }
 
-/// What linking made of a program's shaders.
+/// Result of linking a program's shaders.
 #[derive(Default)]
 pub struct Linked {
-    /// What is changed.
+    /// Parts of the texts that are changed.
     pub changes: Changes,
     /// The texts of the shaders that are changed.
     pub texts: HashMap<u32, String>,
@@ -38,11 +38,11 @@ pub struct Linked {
 
 /// The texts of a program's shaders.
 pub struct Texts<'a> {
-    /// What the shaders were compiled from.
+    /// Texts from which the shaders were compiled.
     pub sources: &'a HashMap<u32, Arc<str>>,
     /// Names and kinds.
     pub shaders: &'a [(u32, u32)],
-    /// What flows into the position; `None` = unknown.
+    /// Names that flow into the position; `None` = unknown.
     pub position_names: Option<&'a PositionNames>,
     /// The context is OpenGL ES.
     pub es: bool,
@@ -51,7 +51,7 @@ pub struct Texts<'a> {
 }
 
 impl Texts<'_> {
-    /// What a shader was compiled from.
+    /// Returns the text from which a shader was compiled.
     pub fn source(&self, shader: u32) -> &str {
         self.sources.get(&shader).map_or("", |source| source)
     }

@@ -1,4 +1,4 @@
-//! What a compute shader of the program uses.
+//! Images and buffers that a compute shader of the program uses.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::shader::source::prover::tokens;
@@ -78,7 +78,7 @@ fn is_read_only(words: &[&str], name: &str) -> bool {
     words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}")).any(|word| *word == "readonly")
 }
 
-/// What a text may write to buffers.
+/// Returns the kind of writes to buffers that a text may do.
 fn writes(bare: &str, words: &[&str]) -> BufferWrites {
     let counters = words.contains(&"atomic_uint");
     let mut buffers = words.iter().enumerate().filter(|(_, word)| **word == "buffer").map(|(at, _)| at).filter(|at| {
@@ -149,7 +149,7 @@ fn assigns(words: &[&str], names: &[&str]) -> bool {
     })
 }
 
-/// Where the indices and members end that follow the name at `at`.
+/// Returns the end of the indices and members that follow the name at `at`.
 fn end_of_access(words: &[&str], at: usize) -> usize {
     let (mut end, mut depth) = (at + 1, 0);
     while let Some(word) = words.get(end) {

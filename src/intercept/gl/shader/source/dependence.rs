@@ -1,4 +1,4 @@
-//! What flows into `gl_Position`: only a matrix among it can be the lens.
+//! Names that flow into `gl_Position`: only a matrix among them can be the lens.
 //!
 //! Engines give every shader a block with all matrices of the camera, also those of a full-screen
 //! pass, and such a pass is no scene. The names that may flow into the position are collected from
@@ -21,8 +21,8 @@ const WRITING: [&str; 6] = ["frexp", "imulExtended", "modf", "uaddCarry", "umulE
 const GEOMETRY_STAGES: [u32; 4] =
     [api::GL_GEOMETRY_SHADER, api::GL_TESS_EVALUATION_SHADER, api::GL_TESS_CONTROL_SHADER, api::GL_VERTEX_SHADER];
 
-/// What flows into the position of these shaders: what the last stage says, and all that is in the
-/// stages before it. `None` where that is unknown.
+/// Returns the names that flow into the position of these shaders: those that the last stage names,
+/// and all names in the stages before it. `None` if that is unknown.
 pub fn position_names(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Option<PositionNames> {
     let of_kind = |kind| shaders.iter().filter(move |s| s.1 == kind).map(|s| Some(&**sources.get(&s.0)?));
     let mut names = None;
@@ -85,7 +85,7 @@ struct Function<'a> {
 #[derive(Default)]
 struct Text<'a> {
     words: Vec<&'a str>,
-    /// What macros stand for, with their parameters.
+    /// Words that macros stand for, with their parameters.
     macros: HashMap<&'a str, Vec<&'a str>>,
     /// Uniforms that are arrays.
     arrays: HashSet<&'a str>,
@@ -140,7 +140,7 @@ impl<'a> Text<'a> {
         PositionNames::new(names.collect(), elements)
     }
 
-    /// What a word may call: itself, and what macros make of it.
+    /// Returns the words that a word may call: itself, and the words that macros make of it.
     fn called(&self, word: &'a str) -> Vec<&'a str> {
         let mut found = vec![word];
         let mut next = 0;
@@ -273,7 +273,8 @@ fn written<'a>(words: &[&'a str]) -> Vec<&'a str> {
     names
 }
 
-/// Where statements begin and end: at semicolons and braces, which belong to none.
+/// Returns the begin and end of each statement. Semicolons and braces separate statements and
+/// belong to none.
 fn statements<'w>(words: &'w [&str]) -> impl Iterator<Item = (usize, usize)> + 'w {
     let mut start = 0;
     std::iter::from_fn(move || {

@@ -151,8 +151,8 @@ impl<'a> Usage<'a> {
         usage
     }
 
-    /// What is known of the elements among the names that are `reached`. `is_uniform`: nothing in
-    /// the text writes to a name.
+    /// Returns the known elements among the names that are `reached`. `is_uniform`: nothing in the
+    /// text writes to a name.
     pub fn elements(
         &self,
         arrays: &HashSet<&str>,
@@ -176,7 +176,7 @@ impl<'a> Usage<'a> {
     }
 }
 
-/// What is done with the vector of which the first word is at `at`, and that ends before `after`.
+/// Returns the uses of the vector whose first word is at `at`, and that ends before `after`.
 fn uses_at(words: &[&str], at: usize, after: usize) -> Uses {
     let swizzle = words.get(after).filter(|word| **word == ".").and_then(|_| words.get(after + 1));
     let after = if swizzle.is_some() { after + 2 } else { after };

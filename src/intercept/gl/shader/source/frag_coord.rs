@@ -16,7 +16,7 @@ const UNIFORM: &str = FragCoord::UNIFORM;
 
 const NAME: &str = "gl_FragCoord";
 
-/// What a fragment shader declares about its coordinates.
+/// Declaration of a fragment shader about its coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Convention {
     /// `layout(origin_upper_left)`.
@@ -66,7 +66,7 @@ fn words<'a>(bare: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
         .filter(move |at| !bare[..*at].ends_with(is_name) && !bare[at + word.len()..].starts_with(is_name))
 }
 
-/// What the declaration at this place says, if the name is declared there.
+/// Returns the convention of the declaration at this place, if the name is declared there.
 fn declaration(bare: &str, at: usize) -> Option<Convention> {
     bare[..at].trim_end().strip_suffix("vec4").filter(|before| before.ends_with(|c: char| c.is_whitespace()))?;
     let start = bare[..at].rfind([';', '}']).map_or(0, |end| end + 1);

@@ -2,8 +2,7 @@
 
 use crate::intercept::gl::shader::source::patch::{end_of_version_line, version};
 
-/// What stands before all declarations: `#version`, the last `#extension`, and conditions around
-/// it.
+/// Text before all declarations: `#version`, the last `#extension`, and conditions around it.
 pub struct Head<'a> {
     text: &'a str,
     rest: &'a str,
@@ -26,7 +25,7 @@ impl<'a> Head<'a> {
         self.text.len()
     }
 
-    /// What follows it.
+    /// Returns the text that follows it.
     pub fn rest(&self) -> &'a str {
         self.rest
     }

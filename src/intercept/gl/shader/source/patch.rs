@@ -207,7 +207,7 @@ mod tests {
         assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex, false, false).is_some());
     }
 
-    /// What we add would stand on the line of the directive.
+    /// Text that we add would stand on the line of the directive.
     #[test]
     fn a_main_on_the_line_of_the_version_is_none() {
         for source in ["#version 330 void main() {}", "// a\n#version 330 es void main() {}"] {

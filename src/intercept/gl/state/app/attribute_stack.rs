@@ -1,4 +1,4 @@
-//! What `glPushAttrib` keeps of the state that is followed.
+//! Part of the followed state that `glPushAttrib` keeps.
 
 use crate::backend::gl::KnownState;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
@@ -7,17 +7,17 @@ use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
 pub const ATTRIBUTE_DEPTH: usize = 16;
 
-/// What `glPushAttrib` keeps of what we follow.
+/// Part of the followed state that `glPushAttrib` keeps.
 pub struct Pushed {
     pub(in crate::intercept::gl) mask: u32,
     pub(in crate::intercept::gl) saved: Saved,
     pub(in crate::intercept::gl) list_base: u32,
     pub(in crate::intercept::gl) known: KnownState,
-    /// Where current attributes are kept.
+    /// Raster position, if current attributes are kept.
     pub(in crate::intercept::gl) raster: Option<RasterPosition>,
 }
 
-/// What it keeps of the app state.
+/// Part of the app state that it keeps.
 #[derive(Clone, Debug)]
 pub struct Saved {
     pub(in crate::intercept::gl) arrays: WindowArrays,

@@ -11,7 +11,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
 use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};
 
-/// What the program has set, as it would read it.
+/// State that the program has set, as it would read it.
 pub struct AppState {
     /// The program's draw framebuffer, 0 = its window.
     pub draw_framebuffer: u32,

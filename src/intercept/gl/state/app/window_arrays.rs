@@ -20,7 +20,7 @@ pub struct Viewport {
 }
 
 impl Viewport {
-    /// Its place in a picture whose lower left corner is at `origin`.
+    /// Returns its place in a picture whose lower left corner is at `[x, y]`.
     fn moved_by(self, [x, y]: [i32; 2]) -> Self {
         Self { x: self.x + x as f32, y: self.y + y as f32, ..self }
     }

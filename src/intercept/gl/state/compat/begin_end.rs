@@ -4,7 +4,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 
-/// Where the program is.
+/// Phase of the program in a Begin/End.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
     /// Outside of Begin/End, or in one that is passed on as it comes.
@@ -19,7 +19,7 @@ pub enum Phase {
 
 /// The Begin/End that the program is in.
 pub struct Immediate {
-    /// Where the program is.
+    /// Phase of the program.
     pub phase: Phase,
     pub(in crate::intercept::gl) mode: u32,
     pub(in crate::intercept::gl) recorder: Recorder,

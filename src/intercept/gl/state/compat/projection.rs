@@ -10,7 +10,7 @@ pub struct Projection {
     changed: bool,
     /// As the program set it, column by column.
     pub matrix: [f64; 16],
-    /// What it is.
+    /// Class of the matrix.
     pub class: MatrixClass,
     /// Each view's projection in its place.
     pub per_view: Vec<[f64; 16]>,

@@ -1,6 +1,6 @@
 //! The raster position.
 
-/// Where the raster position belongs.
+/// Raster position of the program: in the scene, or in a tile.
 #[derive(Clone, Default)]
 pub struct RasterPosition {
     pub(in crate::intercept::gl) scene: Option<ScenePosition>,
@@ -23,7 +23,7 @@ impl RasterPosition {
         std::mem::take(&mut self.origin)
     }
 
-    /// What is put back with this position.
+    /// Returns the part that is put back with this position.
     pub fn saved(&self) -> Self {
         if self.scene.is_some() { self.clone() } else { Self { origin: self.origin, ..Self::default() } }
     }
@@ -34,11 +34,12 @@ impl RasterPosition {
 pub(in crate::intercept::gl) struct ScenePosition {
     pub(in crate::intercept::gl) object: [f64; 4],
     pub(in crate::intercept::gl) model_view: [f64; 16],
-    /// What the position took with it: the colour, lit where light is on, and a texture coordinate.
+    /// Colour that the position took with it, lit if light is on. `texture` is its texture
+    /// coordinate.
     pub(in crate::intercept::gl) color: [f32; 4],
     pub(in crate::intercept::gl) texture: [f32; 4],
     /// The range of depths in which it was set.
     pub(in crate::intercept::gl) depths: [f64; 2],
-    /// How far bitmaps moved it since, in pixels.
+    /// Distance by which bitmaps have moved it since, in pixels.
     pub(in crate::intercept::gl) moved: [f32; 2],
 }

@@ -8,7 +8,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_commands::{self, Command};
 use crate::intercept::gl::state::draw::bounds::Bounds;
 
-/// What a command sets.
+/// Value that a command sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Sets {
@@ -46,7 +46,7 @@ const COLOR: u64 = 1;
 const NORMAL: u64 = 1 << 1;
 const TEXTURE: u64 = 1 << 2;
 
-/// What is not followed one by one.
+/// Bit of all values that are not followed one by one.
 const OTHER: u64 = 1 << 63;
 
 impl Sets {
@@ -177,12 +177,12 @@ const LIST: u64 = 1 << 48;
 /// A command that was recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
-    /// What it sets.
+    /// Value that it sets.
     pub sets: Sets,
     /// Its first parameter before the components: a unit, the number of an attribute. 0 where there
     /// is none.
     pub prefix: u64,
-    /// How many components.
+    /// Number of components.
     pub count: usize,
     /// They are numbers as they are.
     pub plain: bool,
@@ -211,16 +211,16 @@ impl Recorded<'_> {
     }
 }
 
-/// What came since `glBegin`.
+/// Commands since `glBegin`.
 #[derive(Default)]
 pub struct Recorder {
     /// Of each command its head, its parameters before the components (a word each), and the
     /// components.
     words: Vec<u64>,
-    /// What was set since `glBegin`, a bit each.
+    /// Values that were set since `glBegin`, a bit each.
     set: u64,
     vertices: bool,
-    /// What was set only after a vertex.
+    /// Values that were set only after a vertex, a bit each.
     late: u64,
     /// There are display lists.
     lists: bool,
@@ -279,8 +279,8 @@ impl Recorder {
         self.lists
     }
 
-    /// Whether colour, normal and texture coordinate were set only after a vertex: playing back
-    /// again would give them to the first vertices.
+    /// True for colour, normal and texture coordinate if they were set only after a vertex: playing
+    /// back again would give them to the first vertices.
     pub fn sets_late(&self) -> [bool; 3] {
         [COLOR, NORMAL, TEXTURE].map(|bit| self.late & bit != 0)
     }
@@ -295,7 +295,7 @@ impl Recorder {
         self.set != 0
     }
 
-    /// Where the next command will be: a place to play back from.
+    /// Returns the place of the next command, from which to play back.
     pub fn place(&self) -> usize {
         self.words.len()
     }

@@ -1,6 +1,6 @@
-//! What a draw is.
+//! Class of a draw.
 
-/// What of the program's state a draw changes that the next view's draw must see unchanged.
+/// State of the program that a draw changes, and that the next view's draw must see unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Changes {
     /// Nothing.
@@ -13,7 +13,7 @@ pub enum Changes {
     Anything,
 }
 
-/// Where a draw belongs.
+/// Class of a draw, which decides its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawClass {
     /// The scene, with the fixed-function projection.

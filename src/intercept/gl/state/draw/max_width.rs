@@ -1,6 +1,7 @@
 //! The greatest width of points and lines.
 
-/// What is wider than a pixel reaches into views that do not show its middle.
+/// Greatest width of points and lines so far, pixels. A primitive that is wider than a pixel
+/// reaches into views that do not show its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaxWidth(f32);
 

@@ -14,10 +14,10 @@ use crate::intercept::gl::state::draw::max_width::MaxWidth;
 use crate::intercept::gl::state::draw::primitives::WidePrimitives;
 use crate::intercept::scene::to_window::ToWindow;
 
-/// What is known of the draw that is being issued.
+/// Facts about the draw that is being issued.
 #[derive(Default)]
 pub struct DrawState {
-    /// Where it comes to be in each view, if that is known.
+    /// Area that it covers in each view, if that is known.
     pub(in crate::intercept::gl) areas: Vec<TexelSpan>,
     /// Points and lines that may leave their tile.
     pub(in crate::intercept::gl) wide_primitives: WidePrimitives,

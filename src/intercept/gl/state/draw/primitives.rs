@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api;
 
-/// What a draw consists of.
+/// Kind of primitives of a draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
     /// Anything: a display list, say.
@@ -35,12 +35,12 @@ impl Shape {
     }
 }
 
-/// How the program draws outlines.
+/// Primitives of the draws, as far as they may be wide or outlines.
 #[derive(Default)]
 pub struct WidePrimitives {
-    /// What the next draw consists of, where its hook knows.
+    /// Primitives of the next draw, if its hook knows them.
     pub shape: Shape,
-    /// What the draw that is being issued consists of.
+    /// Primitives of the draw that is being issued.
     pub drawn: Shape,
     /// The mode of the next draw, where its hook can issue it as patches.
     pub mode: Option<u32>,
@@ -56,7 +56,7 @@ pub struct WidePrimitives {
 }
 
 impl WidePrimitives {
-    /// What a hook issues a draw of `mode` as.
+    /// Returns the mode with which a hook issues a draw of `mode`.
     pub fn issued(&self, mode: u32) -> u32 {
         if self.as_patches { api::GL_PATCHES } else { mode }
     }
@@ -67,7 +67,7 @@ impl WidePrimitives {
     }
 }
 
-/// What is divided.
+/// Primitive that is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patch {
     /// Triangles, each with three vertices of its own.
@@ -88,7 +88,8 @@ impl Patch {
         }
     }
 
-    /// How the evaluation stage divides it. The primitive's corners run as those of its parts.
+    /// Returns the layout of the evaluation stage that divides it. The primitive's corners run as
+    /// those of its parts.
     pub(in crate::intercept::gl) fn layout(self) -> &'static str {
         match self {
             Self::Triangles => "triangles, equal_spacing, ccw",

@@ -3,7 +3,7 @@
 use crate::backend::gl::ClearedViews;
 use crate::correct::TexelSpan;
 
-/// What each view holds.
+/// Content of each view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Content {
     /// The colour that every view was cleared to; `None`: not known.

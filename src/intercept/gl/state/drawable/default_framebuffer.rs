@@ -25,7 +25,7 @@ pub(in crate::intercept::gl) struct Ready {
 pub struct DefaultFramebuffer {
     /// Rig and plan for the window's size.
     pub session: Arc<Session>,
-    /// Which state of the rig's file it follows.
+    /// Version of the rig's file that it follows.
     pub(in crate::intercept::gl) version: u64,
     pub(in crate::intercept::gl) config: Config,
     pub(in crate::intercept::gl) surface: Surface,
@@ -38,15 +38,15 @@ pub struct DefaultFramebuffer {
     /// Lens of each view, to which vertices are projected; empty where all views are perspective
     /// ones.
     pub lenses: Vec<LensConstants>,
-    /// What the views hold.
+    /// Content of the views.
     pub content: Content,
     pub(in crate::intercept::gl) issued: Vec<u64>,
     pub(in crate::intercept::gl) culled: Vec<u64>,
     /// Texels of each view that are closed for drawing; empty where none are.
     pub(in crate::intercept::gl) closed: Vec<u64>,
-    /// What of the program's own picture is ready to be read since something was drawn last.
+    /// Part of the program's own picture that is ready to be read since something was drawn last.
     pub(in crate::intercept::gl) ready: Cell<Option<Ready>>,
-    /// Where each output is in the window.
+    /// Place of each output in the window.
     pub(in crate::intercept::gl) outputs: Vec<Target>,
 }
 
@@ -66,7 +66,7 @@ impl DefaultFramebuffer {
         &self.config
     }
 
-    /// What the program's framebuffer 0 really is.
+    /// Returns the framebuffer that stands in for the program's framebuffer 0.
     pub fn framebuffer(&self) -> u32 {
         self.surface.framebuffer()
     }
@@ -87,21 +87,22 @@ impl DefaultFramebuffer {
         self.session.primary()
     }
 
-    /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
+    /// Returns the tiles to which flat drawing goes, each with true if it is the panel (whose alpha
+    /// counts).
     pub fn flat_tiles(&self) -> [Option<(LowerLeftRect, bool)>; 3] {
         // What is drawn in turn would show it in each view.
         let own = self.own_tile().filter(|_| self.session.turns().is_none());
         [own.map(|tile| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
     }
 
-    /// What the program takes for its window: the tile with its own lens, or the view that is drawn
-    /// in turn.
+    /// Returns the tile that the program takes for its window: the one with its own lens, or the
+    /// view that is drawn in turn.
     fn own_tile(&self) -> Option<LowerLeftRect> {
         let mut tiles = (0..self.session.views().len()).map(|i| self.session.tile(i));
         tiles.find(|(_, own)| *own).map(|(tile, _)| tile)
     }
 
-    /// What the program's reads of its window come from.
+    /// Returns the tile from which the program's reads of its window come.
     pub fn own_picture(&self) -> Option<LowerLeftRect> {
         self.primary().or_else(|| self.own_tile())
     }
@@ -140,7 +141,7 @@ impl DefaultFramebuffer {
         &self.closed
     }
 
-    /// Where the correction of each output goes.
+    /// Returns the target of the correction of each output.
     pub fn outputs(&self) -> &[Target] {
         &self.outputs
     }

@@ -14,17 +14,17 @@ use crate::intercept::gl::state::drawable::window::Window;
 use crate::runtime::session::Session;
 use std::sync::Arc;
 
-/// What a context draws to and reads from.
+/// Windows and framebuffers to which a context draws and from which it reads.
 #[derive(Default)]
 pub struct Drawable {
     /// The window that it draws to.
     pub(in crate::intercept::gl) window: Option<Window>,
-    /// What stands in for the window's framebuffer; `None` = the window's own.
+    /// Stand-in for the window's framebuffer; `None` = the window's own.
     target: Option<Box<DefaultFramebuffer>>,
     /// The plan of a window that another context of the group draws, for a context without one:
     /// what it draws off screen may be shown there.
     pub(in crate::intercept::gl) borrowed_session: Option<Arc<Session>>,
-    /// What stands in for other windows that it drew to lately.
+    /// Stand-ins for other windows to which it drew lately.
     pub(in crate::intercept::gl) other_windows: Vec<(Window, Box<DefaultFramebuffer>)>,
     /// Objects of pictures that were given to other contexts.
     pub(in crate::intercept::gl) left_behind: Vec<OwnObjects>,
@@ -32,14 +32,15 @@ pub struct Drawable {
     pub(in crate::intercept::gl) reads_elsewhere: bool,
     /// Nothing of the window could be seen after its last swap.
     pub(in crate::intercept::gl) occluded: bool,
-    /// How often the window got the size that was asked for after the program had given it another.
+    /// Number of times that the window got the size that was asked for after the program had given
+    /// it another.
     pub(in crate::intercept::gl) resized: u32,
     /// The accumulation buffer, once the program used it.
     pub(in crate::intercept::gl) accumulation: Option<Accumulation>,
 }
 
 impl Drawable {
-    /// What stands in for the window's framebuffer; `None` = the window's own.
+    /// Returns the stand-in for the window's framebuffer; `None` = the window's own.
     pub fn target(&self) -> Option<&DefaultFramebuffer> {
         self.target.as_deref()
     }
@@ -64,7 +65,7 @@ impl Drawable {
         self.target.as_ref().map(|target| &*target.session).or(self.borrowed_session.as_deref())
     }
 
-    /// What reads of the program's framebuffer 0 are bound to.
+    /// Returns the framebuffer to which reads of the program's framebuffer 0 are bound.
     pub fn window_for_reading(&self) -> u32 {
         self.target.as_ref().filter(|_| !self.reads_elsewhere).map_or(0, |target| target.framebuffer())
     }

@@ -38,7 +38,7 @@ pub enum Window {
     },
 }
 
-/// How a window is.
+/// Size and visibility of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     /// Its size in pixels, at least 1 × 1.
@@ -54,7 +54,7 @@ const EGL_HEIGHT: i32 = 0x3056;
 const EGL_WIDTH: i32 = 0x3057;
 
 impl Window {
-    /// What its window system calls it.
+    /// Returns the handle that its window system has for it.
     pub fn handle(&self) -> usize {
         match *self {
             Self::Glx { drawable, .. } => drawable as usize,
@@ -62,8 +62,8 @@ impl Window {
         }
     }
 
-    /// How it is now. One question to the X server where there is one: the window systems' own
-    /// would be two for the size alone.
+    /// Returns its present size and visibility. This is one question to the X server where there is
+    /// one: the window systems' own would be two for the size alone.
     pub fn look(&self) -> Look {
         let x11 = match *self {
             Self::Glx { display, x11, .. } => x11_attributes(display, x11),

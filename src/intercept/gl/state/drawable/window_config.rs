@@ -1,4 +1,4 @@
-//! What the window's own framebuffer is, so that ours can be like it.
+//! Configuration of the window's own framebuffer, so that ours can be like it.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::drawable::window::Window;

@@ -19,7 +19,7 @@ pub struct Driver {
     pub(in crate::intercept::gl) gl: &'static Gl,
     /// A number of the context's own, among all contexts of the process.
     pub(in crate::intercept::gl) id: u64,
-    /// Which OpenGL.
+    /// Version and profile of OpenGL.
     pub(in crate::intercept::gl) profile: Profile,
     /// Viewport and scissor that are really set.
     window_space: DriverState,

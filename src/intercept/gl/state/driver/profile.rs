@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl, Outside};
 use std::ffi::CStr;
 
-/// Which OpenGL a context speaks.
+/// Version and profile of OpenGL in a context.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     /// OpenGL ES.
@@ -14,7 +14,7 @@ pub struct Profile {
     pub version: u32,
     /// Viewports and scissors by index.
     pub viewport_arrays: bool,
-    /// What the driver keeps of viewports that have an index.
+    /// Limits that the driver keeps for viewports with an index.
     pub viewport_limits: ViewportLimits,
     /// Number of generic attributes of a vertex.
     pub generic_attributes: u32,
@@ -35,7 +35,7 @@ impl Profile {
         !self.es && !self.core
     }
 
-    /// Whether contexts of this kind do not have a command.
+    /// True if contexts of this kind do not have a command.
     pub fn is_outside(&self, command: Outside) -> bool {
         (self.core && command.core) || (self.es && self.version >= 20 && command.es)
     }

@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 
-/// What is really set in the driver, where known; saves redundant calls.
+/// State that is set in the driver, where known; saves redundant calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DriverState {
     pub(super) viewport: Option<LowerLeftRect>,
@@ -12,7 +12,7 @@ pub struct DriverState {
 }
 
 impl DriverState {
-    /// What the groups of `mask` (of `glPopAttrib`) may have changed is not known.
+    /// Forgets the values that the groups of `mask` (of `glPopAttrib`) may have changed.
     pub(super) fn forget(&mut self, mask: u32) {
         if mask & api::GL_VIEWPORT_BIT != 0 {
             self.viewport = None;

@@ -6,7 +6,8 @@ use crate::intercept::gl::state::compat::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
 
-/// What is nearer to the plane of a view's eye is outside of the view.
+/// Least w of a point in a view: a point nearer to the plane of the view's eye is outside of the
+/// view.
 const LEAST_W: f64 = 1e-6;
 
 /// The part of the panel that a viewport is: scale and offset of clip coordinates to the right and
@@ -40,7 +41,7 @@ impl PanelPart {
     }
 }
 
-/// What is known about flat drawing before the scene.
+/// Order and matrices of flat drawing before the scene.
 #[derive(Default)]
 pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
@@ -86,8 +87,8 @@ impl Background {
         self.per_view.get(view)
     }
 
-    /// Where the part of the panel is in a tile of view `view`: the least rectangle around what of
-    /// it is before the view's eye.
+    /// Returns the rectangle of the panel's part in a tile of view `view`: the least one around the
+    /// points of it that lie before the view's eye.
     pub fn within(&self, view: usize, tile: LowerLeftRect) -> LowerLeftRect {
         let Some(rows) = self.rows.get(view) else { return tile };
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]

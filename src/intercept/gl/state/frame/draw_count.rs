@@ -2,7 +2,7 @@
 
 use crate::runtime::session::Extras;
 
-/// What has been seen so far.
+/// Number of draws, as seen so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DrawCount {
     /// Draws seen when the frame began.
@@ -13,7 +13,7 @@ pub struct DrawCount {
     steady: u32,
     /// The program tests stencils, which may have to outlast a frame.
     pub(in crate::intercept::gl) stencil: bool,
-    /// What the views are planned for, once that is known.
+    /// Number of draws for which the views are planned, once it is known.
     pub(in crate::intercept::gl) draws: Option<u32>,
 }
 
@@ -50,7 +50,7 @@ impl DrawCount {
     }
 }
 
-/// What else a view costs is worth as many draws.
+/// Fewest draws for which views are planned: the other costs of a view are worth as many.
 pub(in crate::intercept::gl) const FEWEST: u32 = 16;
 pub(in crate::intercept::gl) const MOST: u32 = 1 << 14;
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// How often flushes were answered lately.
+/// Count of recent flushes, which limits the number of them that are answered.
 #[derive(Default)]
 pub struct FrontBufferThrottle {
     begun: Option<Instant>,

@@ -25,7 +25,7 @@ use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::session::Intrinsics;
 use std::sync::{Arc, Mutex};
 
-/// What is known of a window's frames.
+/// State of a window's frames.
 #[derive(Default)]
 pub struct Frame {
     /// Something was drawn since the last swap.
@@ -40,13 +40,13 @@ pub struct Frame {
     viewport_area: [i64; 2],
     /// Number of draws.
     pub(in crate::intercept::gl) draw_count: DrawCount,
-    /// How often flushes of the front buffer are answered.
+    /// Limit of the flushes of the front buffer that are answered.
     pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
     /// Corrections in a row in which the driver reported an error.
     pub(in crate::intercept::gl) failed_corrections: u32,
-    /// Whether nothing is a scene.
+    /// Test whether nothing of the program is a scene.
     pub(in crate::intercept::gl) flat_program: FlatProgram,
-    /// Whether it leaves out what it does not see itself.
+    /// Test whether the program leaves out what it does not see itself.
     pub(in crate::intercept::gl) culling_program: CullingProgram,
     /// Something of a scene was ever shown in the window.
     shows_scene: bool,
@@ -62,7 +62,7 @@ pub struct Frame {
 
 /// Times of a window's frames.
 pub struct Times {
-    /// What was measured; the report of the last frame reads it when it is written.
+    /// Measured times; the report of the last frame reads them when it is written.
     pub(in crate::intercept::gl) shared: Arc<Mutex<FrameTimes>>,
     /// Timestamps of the device.
     pub(in crate::intercept::gl) device: DeviceTimes,

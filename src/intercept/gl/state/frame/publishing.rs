@@ -26,14 +26,14 @@ struct Transfer {
     stamp: Stamp,
 }
 
-/// Where the pictures of one window come from.
+/// Source of the pictures of one window.
 pub struct Publishing {
     /// The plan that it belongs to; `None`: the window is left alone.
     pub(in crate::intercept::gl) session: Option<Arc<Session>>,
     /// Size of the window.
     pub(in crate::intercept::gl) window: (u32, u32),
     shapes: Vec<Shape>,
-    /// Where each picture is read.
+    /// Place from which each picture is read.
     places: Vec<Target>,
     /// For outputs that are drawn beside the window: the place of each output of the plan, empty
     /// where it is not drawn.

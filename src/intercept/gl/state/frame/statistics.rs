@@ -1,4 +1,4 @@
-//! What is counted for `--stats`.
+//! Numbers that are counted for `--stats`.
 
 use crate::intercept::scene::culling_program::Places;
 
@@ -19,9 +19,9 @@ pub struct Counts {
     pub primary_draws: u64,
     /// Draws of the scene whose place was known.
     pub bounded_draws: u64,
-    /// Where they are in the program's own picture.
+    /// Their places in the program's own picture.
     pub places: Places,
-    /// How often hidden parts of the views were closed.
+    /// Number of times that the unsampled areas of the views were closed.
     pub closings: u64,
     /// Programs of shaders that were linked for us.
     pub linked: u64,
@@ -31,7 +31,7 @@ pub struct Counts {
     pub found: Found,
 }
 
-/// How often each way of finding a projection was taken. A query allocates nothing.
+/// Number of draws by the way in which their projection was found. A query allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Found([(&'static str, u64); 8]);
 

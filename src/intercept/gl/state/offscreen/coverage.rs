@@ -8,7 +8,7 @@ use crate::intercept::gl::state::offscreen::images::Set;
 #[derive(Default)]
 pub struct Coverage(pub(in crate::intercept::gl) Vec<Kind>);
 
-/// What draws that cover alike have in common.
+/// Properties that draws of equal coverage have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Signature {
     pub(in crate::intercept::gl) program: u32,

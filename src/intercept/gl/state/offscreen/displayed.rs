@@ -1,11 +1,11 @@
-//! What flat draws show of images that are drawn once per view.
+//! Images that are drawn once per view, as flat draws show them.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 
-/// What a flat draw to the window does.
+/// Effect of a flat draw to the window.
 pub enum Shows {
     /// It fills the window with pictures that are drawn once per view.
     Pictures(Set),

@@ -1,5 +1,5 @@
-//! The program's framebuffers that it draws into, what is attached to them, and what stands for
-//! them.
+//! The program's framebuffers that it draws into, their attachments, and the framebuffers of ours
+//! that stand for them.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -9,10 +9,10 @@ use crate::intercept::scene::obstacle::Obstacle;
 /// The most colour attachments that are followed.
 pub const COLOURS: usize = 8;
 
-/// What is attached to a framebuffer: colours, depth, stencil.
+/// Images that are attached to a framebuffer: colours, depth, stencil.
 pub type Attachments = [Option<Name>; COLOURS + 2];
 
-/// Where depth and stencil are in [`Attachments`].
+/// Places of depth and stencil in [`Attachments`].
 const DEPTH: usize = COLOURS;
 const STENCIL: usize = COLOURS + 1;
 
@@ -20,11 +20,11 @@ const STENCIL: usize = COLOURS + 1;
 pub struct Framebuffer {
     /// Its OpenGL name.
     pub name: u32,
-    /// What is attached, where it is `known`.
+    /// Attached images, where they are `known`.
     pub attachments: Attachments,
     /// Nothing was changed since `attachments` were asked for.
     pub known: bool,
-    /// Why it cannot be drawn once per view, whatever is drawn.
+    /// Reason that keeps it from being drawn once per view, whatever is drawn.
     pub obstacle: Option<Obstacle>,
     /// The framebuffer of ours with the view copies of what is attached; 0 = none.
     pub view_copy: u32,
@@ -140,7 +140,7 @@ fn point(index: usize) -> u32 {
     }
 }
 
-/// What is attached at a point.
+/// Object that is attached at a point.
 enum Attached {
     Nothing,
     Image(Box<Image>),

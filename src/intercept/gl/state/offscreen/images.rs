@@ -1,5 +1,5 @@
-//! What a program draws into off screen: levels of textures, and renderbuffers. A *view copy* of
-//! such an image has a tile of the image's size for each view.
+//! Images into which a program draws off screen: levels of textures, and renderbuffers. A *view
+//! copy* of such an image has a tile of the image's size for each view.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -24,7 +24,7 @@ pub enum Name {
 
 /// An image that the program draws or copies into.
 pub struct Image {
-    /// Which one.
+    /// Its name.
     pub name: Name,
     /// Width and height.
     pub size: [i32; 2],
@@ -42,7 +42,7 @@ pub struct Image {
     pub copies_window: bool,
     /// It fills the window when it is shown.
     pub displayed: bool,
-    /// What it is made from.
+    /// Images that it is made from.
     pub reads: Vec<Name>,
     /// The program reads it back.
     pub read_back: bool,
@@ -53,19 +53,19 @@ pub struct Image {
     pub mipmapped: bool,
     /// The driver gives no view copy.
     pub refused: bool,
-    /// What it is drawn into in its place.
+    /// View copy that is drawn into in its place.
     pub view_copy: Option<ViewCopy>,
 }
 
-/// What stands for an image.
+/// View copy of an image.
 pub struct ViewCopy {
     /// The renderbuffer with the tiles.
     pub renderbuffer: u32,
     /// Framebuffers to copy by, of each context that did.
     pairs: Vec<Pair>,
-    /// Where the tiles are.
+    /// Places of the tiles.
     pub grid: TileGrid,
-    /// Which tile the program's image has the content of.
+    /// Index of the tile whose content the program's image has.
     holds: Option<usize>,
 }
 
@@ -407,7 +407,7 @@ impl Bindings {
         bindings
     }
 
-    /// What was bound for drawing.
+    /// Returns the framebuffer that was bound for drawing.
     pub fn draw(&self) -> u32 {
         self.draw as u32
     }

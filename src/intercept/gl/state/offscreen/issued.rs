@@ -7,7 +7,7 @@ use crate::intercept::gl::state::draw::views::Views;
 pub struct Issued {
     /// All of them.
     pub draws: u64,
-    /// How many of them each view got, and how many were left out of it.
+    /// For each view the number of them that it got, and the number that were left out of it.
     views: Vec<[u64; 2]>,
 }
 
@@ -26,7 +26,7 @@ impl Issued {
         self.views.clear();
     }
 
-    /// How many draws a view got, and how many were left out of it.
+    /// Returns the number of draws that a view got, and the number that were left out of it.
     pub fn of_view(&self, index: usize) -> [u64; 2] {
         self.views.get(index).copied().unwrap_or_default()
     }

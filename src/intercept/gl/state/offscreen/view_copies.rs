@@ -1,4 +1,4 @@
-//! What is known of the program's framebuffers and of the images in them.
+//! Records of the program's framebuffers and of the images in them.
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::coverage::Coverage;
@@ -12,7 +12,7 @@ use crate::lock::Lock;
 use glam::DMat3;
 use std::sync::Mutex;
 
-/// What is known of the program's framebuffers.
+/// Records of the program's framebuffers.
 #[derive(Default)]
 pub struct ViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
@@ -34,7 +34,7 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
     /// Converters of depth, each of another size or format.
     pub(in crate::intercept::gl) depth_converters: Vec<DepthConverter>,
-    /// What was shown last.
+    /// Pictures that were shown last.
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
     /// Room for the tiles of the views and their directions, so that a background allocates nothing.
     pub(in crate::intercept::gl) tiles: Vec<(LowerLeftRect, DMat3)>,
@@ -61,8 +61,8 @@ pub struct InspectedPass {
     pub(in crate::intercept::gl) target: String,
 }
 
-/// What contexts of a group know together of the images that they share. Toolkits draw a scene in
-/// one context and compose the window in another.
+/// Records that contexts of a group share about their common images. Toolkits draw a scene in one
+/// context and compose the window in another.
 #[derive(Default)]
 pub struct SharedViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,

@@ -7,7 +7,7 @@ use crate::runtime::session::Division;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What the processor does with the draw that is being issued.
+/// Task of the processor for the draw that is being issued.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Processor {
     /// Nothing.
@@ -19,19 +19,20 @@ pub enum Processor {
     Cannot(&'static str),
 }
 
-/// What stands in for the pipeline in a context.
+/// Programs that stand in for the pipeline in a context.
 #[derive(Default)]
 pub struct FixedFunction {
-    /// What the processor does with the draw that is being issued.
+    /// Task of the processor for the draw that is being issued.
     pub processor: Processor,
-    /// How the processor divides for the view that is drawn now, and the rows that lead to it.
+    /// Division by the processor for the view that is drawn now, and the rows that lead to that
+    /// view.
     pub view: Option<(Division, ReprojectionMatrix)>,
     /// Primitives that the processor did not divide far enough.
     pub coarse: u64,
     /// The switches, or why they cannot be followed; none where they may have changed.
     pub(in crate::intercept::gl) known: Option<Result<Pipeline, &'static str>>,
     pub(in crate::intercept::gl) programs: HashMap<Pipeline, Arc<Program>>,
-    /// What was switched on for the program that is in use now.
+    /// Switches that were turned on for the program that is in use now.
     pub(in crate::intercept::gl) in_use: Option<Vec<u32>>,
 }
 

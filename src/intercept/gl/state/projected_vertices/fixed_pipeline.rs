@@ -8,7 +8,7 @@ pub const LIGHTS: usize = 8;
 /// Sets of texture coordinates that are followed.
 pub const UNITS: usize = 8;
 
-/// How a coordinate of a texture is made.
+/// Source of a texture coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Generated {
     /// As the program gives it.
@@ -26,7 +26,7 @@ pub enum Generated {
     Normal,
 }
 
-/// Which properties of which faces follow the colour (`glColorMaterial`).
+/// Properties and faces that follow the colour (`glColorMaterial`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Followed {
     /// `GL_FRONT`, `GL_BACK` or `GL_FRONT_AND_BACK`.
@@ -46,7 +46,7 @@ pub struct Lighting {
     pub two_sided: bool,
     /// Highlights are added after the texture.
     pub separate_specular: bool,
-    /// What follows the colour.
+    /// Property that follows the colour.
     pub followed: Option<Followed>,
 }
 

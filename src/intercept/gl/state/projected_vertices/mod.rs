@@ -14,7 +14,7 @@ use crate::intercept::gl::state::shader::division_counter::Counter;
 pub struct ProjectedVertices {
     /// The program's vertices cannot be projected straight to an output: windows have views.
     pub(in crate::intercept::gl) views_only: bool,
-    /// What stands in for the fixed-function pipeline.
+    /// Stand-in for the fixed-function pipeline.
     pub(in crate::intercept::gl) fixed_function: FixedFunction,
     /// Counts primitives that were not divided far enough.
     pub(in crate::intercept::gl) coarse: Option<Counter>,

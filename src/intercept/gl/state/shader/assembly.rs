@@ -6,13 +6,13 @@ use std::sync::Mutex;
 
 /// A vertex program in assembly language that re-projects its position.
 pub struct AssemblyProgram {
-    /// What the program gave.
+    /// Text that the program gave.
     pub(in crate::intercept::gl) own_text: Box<[u8]>,
     /// The first of four local parameters that hold the reprojection matrix.
     pub(in crate::intercept::gl) first_local: u32,
     /// Parameters that may be the program's matrix.
     pub(in crate::intercept::gl) matrices: Vec<ParameterMatrix>,
-    /// What the four parameters hold.
+    /// Content of the four parameters.
     pub(in crate::intercept::gl) uploaded: Uploaded,
     /// Values of the matrices, for the search of the lens.
     pub(in crate::intercept::gl) values: Mutex<Vec<[f64; 16]>>,
@@ -26,7 +26,7 @@ pub(in crate::intercept::gl) type Uploaded = Mutex<Option<ReprojectionMatrix>>;
 pub struct ParameterMatrix {
     /// The first of them.
     pub first: Parameter,
-    /// Whether they are columns or rows.
+    /// Order of the four parameters: columns or rows.
     pub order: Order,
 }
 

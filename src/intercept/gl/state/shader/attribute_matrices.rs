@@ -6,9 +6,8 @@ use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 pub struct AttributeMatrix {
     /// The first of its four locations.
     pub(in crate::intercept::gl) location: u32,
-    /// How much its name promises: the lower, the sooner it is believed.
+    /// Rank of its name: the lower, the sooner it is believed.
     pub(in crate::intercept::gl) rank: u8,
-    /// What was read of it.
     pub(in crate::intercept::gl) value: [f64; 16],
     /// From where its columns were read, and the version of that buffer then.
     pub(in crate::intercept::gl) read: Option<([Layout; 4], u64)>,

@@ -59,15 +59,15 @@ pub(in crate::intercept::gl) struct Substitute {
     pub(in crate::intercept::gl) stage: MatrixStage,
     /// The shader computes its inverse.
     pub(in crate::intercept::gl) inverted: bool,
-    /// Where ours goes.
+    /// Location of ours.
     pub(in crate::intercept::gl) location: i32,
-    /// Where it is said whether ours is used.
+    /// Location of the uniform that chooses ours.
     pub(in crate::intercept::gl) chosen_location: i32,
-    /// What it is of which camera.
+    /// Its dependence on a camera, and that camera.
     pub(in crate::intercept::gl) function: Option<(CameraFunction, Intrinsics)>,
     /// It leads to or from the eye, as its name says.
     pub(in crate::intercept::gl) view_matrix: Option<ViewMatrix>,
-    /// What it is in each view, as far as that was computed, and whether for an eye that is turned.
+    /// True if the eye is turned, and the matrix in each view, as far as it was computed.
     pub(in crate::intercept::gl) of_views: (bool, Vec<Option<[f32; 16]>>),
     pub(in crate::intercept::gl) uploaded: Option<[f32; 16]>,
     pub(in crate::intercept::gl) chosen: bool,

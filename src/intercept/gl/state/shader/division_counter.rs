@@ -9,7 +9,7 @@ pub struct Counter {
     binding: u32,
 }
 
-/// What was bound in its place.
+/// Buffer that was bound in its place.
 pub struct Before {
     generic: i32,
     buffer: i32,
@@ -63,7 +63,7 @@ impl Counter {
         }
     }
 
-    /// What was counted so far.
+    /// Returns the count so far.
     pub fn read(&self, gl: &Gl) -> u32 {
         let mut count = 0u32;
         let before = self.begin(gl);

@@ -16,11 +16,11 @@ pub struct PositionNames {
 pub struct Elements {
     /// Those that the text names by their number.
     pub numbers: BTreeMap<u32, Uses>,
-    /// How elements are chosen that it does not name, and what it does with them.
+    /// Choice of elements that the text does not name by number, and its uses of them.
     pub others: Option<(Choice, Uses)>,
 }
 
-/// How an element is chosen that the text does not name by its number.
+/// Choice of an element that the text does not name by its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// By the uniform of this name.
@@ -29,7 +29,7 @@ pub enum Choice {
     Unknown,
 }
 
-/// What a shader does with elements of an array.
+/// Uses of an array's elements in a shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Uses {
     /// They go into scalar products, as rows of a matrix do.
@@ -44,7 +44,7 @@ impl Uses {
         Self { products: self.products || other.products, factors: self.factors || other.factors }
     }
 
-    /// What four elements are as a matrix.
+    /// Returns the order of four elements in a matrix.
     pub fn order(self) -> Order {
         match (self.products, self.factors) {
             (true, false) => Order::Rows,
@@ -93,8 +93,8 @@ impl PositionNames {
         self.names.contains(member.split('[').next().unwrap_or(member)) && before.split('.').all(part)
     }
 
-    /// What is known of the elements of the array that OpenGL calls `name`; `None`: any may flow
-    /// into the position.
+    /// Returns the known elements of the array that OpenGL calls `name`; `None`: any may flow into
+    /// the position.
     pub fn elements(&self, name: &str) -> Option<&Elements> {
         let member = name.rsplit('.').next().unwrap_or(name);
         self.elements.get(member.split('[').next().unwrap_or(member))

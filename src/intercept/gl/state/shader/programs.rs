@@ -17,27 +17,26 @@ pub const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
 /// Shaders and programs of a group of contexts.
 #[derive(Default)]
 pub struct Programs {
-    /// What the program gave a shader last.
+    /// Texts that the program gave the shaders last.
     pub(in crate::intercept::gl) sources: HashMap<u32, Arc<str>>,
-    /// What it was when the shader was compiled, which is what is linked.
+    /// Texts at the time when the shaders were compiled. These are linked.
     pub(in crate::intercept::gl) compiled: HashMap<u32, Arc<str>>,
     /// Shaders that are compiled from a text that was changed for a program.
     pub(in crate::intercept::gl) changed: HashSet<u32>,
-    /// Which programs are in use.
     pub(in crate::intercept::gl) uses: Uses,
     pub(in crate::intercept::gl) programs: HashMap<u32, Arc<Program>>,
     /// Vertex programs in assembly language that were changed.
     pub(in crate::intercept::gl) assembly: HashMap<u32, Arc<AssemblyProgram>>,
 }
 
-/// Which programs are in use, by their names. A program that is deleted while it is in use lives
-/// until it is not; where others are put in use in between, for what we draw, the driver must not
-/// be told earlier.
+/// Programs in use, by their names. A program that is deleted while it is in use lives until it is
+/// not; if others are put in use in between, for our own draws, the driver must not be told
+/// earlier.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uses {
     /// Number of contexts that have it in use.
     contexts: HashMap<u32, u32>,
-    /// What is to be deleted.
+    /// Programs that are to be deleted.
     deleted: HashSet<u32>,
 }
 
@@ -81,9 +80,9 @@ impl Uses {
 pub struct Program {
     /// Its OpenGL name.
     pub name: u32,
-    /// Where the rows of the re-projection go; −1 = it is not patched.
+    /// Location of the reprojection matrix; −1 = it is not patched.
     pub(in crate::intercept::gl) location: i32,
-    /// Where the lens of a view goes; −1 = all views are perspective ones.
+    /// Location of a view's lens constants; −1 = all views are perspective ones.
     pub(in crate::intercept::gl) lens_location: i32,
     /// Indices of our uniforms among the active ones, in their order.
     pub own_uniforms: Vec<u32>,
@@ -93,7 +92,7 @@ pub struct Program {
     pub(in crate::intercept::gl) fixed_matrices: bool,
     /// Its samplers of textures that can be drawn into.
     pub samplers: Vec<Sampler>,
-    /// Where its vertices are, where that is proven.
+    /// Source of its positions, if it is proven.
     pub position: Option<Position>,
     /// Subroutines can be chosen, which is lost when another program is put in use.
     pub(in crate::intercept::gl) subroutines: bool,
@@ -104,7 +103,7 @@ pub struct Program {
     pub frag_coord: Option<FragCoord>,
     /// Its primitives choose a viewport by its index.
     pub chooses_viewport: bool,
-    /// What flows into its position; `None` = unknown, so that anything may.
+    /// Names that flow into its position; `None` = unknown, so that any may.
     pub position_names: Option<PositionNames>,
     /// Some of its matrices are vectors that are set one by one.
     pub(in crate::intercept::gl) has_vectors: bool,
@@ -123,11 +122,11 @@ pub struct Program {
     pub texts: Vec<(u32, Arc<str>)>,
     /// A primitive has the colour of its last vertex.
     pub flat: bool,
-    /// What divides them.
+    /// Variants that divide them.
     pub variants: Mutex<Variants>,
 }
 
-/// What a compute shader writes to buffers.
+/// Kind of a compute shader's writes to buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BufferWrites {
     /// Nothing.
@@ -154,7 +153,7 @@ pub struct ComputeStage {
     pub loses_cameras: bool,
 }
 
-/// What a program has of a view.
+/// Constants of a view that a program has.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uploaded {
     pub(in crate::intercept::gl) rows: Option<ReprojectionMatrix>,
@@ -163,7 +162,7 @@ pub(in crate::intercept::gl) struct Uploaded {
     pub(in crate::intercept::gl) to_window: Option<[f32; 4]>,
 }
 
-/// How fragment shaders get window coordinates of the program.
+/// Source of the program's window coordinates in fragment shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FragCoord {
     /// Location of our uniform.
@@ -178,7 +177,7 @@ impl FragCoord {
     pub const UNIFORM: &str = "cupola_to_window";
 }
 
-/// What a program draws with.
+/// Projection with which a program draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// A perspective, and how it was found.
@@ -204,11 +203,11 @@ impl Program {
 pub struct Sampler {
     /// Its location.
     pub location: i32,
-    /// What it samples: `GL_TEXTURE_2D`, `GL_TEXTURE_RECTANGLE` or `GL_TEXTURE_2D_MULTISAMPLE`.
+    /// Texture target: `GL_TEXTURE_2D`, `GL_TEXTURE_RECTANGLE` or `GL_TEXTURE_2D_MULTISAMPLE`.
     pub target: u32,
 }
 
-/// Which array holds positions.
+/// Array that holds positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Array {
     /// That of `glVertexPointer`.
@@ -217,12 +216,12 @@ pub enum Array {
     Generic(u32),
 }
 
-/// What is proven of a program: its positions are an array's, times matrices.
+/// Proven source of a program's positions: an array, times matrices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// The array.
     pub array: Array,
-    /// How many components count.
+    /// Number of components that count.
     pub components: usize,
     /// From the left.
     pub(in crate::intercept::gl) factors: Vec<Factor>,

@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use std::ffi::{CStr, CString, c_char};
 
-/// Which uniforms and blocks two programs have in common.
+/// Uniforms and blocks that two programs have in common.
 #[derive(Default)]
 pub struct Mirror {
     uniforms: Vec<Uniform>,
@@ -21,7 +21,7 @@ struct Uniform {
 const NAME: usize = 256;
 
 impl Mirror {
-    /// What program `to` has of what program `from` has.
+    /// Finds the uniforms and blocks of program `to` that program `from` has, too.
     pub fn new(gl: &Gl, from: u32, to: u32) -> Self {
         let mut mirror = Self::default();
         let mut counts = [0; 2];

@@ -28,7 +28,7 @@ pub struct Uniforms {
 
 pub(in crate::intercept::gl) struct Matrix {
     pub(in crate::intercept::gl) place: MatrixLocation,
-    /// How much its name promises: the lower, the sooner it is believed.
+    /// Rank of its name: the lower, the sooner it is believed.
     pub(in crate::intercept::gl) rank: u8,
     pub(in crate::intercept::gl) order: Order,
     pub(in crate::intercept::gl) value: [f64; 16],
@@ -276,8 +276,8 @@ fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: boo
     block_bytes(gl, block, offset, 3 * stride + 4 * width, matrix)
 }
 
-/// What `read` makes of `length` bytes at `offset` of the buffer bound to a block's binding point,
-/// whether it is mapped for good, and its name.
+/// Returns the result of `read` for `length` bytes at `offset` of the buffer bound to a block's
+/// binding point, true if the buffer is mapped for good, and its name.
 fn block_bytes<T>(
     gl: &Gl,
     block: Block,

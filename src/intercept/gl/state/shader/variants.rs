@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A program that divides.
 pub struct Variant {
     pub(in crate::intercept::gl) name: u32,
-    /// Where rows and lens go.
+    /// Locations of the reprojection matrix and of the lens constants.
     pub(in crate::intercept::gl) locations: [i32; 2],
     pub(in crate::intercept::gl) mirror: Mirror,
     /// It counts what is not fine enough.
@@ -20,7 +20,7 @@ pub struct Variant {
     pub(in crate::intercept::gl) patch: Option<i32>,
 }
 
-/// What was so before a variant was put in use.
+/// State before a variant was put in use.
 pub struct InUse {
     /// The counter's binding.
     pub(in crate::intercept::gl) counter: Option<Before>,
@@ -30,7 +30,7 @@ pub struct InUse {
     pub(in crate::intercept::gl) own: Option<CurrentProgram>,
 }
 
-/// What a variant divides, and by which stages.
+/// Primitives that a variant divides, and the stages that do so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// By a geometry stage.
@@ -43,7 +43,6 @@ pub enum Kind {
 #[derive(Default)]
 pub struct Variants(Vec<(Kind, State)>);
 
-/// Whether there is one.
 #[derive(Clone, Default)]
 pub(in crate::intercept::gl) enum State {
     /// No draw has needed it.

@@ -32,7 +32,7 @@ impl Bound {
         self.names = [None; TARGETS.len()];
     }
 
-    /// What is bound at `target` may have changed.
+    /// Forgets the buffer that is bound at `target`.
     pub fn forget_one(&mut self, target: u32) {
         if let Some(place) = place(target) {
             self.names[place] = None;

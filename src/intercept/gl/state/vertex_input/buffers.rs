@@ -16,7 +16,6 @@ pub struct Buffers {
     lost: bool,
 }
 
-/// What is known of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Buffer {
     version: u64,

@@ -13,14 +13,13 @@ use crate::intercept::gl::state::vertex_input::vertex_arrays::VertexArrays;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::Ranges;
 use std::collections::HashSet;
 
-/// What draws of a context read.
+/// Buffers and vertex arrays that the draws of a context read.
 #[derive(Default)]
 pub struct VertexInput {
     /// Vertex arrays.
     pub(in crate::intercept::gl) vertex_arrays: VertexArrays,
-    /// Which buffers are bound.
     pub(in crate::intercept::gl) buffer_bindings: Bound,
-    /// Where draws from buffers are.
+    /// Boxes around the draws from buffers.
     pub(in crate::intercept::gl) ranges: Ranges,
     /// Buffers that hold uniform blocks.
     pub(in crate::intercept::gl) blocks: BlockBuffers,

@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api;
 use std::collections::HashMap;
 
-/// How the numbers of an array are written.
+/// Format of the numbers of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
     /// As OpenGL has it: 1 to 4, or `GL_BGRA`.
@@ -20,7 +20,7 @@ pub struct Format {
     pub(in crate::intercept::gl) offset: usize,
 }
 
-/// Where an array lies.
+/// Place of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
     /// 0 = the program's memory.
@@ -38,25 +38,24 @@ pub struct Pointer {
     pub components: usize,
     /// `GL_FLOAT` and so on.
     pub kind: u32,
-    /// Where it lies.
+    /// Its place.
     pub source: Source,
 }
 
-/// What is known of a generic attribute.
+/// Record of a generic attribute.
 pub(in crate::intercept::gl) struct Attribute {
     pub(in crate::intercept::gl) location: u32,
     pub(in crate::intercept::gl) on: Option<bool>,
     pub(in crate::intercept::gl) format: Option<Format>,
 }
 
-/// What is known of a binding.
 pub(in crate::intercept::gl) struct Binding {
     pub(in crate::intercept::gl) number: u32,
     pub(in crate::intercept::gl) source: Option<Source>,
     pub(in crate::intercept::gl) divisor: Option<i32>,
 }
 
-/// What is known of a vertex array object.
+/// Record of a vertex array object.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Object {
     pub(in crate::intercept::gl) name: u32,
@@ -69,7 +68,7 @@ pub(in crate::intercept::gl) struct Object {
     pub(in crate::intercept::gl) elements: Option<u32>,
 }
 
-/// What is known of a context's vertex arrays.
+/// Records of a context's vertex arrays.
 #[derive(Default)]
 pub struct VertexArrays {
     /// None while it is not known which object is in use.

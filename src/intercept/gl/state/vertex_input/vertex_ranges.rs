@@ -11,18 +11,18 @@ pub enum Vertices {
     Range {
         /// The first.
         first: i32,
-        /// How many.
+        /// Number of vertices.
         count: i32,
     },
     /// Vertices that indices name.
     Elements {
-        /// How many indices.
+        /// Number of indices.
         count: i32,
         /// Their type.
         kind: u32,
         /// Their address, or their offset in the buffer of indices.
         indices: *const c_void,
-        /// What is added to each.
+        /// Number that is added to each.
         base: i32,
     },
 }

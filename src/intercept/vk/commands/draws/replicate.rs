@@ -6,7 +6,7 @@
 //!               ─ issue:    one draw per tile
 //! ```
 //!
-//! Whether the draw is of the scene or flat is decided when the command buffer is submitted
+//! The class of the draw, scene or flat, is decided when the command buffer is submitted
 //! (`submit::draw_groups`); until then all tiles that may show it get the draw.
 
 use crate::intercept::scene::obstacle::Obstacle;
@@ -116,7 +116,7 @@ unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: 
 
 /// Finds out what can be known of a draw while it is recorded; `None` where it cannot be followed.
 ///
-/// What its matrices contain is known only at submission, where `submit` chooses the draw class.
+/// The content of its matrices is known only at submission, where `submit` chooses the draw class.
 /// Here a draw is issued wherever a class that is still possible needs it:
 ///
 /// * With matrices (`sources`) it may be the scene, in all views, or flat, on the panel.
@@ -181,7 +181,7 @@ fn shown_layout(device: &Device, recording: &Recording, (set, binding): Descript
     Some(ShownLayout(Arc::clone(&scene.layout)))
 }
 
-/// What a viewport covers, whichever way up it is.
+/// Returns the area that a viewport covers, whichever way up it is.
 fn area(viewport: &vk::Viewport) -> Area {
     let top = viewport.y + viewport.height.min(0.0);
     Area { origin: [viewport.x, top], size: [viewport.width, viewport.height.abs()] }
@@ -204,7 +204,7 @@ fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
 /// The copies for each view of the program's sets, as far as a draw needs any.
 ///
 /// # Errors
-/// Why there are none.
+/// The reason why there are none.
 fn per_view_sets(
     device: &Device,
     recording: &Recording,

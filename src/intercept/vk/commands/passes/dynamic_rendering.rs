@@ -150,7 +150,7 @@ pub unsafe fn begin(
 /// The attachments over the atlas, and the clears of a part that the program's attachments make.
 ///
 /// # Errors
-/// What keeps them from being replaced.
+/// The reason that keeps them from being replaced.
 fn replace<'a>(
     device: &Device,
     given: &Given<'a>,

@@ -38,11 +38,11 @@ impl Framebuffers {
 }
 
 impl Framebuffer {
-    /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the
-    /// attachments of the pass that begins, where they are given with it.
+    /// Returns the framebuffer over the atlas of `target`, for a render pass like its own. `given`:
+    /// the attachments of the pass that begins, if they are given with it.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why there is none.
     pub fn atlas_copy(
         &self,
         device: &Device,

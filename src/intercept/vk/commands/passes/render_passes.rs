@@ -90,8 +90,8 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     Some(replaced())
 }
 
-/// What a pass would have done with the window's image, which it does not draw to. The image can be
-/// presented when a frame begins.
+/// Returns the change of layout that a pass would have made to the window's image, to which it does
+/// not draw. The image can be presented when a frame begins.
 fn change_of_window(window: &ViewTarget, found: vk::ImageLayout, left: vk::ImageLayout) -> Option<LayoutChange> {
     let presentable = vk::ImageLayout::PRESENT_SRC_KHR;
     let is_so = left == presentable && matches!(found, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PRESENT_SRC_KHR);

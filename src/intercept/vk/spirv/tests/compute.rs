@@ -1,4 +1,4 @@
-//! What compute shaders read and write, on modules put together by hand.
+//! Images and buffers that compute shaders read and write, on modules put together by hand.
 
 use super::module;
 use crate::intercept::vk::spirv::{BufferWrites, ComputeUse, compute_use};

@@ -1,4 +1,4 @@
-//! What shaders hand on, and the stage that divides, on modules that are put together by hand.
+//! Outputs of shaders, and the stage that divides, on modules that are put together by hand.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};

@@ -33,8 +33,8 @@ pub(in crate::intercept::vk) fn is_buffer(kind: vk::DescriptorType) -> bool {
 }
 
 impl SetLayout {
-    /// The descriptor that `place` names: updates of more elements than a binding has go on in the
-    /// next one.
+    /// Returns the descriptor at a binding and element: updates of more elements than a binding has
+    /// go on in the next one.
     fn slot(&self, (binding, element): DescriptorSlot) -> DescriptorSlot {
         let mut rest = element;
         for (binding, (_, count)) in self.bindings.range(binding..) {
@@ -51,7 +51,8 @@ impl SetLayout {
         self.bindings.values().filter(|(kind, _)| is_dynamic(*kind)).map(|(_, count)| count).sum()
     }
 
-    /// Which of the dynamic offsets is that of a binding's first descriptor; `None` if it has none.
+    /// Returns the index of the dynamic offset of a binding's first descriptor; `None` if it has
+    /// none.
     pub(in crate::intercept::vk) fn dynamic_index(&self, binding: u32) -> Option<usize> {
         self.bindings.get(&binding).filter(|(kind, _)| is_dynamic(*kind))?;
         let before = self.bindings.range(..binding).filter(|(_, (kind, _))| is_dynamic(*kind));
@@ -80,7 +81,7 @@ pub struct TemplateEntry {
     pub(in crate::intercept::vk) kind: vk::DescriptorType,
     /// Their number.
     pub(in crate::intercept::vk) count: u32,
-    /// Where they begin in the program's data, bytes.
+    /// Offset of the first in the program's data, bytes.
     pub(in crate::intercept::vk) offset: usize,
     /// From one to the next, bytes.
     pub(in crate::intercept::vk) stride: usize,
@@ -90,7 +91,7 @@ pub struct TemplateEntry {
 pub struct Template {
     /// Its entries.
     pub(in crate::intercept::vk) entries: Vec<TemplateEntry>,
-    /// Where descriptors are pushed by it: they are for graphics.
+    /// True if descriptors that are pushed by it are for graphics.
     pub(in crate::intercept::vk) graphics: bool,
 }
 
@@ -229,8 +230,8 @@ pub fn is_sampled(kind: vk::DescriptorType) -> bool {
     [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
 }
 
-/// What a descriptor of this kind shows a picture by; `None` for those whose picture cannot be
-/// exchanged.
+/// Returns the picture that a descriptor of this kind shows; `None` for those whose picture cannot
+/// be exchanged.
 pub(in crate::intercept::vk) fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
     let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
     let stored = kind == vk::DescriptorType::STORAGE_IMAGE;

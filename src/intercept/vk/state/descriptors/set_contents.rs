@@ -1,4 +1,4 @@
-//! What the program wrote to a descriptor set, and the copies of the set for each view.
+//! Content that the program wrote to a descriptor set, and the copies of the set for each view.
 
 use crate::intercept::vk::state::images::ViewCopies;
 use ash::vk;

@@ -21,7 +21,7 @@ pub struct RenderPass {
     pub(in crate::intercept::vk) finds: Vec<vk::ImageLayout>,
     /// The layouts in which it leaves its attachments.
     pub(in crate::intercept::vk) leaves: Vec<vk::ImageLayout>,
-    /// Why it cannot be drawn for each view, if so.
+    /// Reason why it cannot be drawn for each view; `None` if it can.
     pub(in crate::intercept::vk) obstacle: Option<&'static str>,
 }
 

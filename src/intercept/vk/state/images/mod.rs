@@ -52,7 +52,7 @@ pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) format: vk::Format,
     pub(in crate::intercept::vk) components: vk::ComponentMapping,
     pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
-    /// What it is used for, where that is less than its image is.
+    /// Its usage, if that is less than its image's.
     pub(in crate::intercept::vk) usage: Option<vk::ImageUsageFlags>,
     /// Atlas copies, by the image that they are views of.
     pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,

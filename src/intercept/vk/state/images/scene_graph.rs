@@ -1,4 +1,4 @@
-//! Which of the program's images hold a scene on its way to the window, as far as this was seen.
+//! Images of the program that hold a scene on its way to the window, as far as this was seen.
 
 use crate::intercept::scene::image_graph::{self, ImageGraph};
 use crate::lock::Lock;
@@ -66,8 +66,8 @@ impl SceneGraph {
         seen.news |= news;
     }
 
-    /// Whether compute shaders make, or make something of, one of these images; and whether that is
-    /// numbers that all views share.
+    /// Tests whether compute shaders make, or make something of, one of these images. The second
+    /// value is true if the results are numbers that all views share.
     pub(in crate::intercept::vk) fn is_computed(&self, images: &HashSet<vk::Image>) -> (bool, bool) {
         let seen = self.seen.locked();
         (!seen.computed.is_disjoint(images), !seen.measured.is_disjoint(images))
@@ -107,7 +107,8 @@ impl SceneGraph {
         std::mem::take(&mut seen.news).then(|| seen.chosen(rule))
     }
 
-    /// Why images that perspective draws reach are drawn once only, with their number.
+    /// Returns the reasons why images that perspective draws reach are drawn once only, with the
+    /// number of these images.
     pub fn single(&self, rule: Duplicate) -> BTreeMap<String, u64> {
         let seen = self.seen.locked();
         let chosen = seen.chosen(rule);

@@ -1,4 +1,4 @@
-//! What a command buffer has bound: descriptor sets and pushed descriptors.
+//! Bindings of a command buffer: descriptor sets and pushed descriptors.
 
 use crate::intercept::vk::state::descriptors::{Descriptors, TemplateEntry};
 use crate::intercept::vk::state::driver::entry_points::NextLayer;

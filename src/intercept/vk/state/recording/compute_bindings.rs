@@ -1,11 +1,11 @@
-//! What a program has bound for compute shaders, so that it can be put back after a shader of ours.
+//! Bindings of a program for compute shaders, so that they can be put back after a shader of ours.
 
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::driver::entry_points::NextLayer;
 use crate::intercept::vk::state::recording::bindings::{BoundSet, PUSH_BYTES, Pushed, Write};
 use ash::vk;
 
-/// What is bound for compute shaders while a command buffer is recorded.
+/// Bindings for compute shaders while a command buffer is recorded.
 pub struct ComputeBindings {
     pipeline: vk::Pipeline,
     /// Push constants.

@@ -50,7 +50,7 @@ pub(in crate::intercept::vk) enum DrawClass {
 pub struct CameraSource {
     /// `None`: it cannot be read.
     pub(in crate::intercept::vk) source: Option<MatrixSource>,
-    /// What it is by its name, if it turns and moves.
+    /// Kind of view matrix that its name suggests, if it turns and moves.
     pub(in crate::intercept::vk) called: Option<ViewMatrix>,
     pub(in crate::intercept::vk) stage: MatrixStage,
     pub(in crate::intercept::vk) inverted: bool,
@@ -128,7 +128,7 @@ pub struct DrawGroup {
     pub(in crate::intercept::vk) last: Option<DrawClass>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
     pub(in crate::intercept::vk) lens: Option<(Told, &'static str)>,
-    /// What its shaders have of the camera.
+    /// Matrices of its shaders that are functions of the camera.
     pub(in crate::intercept::vk) cameras: CameraFunctions,
 }
 
@@ -137,7 +137,7 @@ pub struct DrawGroup {
 pub struct CameraFunctions {
     /// Their values, and the number of changes of the cameras, when functions were last looked for.
     pub(in crate::intercept::vk) seen: Option<(Vec<Option<[f64; 16]>>, u64)>,
-    /// What each is of which camera.
+    /// Dependence of each on a camera, and that camera.
     pub(in crate::intercept::vk) functions: Vec<Option<(CameraFunction, Intrinsics)>>,
     /// Projection and view matrix, if they are apart.
     pub(in crate::intercept::vk) eye: Option<Eye>,
@@ -218,7 +218,7 @@ pub struct Frame {
     /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,
-    /// Whether nothing is a scene.
+    /// Test whether nothing of the program is a scene.
     pub(in crate::intercept::vk) flat_program: FlatProgram,
     /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,

@@ -60,8 +60,8 @@ pub struct StandIn {
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// Views of the real images, or of the picture in between, which the correction draws into.
     pub(in crate::intercept::vk) targets: Vec<vk::ImageView>,
-    /// Where the real images encode what is written to them, the correction is made here and
-    /// copied.
+    /// Picture in between, if the real images encode the values that are written to them: the
+    /// correction is made here and copied.
     pub(in crate::intercept::vk) between: Option<OwnImage>,
     /// The outputs that are published beside the window, with views.
     pub(in crate::intercept::vk) beside: Vec<(OwnImage, vk::ImageView)>,
@@ -94,7 +94,7 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) publishing: Option<Publishing>,
     /// After a failure: the program's own picture.
     pub(in crate::intercept::vk) failed: bool,
-    /// Which state of the rig's file it follows.
+    /// Version of the rig's file that it follows.
     pub(in crate::intercept::vk) version: u64,
 }
 

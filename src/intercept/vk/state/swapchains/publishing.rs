@@ -41,7 +41,7 @@ struct Transfer {
     stamp: Stamp,
 }
 
-/// Where the pictures of a window come from.
+/// Source of the pictures of a window.
 pub(in crate::intercept::vk) struct Publishing {
     /// The plan that it belongs to; `None`: the window is left alone.
     pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,

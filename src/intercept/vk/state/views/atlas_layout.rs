@@ -98,7 +98,7 @@ pub struct AtlasLayout {
     pub session: Arc<Session>,
     /// Its plan, with the tiles where they are in this atlas.
     pub plan: Plan,
-    /// Which state of the rig's file it is of; 0 = the first.
+    /// Version of the rig's file from which it is made; 0 = the first.
     pub version: u64,
     /// Size of the program's picture: of the window, or of the image.
     pub window: (u32, u32),
@@ -247,14 +247,14 @@ impl AtlasLayout {
         self.views.iter().all(|view| view.own_lens)
     }
 
-    /// Where the program's own picture is, texel by texel, if it is drawn.
+    /// Returns the rectangle of the program's own picture, texel by texel, if it is drawn.
     pub fn own(&self) -> Option<AtlasRect> {
         let own = self.views.iter().find(|view| view.is_window(self.window)).map(|view| view.rect);
         self.primary.or(own)
     }
 
-    /// Where the program's picture is shown flat: the panel, or, where the program's own lens shows
-    /// everything and the panel nothing, the view with that lens.
+    /// Returns the rectangle in which the program's picture is shown flat: the panel. If the
+    /// program's own lens shows everything and the panel nothing, it is the view with that lens.
     pub fn flat_place(&self) -> AtlasRect {
         self.own().filter(|_| self.shows_own_lens()).unwrap_or(self.panel)
     }

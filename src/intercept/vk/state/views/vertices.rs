@@ -1,6 +1,6 @@
-//! What the shaders of a device do with vertices.
+//! Work of a device's shaders on vertices.
 
-/// What the shaders of a device do with vertices.
+/// Kind of work of a device's shaders on vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexProcessing {
     /// They re-project them to views.
@@ -16,7 +16,7 @@ pub enum VertexProcessing {
 pub struct VertexDecision {
     /// The work.
     pub vertices: VertexProcessing,
-    /// Why it does not divide, for people.
+    /// Reason why it does not divide, for people.
     pub undivided: &'static str,
     /// The dividing stage can count primitives that it does not divide enough.
     pub counts: bool,

@@ -35,7 +35,7 @@ pub struct ConstantChunk {
 /// Place of a draw group's view constants.
 #[derive(Clone, Copy, Debug)]
 pub struct ChunkOffset {
-    /// Which chunk of the command buffer's.
+    /// Index of the chunk among those of the command buffer.
     pub chunk: usize,
     /// Offset in it, bytes.
     pub offset: u32,
@@ -44,7 +44,7 @@ pub struct ChunkOffset {
 }
 
 impl ChunkOffset {
-    /// Where a slot begins in the chunk, bytes.
+    /// Returns the offset of a slot in the chunk, bytes.
     pub fn slot(&self, index: u32) -> u32 {
         self.offset + index * self.stride
     }
@@ -53,7 +53,7 @@ impl ChunkOffset {
 /// Parts of a slot behind the matrices that re-project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotParts {
-    /// What takes fragments to the program's window.
+    /// Offset and scale that take fragments to the program's window.
     Place,
     /// And factors of images that they read by texels.
     Factors,
@@ -90,14 +90,14 @@ impl ConstantPool {
         self.lenses
     }
 
-    /// Where in a slot the offset and the scale are that take fragments to the program's window,
-    /// bytes.
+    /// Returns the offset in a slot of the values that take fragments to the program's window,
+    /// bytes: an offset and a scale.
     pub fn to_window_offset(&self) -> u32 {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u32
     }
 
-    /// Where in a slot the matrices of the camera are, bytes: those of fragments, behind them those
-    /// of vertices.
+    /// Returns the offset in a slot of the matrices of the camera, bytes: those of fragments,
+    /// behind them those of vertices.
     pub fn cameras_offset(&self) -> u32 {
         self.to_window_offset() + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u32
     }

@@ -1,10 +1,10 @@
-//! What a shader's text declares outside of its functions, and where its functions are.
+//! Declarations in a shader's text outside of its functions, and the places of its functions.
 
 use crate::intercept::gl::shader::source::prover::tokens::is_name;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// What a name stands for outside of functions.
+/// Meaning of a name outside of functions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Global<'a> {
     /// An attribute of so many components.
@@ -162,7 +162,7 @@ impl<'a> Declarations<'a> {
         }
     }
 
-    /// What is of no interest, up to its semicolon; names in it stand for anything.
+    /// Skips a statement of no interest, up to its semicolon; names in it stand for anything.
     fn skip(&mut self, words: &[&'a str], start: usize) -> Option<usize> {
         let mut at = start;
         loop {

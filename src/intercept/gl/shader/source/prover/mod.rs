@@ -1,8 +1,8 @@
 //! Proves from a vertex shader's text where its vertices are: `gl_Position` is a product of
 //! matrices that the program sets and of one attribute.
 //!
-//! What is not of this form, or not understood, is not proven; a program that is cut too narrowly
-//! by mistake would lose a part of its picture. The names on the way from the attribute to
+//! A text that is not of this form, or not understood, is not proven: a program that is cut too
+//! narrowly by mistake would lose a part of its picture. The names on the way from the attribute to
 //! `gl_Position` must be declared once, written once, unconditionally and in `main`; of conditional
 //! compilation all branches are looked at.
 
@@ -40,7 +40,7 @@ pub struct Proof {
     pub factors: Vec<Factor>,
     /// The attribute.
     pub attribute: Attribute,
-    /// How many of its components count, 2…4; the rest are 0, 0, 1.
+    /// Number of its components that count, 2…4; the rest are 0, 0, 1.
     pub components: usize,
 }
 
@@ -66,7 +66,7 @@ const EFFECTS: [&str; 12] = [
     "subroutine",
 ];
 
-/// What is proven of a vertex shader. `es_context`: precisions count.
+/// Returns the proof for a vertex shader, if there is one. `es_context`: precisions count.
 pub fn prove(source: &str, es_context: bool) -> Option<Proof> {
     let bare = tokens::bare(source);
     let Tokens { words, macros } = tokens::split(&bare)?;
@@ -115,7 +115,7 @@ impl<'a> Text<'a> {
         self.declarations.functions.iter().any(|f| self.words[f.parameters.clone()].contains(&"out"))
     }
 
-    /// Where functions name `name`, as a variable.
+    /// Returns the places at which functions name `name`, as a variable.
     fn uses(&self, name: &'a str) -> impl Iterator<Item = usize> + '_ {
         let ranges = self.declarations.functions.iter().flat_map(|f| [f.parameters.clone(), f.body.clone()]);
         ranges.flatten().filter(move |at| self.words[*at] == name && self.word(at.wrapping_sub(1)) != ".")
@@ -279,8 +279,9 @@ impl<'a> Text<'a> {
         !own && self.is_constant(word)
     }
 
-    /// What `vec4(…)` of the words `start..end` makes of an attribute: `(a, 1.0)`, `(a.xyz, 1.0)`,
-    /// `(a.xy, 0.0, 1.0)`, `(a.x, a.y, a.z, 1.0)`.
+    /// Returns the attribute in `vec4(…)` of the words `start..end`, and the number of its
+    /// components. The forms are `(a, 1.0)`, `(a.xyz, 1.0)`, `(a.xy, 0.0, 1.0)`, `(a.x, a.y, a.z,
+    /// 1.0)`.
     fn point(&self, start: usize, end: usize) -> Option<(Attribute, usize)> {
         let mut name = None;
         let (mut components, mut constants) = (0, Vec::new());
@@ -312,7 +313,8 @@ impl<'a> Text<'a> {
         Some((attribute, components))
     }
 
-    /// How many components `name.swizzle` gives, if they are the ones that come after `before`.
+    /// Returns the number of components that `name.swizzle` gives, if they are the ones that come
+    /// after `before`.
     fn taken(&self, name: &str, swizzle: &str, before: usize) -> Option<usize> {
         let size = match (name, self.declarations.globals.get(name)) {
             ("gl_Vertex", None) => 4,

@@ -1,4 +1,4 @@
-//! What is proven, and above all what is not.
+//! Texts that are proven, and above all texts that are not.
 
 use crate::intercept::gl::shader::source::prover::Attribute;
 use crate::intercept::gl::shader::source::prover::Factor;
@@ -20,7 +20,7 @@ fn proof(factors: &[&str], attribute: &str, components: usize) -> Option<Proof> 
 
 const HEAD: &str = "uniform mat4 p, v; uniform float t; attribute vec2 a2; attribute vec3 a; attribute vec4 a4;\n";
 
-/// What is proven of a `main` with these statements.
+/// Returns the proof for a `main` with these statements.
 fn of(statements: &str) -> Option<Proof> {
     prove(&format!("{HEAD}void main() {{ {statements} }}"), false)
 }
