@@ -6,7 +6,7 @@
 //! would reach every program that links it.
 //!
 //! [`timeline`] holds the time, [`settings`] what the environment asks for, [`caller`] decides who
-//! gets real time, [`real`] has the functions of libc; [`reads`], [`sleeps`], [`descriptors`],
+//! gets real time, [`real`] has the functions of libc; [`reads`], [`sleeps`], [`poll_and_timerfd`],
 //! [`threads`] and [`random`] answer the program.
 
 #![deny(unsafe_op_in_unsafe_fn)]

@@ -81,7 +81,7 @@ macro_rules! run_all_cases {
                 one_resampling_is_better_than_two,
                 filters_read_nothing_beyond_their_tiles;
             sharing:
-                shares_are_those_of_f64_and_add_up_to_1,
+                weights_are_those_of_f64_and_add_up_to_1,
                 what_the_shaders_compute_for_one_point_adds_up_to_1,
                 in_8_bits_the_sum_of_two_stays_within_the_quantisation,
                 shapes_and_exponents_are_those_of_f64,

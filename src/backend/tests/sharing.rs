@@ -25,21 +25,21 @@ fn projectors() -> [Projector; 3] {
 
 /// Returns the raw weight of each projector at a point, in f64, from the point's place in all
 /// pictures.
-fn claims(projectors: &[Projector], point: DVec3) -> Vec<f64> {
+fn raw_weights(projectors: &[Projector], point: DVec3) -> Vec<f64> {
     let smooth = |t: f64| t.clamp(0.0, 1.0).powi(2) * (3.0 - 2.0 * t.clamp(0.0, 1.0));
-    let claim = |projector: &Projector| {
+    let raw_weight = |projector: &Projector| {
         projector.picture(point).map_or(0.0, |(x, y)| {
             smooth((1.0 - x.abs()) / (2.0 * projector.ramp)) * smooth((1.0 - y.abs()) / (2.0 * projector.ramp))
         })
     };
-    projectors.iter().map(claim).collect()
+    projectors.iter().map(raw_weight).collect()
 }
 
-/// The share of projector `index` of a point.
-fn exact_share(projectors: &[Projector], index: usize, point: DVec3) -> f64 {
-    let claims = claims(projectors, point);
-    let others: f64 = claims.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, e)| e).sum();
-    if others > 0.0 { claims[index] / (claims[index] + others) } else { 1.0 }
+/// Blend weight of projector `index` of a point.
+fn exact_weight(projectors: &[Projector], index: usize, point: DVec3) -> f64 {
+    let raw_weights = raw_weights(projectors, point);
+    let others: f64 = raw_weights.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, e)| e).sum();
+    if others > 0.0 { raw_weights[index] / (raw_weights[index] + others) } else { 1.0 }
 }
 
 fn others(projectors: &[Projector], index: usize) -> Vec<Projector> {
@@ -50,9 +50,9 @@ fn others(projectors: &[Projector], index: usize) -> Vec<Projector> {
 /// blend weights jump, and f32 cannot follow them closely. Such places are a hair's breadth wide.
 const MEAGRE: f64 = 0.05;
 
-pub fn shares_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
+pub fn weights_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
     let projectors = projectors();
-    // Where claims are ample, and everywhere.
+    // Where raw weights are ample, and everywhere.
     let (mut worst, mut overlapped, mut meagre) = ([0.0f64; 2], 0, 0);
     for i in 0..3 {
         let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
@@ -60,17 +60,17 @@ pub fn shares_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
         for (at, pixel) in map.iter().enumerate() {
             let (x, y) = normalised(SIZE, at as u32 % SIZE.0, at as u32 / SIZE.0);
             let point = projectors[i].hit(x, y).expect("from inside every ray hits");
-            // The other shares in f64 and this one add up to 1 as closely as this one is exact.
-            let error = (f64::from(pixel.weight) - exact_share(&projectors, i, point)).abs();
-            let claims = claims(&projectors, point);
-            let ample = claims.iter().sum::<f64>() >= MEAGRE;
+            // The other weights in f64 and this one add up to 1 as closely as this one is exact.
+            let error = (f64::from(pixel.weight) - exact_weight(&projectors, i, point)).abs();
+            let raw_weights = raw_weights(&projectors, point);
+            let ample = raw_weights.iter().sum::<f64>() >= MEAGRE;
             worst[1] = worst[1].max(error);
             if ample {
                 worst[0] = worst[0].max(error);
             }
-            let shared = claims.iter().filter(|c| **c > 0.0).count() > 1;
-            overlapped += usize::from(shared);
-            meagre += usize::from(shared && !ample);
+            let overlapping = raw_weights.iter().filter(|c| **c > 0.0).count() > 1;
+            overlapped += usize::from(overlapping);
+            meagre += usize::from(overlapping && !ample);
         }
     }
     println!("share: error {worst:?}, {overlapped} pixels overlapped, {meagre} of them meagrely");
@@ -80,7 +80,7 @@ pub fn shares_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
     let mut wrong = projectors;
     wrong[0].ramp = 0.31;
     let point = projectors[0].hit(0.8, 0.1).expect("a hit");
-    assert!((exact_share(&wrong, 0, point) - exact_share(&projectors, 0, point)).abs() > 1e-4);
+    assert!((exact_weight(&wrong, 0, point) - exact_weight(&projectors, 0, point)).abs() > 1e-4);
 }
 
 /// Three projectors at one place with one opening: their pixels coincide, so that what the shaders
@@ -99,11 +99,11 @@ pub fn what_the_shaders_compute_for_one_point_adds_up_to_1(driver: &dyn Driver) 
     let mut worst = [0.0f64; 2];
     for i in 0..maps[0].len() {
         let (x, y) = normalised(SIZE, i as u32 % SIZE.0, i as u32 / SIZE.0);
-        let claims = claims(&projectors, projectors[0].hit(x, y).expect("a hit"));
+        let raw_weights = raw_weights(&projectors, projectors[0].hit(x, y).expect("a hit"));
         let error = (sum(i) - 1.0).abs();
         worst[1] = worst[1].max(error);
         // All ramps have reached 1.
-        if claims.iter().all(|c| *c >= 1.0) {
+        if raw_weights.iter().all(|c| *c >= 1.0) {
             worst[0] = worst[0].max(error);
         }
     }
@@ -160,52 +160,53 @@ pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
         (RampShape::Smoothstep, 2.0),
     ] {
         let border = |index: usize| EdgeWeight { width: projectors[index].ramp, shape, exponent, black: 0.0 };
-        let (mut worst, mut shared) = (0.0f64, 0);
+        let (mut worst, mut overlapping) = (0.0f64, 0);
         for index in 0..3 {
             let map = driver.map(&with_borders(&projectors, index, &border), 0);
             for (at, pixel) in map.iter().enumerate() {
                 let (x, y) = normalised(SIZE, at as u32 % SIZE.0, at as u32 / SIZE.0);
                 let point = projectors[index].hit(x, y).expect("from inside every ray hits");
-                let claims: Vec<(usize, f64)> = covering(&projectors, point)
+                let raw_weights: Vec<(usize, f64)> = covering(&projectors, point)
                     .into_iter()
                     .map(|(k, place)| (k, border(k).raw_weight(place)))
                     .collect();
-                let sum: f64 = claims.iter().map(|(_, claim)| claim).sum();
-                if claims.len() > 1 && sum >= MEAGRE {
-                    let own: f64 = claims.iter().filter(|(k, _)| *k == index).map(|(_, claim)| claim).sum();
+                let sum: f64 = raw_weights.iter().map(|(_, raw_weight)| raw_weight).sum();
+                if raw_weights.len() > 1 && sum >= MEAGRE {
+                    let own: f64 =
+                        raw_weights.iter().filter(|(k, _)| *k == index).map(|(_, raw_weight)| raw_weight).sum();
                     worst = worst.max((f64::from(pixel.weight) - own / sum).abs());
-                    shared += 1;
+                    overlapping += 1;
                 }
             }
         }
         println!("{shape:?}, exponent {exponent}: {worst:.2e}");
-        assert!(worst <= 2e-5 && shared > 50_000, "{shape:?}, exponent {exponent}: {worst:e}");
+        assert!(worst <= 2e-5 && overlapping > 50_000, "{shape:?}, exponent {exponent}: {worst:e}");
     }
 }
 
 /// Blacks of [`projectors`].
 const BLACKS: [f64; 3] = [0.01, 0.02, 0.015];
 
-/// A pixel's share of the light of its point, and the sum of the blacks there. `None` where borders
+/// Blend weight of a pixel, and the sum of the blacks there. `None` where borders
 /// cross.
 type Share = Option<(f64, f64)>;
 
-/// The shares of all pixels of each projector, the same for all drivers.
-static SHARES: LazyLock<[Vec<Share>; 3]> = LazyLock::new(|| {
+/// Weights of all pixels of each projector, the same for all drivers.
+static WEIGHTS: LazyLock<[Vec<Share>; 3]> = LazyLock::new(|| {
     let projectors = projectors();
     [0, 1, 2].map(|index| {
-        let share = |at: u32| {
+        let weight = |at: u32| {
             let (x, y) = normalised(SIZE, at % SIZE.0, at / SIZE.0);
             let point = projectors[index].hit(x, y).expect("from inside every ray hits");
             let near = |edge: f64| (edge.abs() - 1.0).abs() < 1e-4;
             let beside_border = |p: &Projector| p.picture(point).is_some_and(|(x, y)| near(x) || near(y));
-            if claims(&projectors, point).iter().sum::<f64>() < MEAGRE || projectors.iter().any(beside_border) {
+            if raw_weights(&projectors, point).iter().sum::<f64>() < MEAGRE || projectors.iter().any(beside_border) {
                 return None;
             }
             let dark: f64 = covering(&projectors, point).iter().map(|(k, _)| BLACKS[*k]).sum();
-            Some((exact_share(&projectors, index, point), dark))
+            Some((exact_weight(&projectors, index, point), dark))
         };
-        (0..SIZE.0 * SIZE.1).map(share).collect()
+        (0..SIZE.0 * SIZE.1).map(weight).collect()
     })
 });
 
@@ -226,10 +227,10 @@ pub fn blacks_are_evened_out(driver: &dyn Driver) {
                 let code = (255.0 * white) as u8;
                 let shown = driver.show(&plan, false, &Picture::new(plan.views.atlas, |_, _| [code, code, code, 255]));
                 let mut worst = 0.0f64;
-                for (at, share) in SHARES[index].iter().enumerate() {
-                    let Some((share, dark)) = share else { continue };
+                for (at, weight) in WEIGHTS[index].iter().enumerate() {
+                    let Some((weight, dark)) = weight else { continue };
                     let (column, row) = (at as u32 % SIZE.0, at as u32 / SIZE.0);
-                    let light = share * ((1.0 - most) * white + most - dark);
+                    let light = weight * ((1.0 - most) * white + most - dark);
                     let found = shown.at(column, SIZE.1 - 1 - row);
                     for (channel, found) in found[..3].iter().enumerate() {
                         let exact = 255.0 * crate::blend::code_of(light, &display, channel);

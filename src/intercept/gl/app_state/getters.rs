@@ -8,7 +8,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 
 /// Up to four numbers that answer `glGet` for state that we follow.
-fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
+fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let four = |rect: LowerLeftRect| Some((rect.to_array().map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
     match (name, &ctx.lists.recording) {
@@ -89,7 +89,7 @@ macro_rules! getters {
                     for (i, value) in matrix.into_iter().enumerate() {
                         *values.add(i) = $convert(value);
                     }
-                } else if let Some((answer, count)) = believed(ctx, name) {
+                } else if let Some((answer, count)) = app_state_answer(ctx, name) {
                     if !is_answered(|room: *mut $t| gl.$method(name, room)) {
                         return;
                     }

@@ -94,7 +94,7 @@ impl Answer {
     }
 }
 
-fn believed(ctx: &Context, name: u32, index: u32) -> Option<Answer> {
+fn app_state_answer(ctx: &Context, name: u32, index: u32) -> Option<Answer> {
     ctx.drawable.target()?;
     let index = Some(index as usize).filter(|index| *index < window_arrays::COUNT)?;
     match name {
@@ -109,7 +109,7 @@ macro_rules! hooks_with_getters {
         hooks! {
             $($hooks)*
             $( $name $method(name: u32, index: u32, values: *mut $t) = |ctx, gl| {
-                match believed(ctx, name, index).filter(|_| !values.is_null()) {
+                match app_state_answer(ctx, name, index).filter(|_| !values.is_null()) {
                     Some(answer) if is_answered(|room: *mut $t| gl.$method(name, index, room)) => {
                         *values.cast::<[$t; 4]>() = answer.numbers().map($convert);
                     }

@@ -242,8 +242,7 @@ mod tests {
     #[test]
     fn a_whole_clear_reaches_each_view_and_a_part_of_it_the_panel_only() {
         let rig = crate::rig::load("fisheye").expect("a preset");
-        let layout =
-            AtlasLayout::new(&rig, (200, 200), 16384, false, VertexProcessing::DivisionStatistics).expect("a plan");
+        let layout = AtlasLayout::new(&rig, (200, 200), 16384, false, VertexProcessing::Divided).expect("a plan");
         let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
         let all = cleared(&layout, &whole);
         assert_eq!(
@@ -255,8 +254,7 @@ mod tests {
         assert!(!some.whole && some.pictures.is_empty());
         let AtlasRect { x, y, .. } = layout.panel;
         assert_eq!(some.panel, Some(AtlasRect { x: x + 20, y: y + 30, width: 200, height: 200 }));
-        let layout =
-            AtlasLayout::new(&rig, (200, 200), 16384, true, VertexProcessing::DivisionStatistics).expect("a plan");
+        let layout = AtlasLayout::new(&rig, (200, 200), 16384, true, VertexProcessing::Divided).expect("a plan");
         assert_eq!(
             cleared(&layout, &part).pictures,
             [AtlasRect { x: 20, y: 30, width: 200, height: 200 }],

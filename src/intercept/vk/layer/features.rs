@@ -27,7 +27,7 @@ pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static
         return VertexDecision { vertices: without, undivided: LATER, counts: false };
     }
     match offered() {
-        Ok(counts) => VertexDecision { vertices: VertexProcessing::DivisionStatistics, undivided: "", counts },
+        Ok(counts) => VertexDecision { vertices: VertexProcessing::Divided, undivided: "", counts },
         Err(undivided) => VertexDecision { vertices: without, undivided, counts: false },
     }
 }
@@ -130,9 +130,9 @@ mod tests {
         let without = |undivided| VertexDecision { vertices: VertexProcessing::Views, undivided, counts: false };
         assert_eq!(decided(&["primitive"], refused), without(NO_STAGE));
         assert_eq!(decided(&["primitive", "vertex"], refused).vertices, VertexProcessing::Projected);
-        assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, VertexProcessing::DivisionStatistics);
+        assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, VertexProcessing::Divided);
         for counts in [true, false] {
-            let divided = VertexDecision { vertices: VertexProcessing::DivisionStatistics, undivided: "", counts };
+            let divided = VertexDecision { vertices: VertexProcessing::Divided, undivided: "", counts };
             assert_eq!(decided(&["primitive-tessellation"], Ok(counts)), divided);
         }
     }

@@ -160,7 +160,7 @@ impl Images {
     ) -> Result<vk::Image, Obstacle> {
         let size = layout.atlas;
         let candidate = scene || self.is_candidate(image);
-        let (info, format, believed, filled) = {
+        let (info, format, current, filled) = {
             let images = self.images.locked();
             let state = images.get(&image).ok_or("it draws to an image that is not known")?;
             if let Some(target) = &state.target {
@@ -187,19 +187,19 @@ impl Images {
                 .usage(state.atlas_copy_usage());
             // At the end of a frame the submitted layout is used, since commands may be recorded
             // ahead.
-            let believed = if scene { state.submitted_layout } else { state.layout };
+            let current = if scene { state.submitted_layout } else { state.layout };
             // What a scene held before it was found is read as the program's own picture.
             let place = layout.own().filter(|own| (own.width as u32, own.height as u32) == state.size && scene);
             let place = place.filter(|_| state.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC));
-            (info, state.format, believed, place.map(|place| (image, place)))
+            (info, state.format, current, place.map(|place| (image, place)))
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.
         let atlas_copy = unsafe { OwnImage::new(&device.driver, &info) };
         let atlas_copy =
             atlas_copy.map_err(|error| format!("the driver refuses an image of {} × {}: {error}", size.0, size.1))?;
-        if believed != vk::ImageLayout::UNDEFINED {
+        if current != vk::ImageLayout::UNDEFINED {
             let (image, aspects) = (atlas_copy.image, aspects(format));
-            let pending = PendingLayout { image, layout: believed, aspects, cleared: false, filled };
+            let pending = PendingLayout { image, layout: current, aspects, cleared: false, filled };
             self.pending.locked().push(pending);
         }
         if let Some(state) = self.images.locked().get_mut(&image) {

@@ -30,7 +30,7 @@ pub struct Matrix {
     pub stride: u32,
     /// Rows follow each other, not columns.
     pub row_major: bool,
-    /// Rank of its name: the lower, the sooner it is believed.
+    /// Rank of its name: the lower, the higher its priority.
     pub rank: u8,
 }
 

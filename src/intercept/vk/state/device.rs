@@ -103,7 +103,7 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
 impl Role {
     /// True if primitives are divided where the rig says so.
     pub fn divides(&self) -> bool {
-        self.vertices.vertices == VertexProcessing::DivisionStatistics
+        self.vertices.vertices == VertexProcessing::Divided
     }
 }
 

@@ -6,7 +6,7 @@ use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 pub struct AttributeMatrix {
     /// The first of its four locations.
     pub(in crate::intercept::gl) location: u32,
-    /// Rank of its name: the lower, the sooner it is believed.
+    /// Rank of its name: the lower, the higher its priority.
     pub(in crate::intercept::gl) rank: u8,
     pub(in crate::intercept::gl) value: [f64; 16],
     /// From where its columns were read, and the version of that buffer then.

@@ -28,7 +28,7 @@ pub struct Uniforms {
 
 pub(in crate::intercept::gl) struct Matrix {
     pub(in crate::intercept::gl) place: MatrixLocation,
-    /// Rank of its name: the lower, the sooner it is believed.
+    /// Rank of its name: the lower, the higher its priority.
     pub(in crate::intercept::gl) rank: u8,
     pub(in crate::intercept::gl) order: Order,
     pub(in crate::intercept::gl) value: [f64; 16],

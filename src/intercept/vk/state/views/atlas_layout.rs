@@ -137,7 +137,7 @@ impl AtlasLayout {
         let plan = match vertices {
             VertexProcessing::Views => Session::new,
             VertexProcessing::Projected => Session::undivided,
-            VertexProcessing::DivisionStatistics => Session::projecting,
+            VertexProcessing::Divided => Session::projecting,
         };
         let mut session = plan(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         if read && !(0..session.views().len()).any(|index| ViewTile::of(&session, index).is_window(size)) {
@@ -300,8 +300,7 @@ mod tests {
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {
         let rig = crate::rig::load("planetarium-6").expect("a preset");
-        let layout =
-            AtlasLayout::new(&rig, (900, 420), 16384, false, VertexProcessing::DivisionStatistics).expect("a plan");
+        let layout = AtlasLayout::new(&rig, (900, 420), 16384, false, VertexProcessing::Divided).expect("a plan");
         assert_eq!((layout.panel.width, layout.panel.height), (900, 420));
         assert_eq!(layout.outputs.len(), 6);
         for tile in layout.views.iter().map(|view| view.rect).chain([layout.panel]) {
@@ -315,7 +314,7 @@ mod tests {
     fn images_of_other_sizes_have_the_same_tiles() {
         let rig = crate::rig::load("fisheye").expect("a preset");
         for read in [false, true] {
-            let layout = AtlasLayout::new(&rig, (640, 360), 16384, read, VertexProcessing::DivisionStatistics);
+            let layout = AtlasLayout::new(&rig, (640, 360), 16384, read, VertexProcessing::Divided);
             let layout = Arc::new(layout.expect("a plan"));
             assert!(Arc::ptr_eq(&layout.of_image((640, 360), 16384), &layout));
             for size in [(320, 180), (1280, 720), (80, 45), (427, 240)] {
@@ -343,7 +342,7 @@ mod tests {
                 }
             }
         }
-        let layout = AtlasLayout::new(&rig, (640, 360), 16384, false, VertexProcessing::DivisionStatistics);
+        let layout = AtlasLayout::new(&rig, (640, 360), 16384, false, VertexProcessing::Divided);
         let layout = Arc::new(layout.expect("a plan"));
         let small = layout.of_image((6400, 3600), layout.atlas.0 + 10);
         assert!(small.atlas.0 <= layout.atlas.0 + 10 && small.views[0].rect.width >= layout.views[0].rect.width);
@@ -357,7 +356,7 @@ mod tests {
                 (90, 42),
                 16384,
                 read,
-                VertexProcessing::DivisionStatistics,
+                VertexProcessing::Divided,
             )
         };
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();

@@ -8,7 +8,7 @@ pub enum VertexProcessing {
     /// They can project them to outputs' pictures, too.
     Projected,
     /// And divide what lies between them.
-    DivisionStatistics,
+    Divided,
 }
 
 /// Work of a device's shaders on vertices.
