@@ -26,6 +26,7 @@ tests! {
     scenes_off_screen_from_the_first_frame_on,
     scenes_off_screen_with_the_programs_own_lens,
     a_scene_off_screen_that_is_read,
+    a_scene_off_screen_whose_colours_and_depths_are_read,
     six_projectors_of_scenes_off_screen,
     scenes_off_screen_that_stay_flat,
     a_window_that_is_read,
@@ -303,6 +304,19 @@ fn a_scene_off_screen_that_is_read() {
     expect_identical(&under.picture("own.ppm"), &own, "vk_scenes post, read");
     let picture = under.picture("capture.png");
     expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes post, read");
+}
+
+/// A program may copy its scene to memory although its window cannot be copied: to find what lies
+/// below the mouse, by colours and by depths.
+fn a_scene_off_screen_whose_colours_and_depths_are_read() {
+    let extra = ["--way", "pick", "--picture", "own.ppm"];
+    let run = scenes(&extra);
+    let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("fisheye")) else { return };
+    let own = plain.expect_success().picture("own.ppm");
+    expect_identical(&under.picture("own.ppm"), &own, "vk_scenes pick");
+    let picture = under.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes pick");
+    assert_eq!(under.statistics()["duplicated_framebuffers"], 1);
 }
 
 /// Six projectors of what is drawn off screen.

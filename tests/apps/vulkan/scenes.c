@@ -2,7 +2,8 @@
  * The direction test's cube on its way to the window (--way): drawn to it and read back (read), with a part that is drawn
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
  * by one whose shader has the camera's matrix (matrices), by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
- * (half) or with its depths (depths), or what a compute shader makes of it (compute). Or with the newest of what there is to
+ * (half) or with its depths (depths), or what a compute shader makes of it (compute), or while the program reads it and its
+ * depths (pick). Or with the newest of what there is to
  * present (newest), pipelines that are linked (library, parts, and with
  * sets that are independent of each other: independent), a pass with a mask of views (multiview). --picture writes
  * what was read: the window, or what was drawn off screen. A swapchain that is not as it should be is made anew; the pictures
@@ -31,12 +32,13 @@
 typedef enum {
     READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
     /* Off screen: */
-    POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE,
+    POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK,
     WAYS
 } way_kind;
 static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "independent", "multiview", "post",
                                        "matrices",
-                                       "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute"};
+                                       "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute",
+                                       "pick"};
 
 static struct {
     direction_options direction;
@@ -58,13 +60,13 @@ static VkPipeline compute;
 static frame_objects objects;
 static VkCommandBuffer commands;
 static VkSemaphore timeline;
-static block read_back;
+static block read_back, depths_back;
 
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
                     "  [--way read|part|clear|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
-                    "         compute]\n");
+                    "         compute|pick]\n");
     exit(2);
 }
 
@@ -175,7 +177,9 @@ static void make_pictures(void)
 {
     const VkImageUsageFlags shown = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
     const VkImageUsageFlags copied = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    const VkImageUsageFlags read = options.way == DEPTHS ? VK_IMAGE_USAGE_SAMPLED_BIT : 0;
+    const VkImageUsageFlags read = options.way == DEPTHS ? VK_IMAGE_USAGE_SAMPLED_BIT
+                                   : options.way == PICK ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT
+                                                         : 0;
     const VkImageUsageFlags stored = options.way == COMPUTE ? VK_IMAGE_USAGE_STORAGE_BIT : 0;
     const VkExtent2D half = {w.extent.width / 2, w.extent.height / 2};
     depth = make_picture(&w, DEPTH_FORMAT, w.extent, count(), VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | read);
@@ -186,6 +190,7 @@ static void make_pictures(void)
     if (options.way == PASSES)
         make_pass();
     read_back = make_block(&w, 4 * w.extent.width * w.extent.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+    depths_back = make_block(&w, 4 * w.extent.width * w.extent.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
 }
 
 static void describe(VkDescriptorSet set, uint32_t binding, VkDescriptorType kind, VkImageView view, VkImageLayout layout)
@@ -451,6 +456,11 @@ static void record(uint32_t index)
             barrier(scenes[0].image, SAMPLED, READ_FROM);
             vkCmdCopyImageToBuffer(commands, scenes[0].image, READ_FROM, read_back.buffer, 1, &region);
         }
+        if (options.way == PICK) {
+            const VkBufferImageCopy deep = {.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1}, .imageExtent = size};
+            barrier(depth.image, DEEP, READ_FROM);
+            vkCmdCopyImageToBuffer(commands, depth.image, READ_FROM, depths_back.buffer, 1, &deep);
+        }
     }
     barrier(image, left, SHOWN);
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
@@ -467,6 +477,7 @@ static void frame(uint64_t number)
         window_make_swapchain(&w);
 }
 
+/* The colours, and with `pick` the depths below them, as three of their bytes. */
 static void write_picture(const char *path)
 {
     FILE *file = fopen(path, "wb");
@@ -474,17 +485,22 @@ static void write_picture(const char *path)
         fprintf(stderr, "cannot write %s\n", path);
         exit(1);
     }
-    fprintf(file, "P6\n%u %u\n255\n", w.extent.width, w.extent.height);
+    const uint32_t pixels = w.extent.width * w.extent.height;
+    fprintf(file, "P6\n%u %u\n255\n", w.extent.width, (options.way == PICK ? 2 : 1) * w.extent.height);
     const unsigned char *bytes = read_back.bytes;
-    for (uint32_t i = 0; i < w.extent.width * w.extent.height; i++, bytes += 4)
+    for (uint32_t i = 0; i < pixels; i++, bytes += 4)
         fwrite((unsigned char[]){bytes[2], bytes[1], bytes[0]}, 1, 3, file);
+    bytes = depths_back.bytes;
+    for (uint32_t i = 0; options.way == PICK && i < pixels; i++, bytes += 4)
+        fwrite(bytes, 1, 3, file);
     fclose(file);
 }
 
 static void open_all(void)
 {
     const VkImageUsageFlags copied =
-        VK_IMAGE_USAGE_TRANSFER_DST_BIT | (options.picture != NULL ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : 0);
+        VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+        (options.picture != NULL && options.way != PICK ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : 0);
     const bool newest = options.way >= NEWEST && options.way <= MULTIVIEW;
     window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, false, newest,
                 options.way == READ ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : off_screen() ? copied : 0);
@@ -525,6 +541,7 @@ static void close_all(void)
     for (int i = 0; i < 2; i++)
         free_picture(&w, &scenes[i]);
     free_block(&w, &read_back);
+    free_block(&w, &depths_back);
     window_close(&w);
 }
 

@@ -14,7 +14,7 @@ use ash::vk;
 use std::sync::Arc;
 
 /// Plan for a copy of the program.
-enum CopyPlan {
+pub(super) enum CopyPlan {
     /// It stays the program's.
     Same,
     /// It reads the program's own picture at this place of an atlas.
@@ -26,7 +26,7 @@ enum CopyPlan {
 }
 
 /// One end of a copy: its image, and the corners of what is copied there.
-type End = (vk::Image, [vk::Offset3D; 2]);
+pub(super) type End = (vk::Image, [vk::Offset3D; 2]);
 
 /// Use of an image that a copy of everything goes to.
 fn end_of(device: &Device, image: vk::Image) -> Made {
@@ -51,7 +51,7 @@ fn is_of_everything(device: &Device, (from, src): End, (to, dst): End, target: O
 }
 
 /// Plans a copy. If it cannot be followed, the program is shown flat.
-fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
+pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
     let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
     let everything = is_of_everything(device, (from, src), (to, dst), written.as_deref());
     if device.images.is_candidate(from) {
@@ -118,12 +118,12 @@ fn note_made(device: &Device, from: vk::Image, made: Made, written: bool) {
 }
 
 /// True if the program's own image has its own picture, of what compute shaders may write.
-fn has_own_picture(device: &Device, target: &ViewTarget) -> bool {
+pub(super) fn has_own_picture(device: &Device, target: &ViewTarget) -> bool {
     let drawn = device.images.is_attached(target.given);
     target.is_stored() && !device.images.lacks_own_picture(target.given) && (!drawn || target.layout.own().is_some())
 }
 
-fn moved(offset: vk::Offset3D, AtlasRect { x, y, .. }: AtlasRect) -> vk::Offset3D {
+pub(super) fn moved(offset: vk::Offset3D, AtlasRect { x, y, .. }: AtlasRect) -> vk::Offset3D {
     vk::Offset3D { x: offset.x + x, y: offset.y + y, z: offset.z }
 }
 
@@ -133,7 +133,7 @@ fn extent(from: vk::Offset3D, size: vk::Extent3D) -> [vk::Offset3D; 2] {
 }
 
 /// Corners of an empty copy.
-const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
+pub(super) const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
 
 /// The whole of an atlas.
 fn atlas(target: &ViewTarget) -> vk::Extent3D {
@@ -338,20 +338,6 @@ unsafe fn between<R: Region>(
     }
 }
 
-/// A copy between an image and a buffer: where an image is read, and whether it was one of the
-/// window's.
-fn with_buffer(
-    device: &Device,
-    buffer: vk::CommandBuffer,
-    from: vk::Image,
-    to: vk::Image,
-) -> Option<(vk::Image, AtlasRect)> {
-    match becomes(device, buffer, (from, NOTHING), (to, NOTHING)) {
-        CopyPlan::Read(image, at) => Some((image, at)),
-        CopyPlan::Same | CopyPlan::Views(..) | CopyPlan::Scaled(..) => None,
-    }
-}
-
 hooks! {
     cmd_copy_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
@@ -377,36 +363,4 @@ hooks! {
         buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
     ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, [given.src_image_layout, given.dst_image_layout],
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
-    cmd_copy_buffer_to_image = (
-        buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy
-    ) { |state, next| {
-        with_buffer(&state, buffer, vk::Image::null(), to);
-        next(buffer, from, to, to_layout, count, regions)
-    } }
-    cmd_copy_buffer_to_image2 = (
-        buffer: vk::CommandBuffer, info: *const vk::CopyBufferToImageInfo2<'_>
-    ) { |state, next| {
-        with_buffer(&state, buffer, vk::Image::null(), (*info).dst_image);
-        next(buffer, info)
-    } }
-    cmd_copy_image_to_buffer = (
-        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Buffer, count: u32, regions: *const vk::BufferImageCopy
-    ) { |state, next| match with_buffer(&state, buffer, from, vk::Image::null()) {
-        None => next(buffer, from, from_layout, to, count, regions),
-        Some((image, at)) => {
-            let mut regions = slice(regions, count).to_vec();
-            regions.iter_mut().for_each(|region| region.image_offset = moved(region.image_offset, at));
-            next(buffer, image, from_layout, to, count, regions.as_ptr())
-        }
-    } }
-    cmd_copy_image_to_buffer2 = (
-        buffer: vk::CommandBuffer, info: *const vk::CopyImageToBufferInfo2<'_>
-    ) { |state, next| match with_buffer(&state, buffer, (*info).src_image, vk::Image::null()) {
-        None => next(buffer, info),
-        Some((image, at)) => {
-            let mut regions = slice((*info).p_regions, (*info).region_count).to_vec();
-            regions.iter_mut().for_each(|region| region.image_offset = moved(region.image_offset, at));
-            next(buffer, &(*info).src_image(image).regions(&regions))
-        }
-    } }
 }

@@ -14,6 +14,7 @@
 
 pub mod barriers_and_clears;
 pub mod bound_state;
+pub mod buffer_copies;
 pub mod conditional_render;
 pub mod copies;
 pub mod dispatches;

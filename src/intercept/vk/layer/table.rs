@@ -2,7 +2,8 @@
 
 use crate::intercept::vk::commands::passes::{dynamic_rendering, framebuffers, render_passes};
 use crate::intercept::vk::commands::{
-    barriers_and_clears, bound_state, conditional_render, copies, dispatches, draws, recording, unsupported,
+    barriers_and_clears, bound_state, buffer_copies, conditional_render, copies, dispatches, draws, recording,
+    unsupported,
 };
 use crate::intercept::vk::descriptors::{push_descriptors, sets};
 use crate::intercept::vk::layer::device;
@@ -40,6 +41,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             barriers_and_clears::HOOKS,
             bound_state::HOOKS,
             conditional_render::HOOKS,
+            buffer_copies::HOOKS,
             copies::HOOKS,
             dispatches::HOOKS,
             draws::hooks::HOOKS,

@@ -16,7 +16,7 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use ash::vk;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 /// Reason for flat drawing: what a shader reads of the program's own image would be missing there.
 pub const READ_TOGETHER: &str = "its shaders read what it draws together with the window";
@@ -127,12 +127,19 @@ impl Images {
         Some(window)
     }
 
-    /// A pass draws to the window or to a scene, and to the images of these views with it.
-    pub fn draws_together(&self, device: &Device, views: impl IntoIterator<Item = vk::ImageView>) {
+    /// A pass draws to the window or to a scene, in this layout, and to the images of these views
+    /// with it.
+    pub fn draws_together(
+        &self,
+        device: &Device,
+        layout: &Arc<AtlasLayout>,
+        views: impl IntoIterator<Item = vk::ImageView>,
+    ) {
         for image in views.into_iter().filter_map(|view| self.of(view)) {
             if let Some(state) = self.images.locked().get_mut(&image) {
                 state.drawn_together = true;
                 state.attached = true;
+                state.drawn_in = Arc::downgrade(layout);
             }
             if self.is_candidate(image) {
                 device.scene_graph.note_scene(image);
@@ -237,6 +244,7 @@ hooks! {
                 drawn_alone: false,
                 attached: false,
                 drawn_together: false,
+                drawn_in: Weak::new(),
                 target: None,
                 atlas_copies: Vec::new(),
             };

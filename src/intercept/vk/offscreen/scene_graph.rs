@@ -25,15 +25,17 @@ pub fn decide(device: &Device) {
         return;
     }
     let Some(layout) = device.swapchains.latest_layout() else { return };
-    let (even, own_read) = device.scene_graph.is_computed(&chosen);
+    let (computed, measured) = device.scene_graph.is_computed(&chosen);
+    let copied = !chosen.is_empty() && device.scene_graph.is_copied();
+    let (even, own_read) = (computed || copied, computed && measured || copied);
     let images = &device.images;
     let is_new = |known: &AtomicBool, now: bool| now && !known.swap(true, Ordering::Relaxed);
-    if is_new(&images.even, even) | is_new(&images.own_read, even && own_read)
+    if is_new(&images.even, even) | is_new(&images.own_read, own_read)
         && let Err(why) = images.follow(device, &layout)
     {
         return device.show_flat(why);
     }
-    if even && own_read && chosen.iter().any(|image| images.lacks_own_picture(*image)) {
+    if computed && measured && chosen.iter().any(|image| images.lacks_own_picture(*image)) {
         return device.show_flat("compute shaders measure its picture in an image that nothing can be copied to");
     }
     for image in &chosen {

@@ -131,7 +131,7 @@ pub unsafe fn begin(
     let mut pass = given.pass(device, &target);
     pass.colored = is_colored;
     if is_colored {
-        device.images.draws_together(device, views.iter().chain(&deep).copied());
+        device.images.draws_together(device, layout, views.iter().chain(&deep).copied());
     }
     // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
     // attachments.

@@ -71,7 +71,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         let mut new = Pass::new(Arc::clone(&target), within, pass.begin_in(0));
         new.colored = is_colored;
         if is_colored {
-            device.images.draws_together(device, views.iter().copied());
+            device.images.draws_together(device, &target.layout, views.iter().copied());
         }
         for ((view, layout), found) in views.iter().zip(&pass.leaves).zip(&pass.finds) {
             match device.images.target(*view) {

@@ -9,7 +9,7 @@ pub mod scene_graph;
 use crate::intercept::scene::viewport;
 use crate::intercept::settings;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
-use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
+use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
@@ -41,6 +41,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) attached: bool,
     /// So did a pass that drew to the window or to a scene.
     pub(in crate::intercept::vk) drawn_together: bool,
+    /// Layout of the last of these passes, if no pass of the program's own came later.
+    pub(in crate::intercept::vk) drawn_in: Weak<AtlasLayout>,
     pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
     pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
 }
@@ -216,6 +218,7 @@ impl Images {
             drawn_alone: false,
             attached: false,
             drawn_together: false,
+            drawn_in: Weak::new(),
             target: Some(target),
             atlas_copies: Vec::new(),
         };
@@ -322,7 +325,17 @@ impl Images {
     pub fn attached(&self, image: vk::Image) {
         if let Some(state) = self.images.locked().get_mut(&image) {
             state.attached = true;
+            state.drawn_in = Weak::new();
         }
+    }
+
+    /// Layout and atlas copy of an image that is drawn together with the window or a scene.
+    pub(in crate::intercept::vk) fn drawn_in(&self, image: vk::Image) -> Option<(Arc<AtlasLayout>, vk::Image)> {
+        let images = self.images.locked();
+        let state = images.get(&image).filter(|state| state.target.is_none())?;
+        let layout = state.drawn_in.upgrade()?;
+        let (_, atlas_copy) = state.atlas_copies.iter().find(|(size, _)| *size == layout.atlas)?;
+        Some((layout, atlas_copy.image))
     }
 
     /// True if passes draw to this image, and the program's own picture cannot be copied from their

@@ -22,6 +22,8 @@ pub(in crate::intercept::vk) struct Seen {
     pub(in crate::intercept::vk) computed: HashSet<vk::Image>,
     /// Images that they make numbers of that all views share.
     pub(in crate::intercept::vk) measured: HashSet<vk::Image>,
+    /// Images that the program copies to memory, as it does to find what lies at a place.
+    pub(in crate::intercept::vk) copied: HashSet<vk::Image>,
     /// Something was seen for the first time.
     pub(in crate::intercept::vk) news: bool,
 }
@@ -73,6 +75,20 @@ impl SceneGraph {
         (!seen.computed.is_disjoint(images), !seen.measured.is_disjoint(images))
     }
 
+    /// The program copies `image` to memory.
+    pub fn note_copied(&self, image: vk::Image) {
+        let mut seen = self.seen.locked();
+        let news = seen.copied.insert(image);
+        seen.news |= news;
+    }
+
+    /// True if the program copies a picture of its scene to memory, or what is drawn with it.
+    pub(in crate::intercept::vk) fn is_copied(&self) -> bool {
+        let seen = self.seen.locked();
+        let copied = &seen.copied;
+        seen.graph.scenes().any(|image| copied.contains(&image))
+    }
+
     /// Perspective draws reach `image`.
     pub fn note_scene(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
@@ -98,6 +114,7 @@ impl SceneGraph {
         seen.graph.forget(image);
         seen.computed.remove(&image);
         seen.measured.remove(&image);
+        seen.copied.remove(&image);
     }
 
     /// The images that have to be drawn for each view, if something new was seen since this was
