@@ -27,6 +27,7 @@ tests! {
     scenes_off_screen_with_the_programs_own_lens,
     a_scene_off_screen_that_is_read,
     a_scene_off_screen_whose_colours_and_depths_are_read,
+    a_background_off_screen,
     six_projectors_of_scenes_off_screen,
     scenes_off_screen_that_stay_flat,
     a_window_that_is_read,
@@ -317,6 +318,24 @@ fn a_scene_off_screen_whose_colours_and_depths_are_read() {
     let picture = under.picture("capture.png");
     expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes pick");
     assert_eq!(under.statistics()["duplicated_framebuffers"], 1);
+}
+
+/// One triangle without a matrix that fills the image of the scene before it is drawn is behind it
+/// in all directions.
+fn a_background_off_screen() {
+    const COLOUR: [u8; 3] = [51, 153, 102];
+    let Some(under) = scenes(&["--way", "background"]).vulkan_under("fisheye") else { return };
+    let picture = under.picture("capture.png");
+    let count = |is: &dyn Fn(&[u8; 3]) -> bool| picture.pixels.iter().filter(|pixel| is(pixel)).count();
+    let (filled, black) = (count(&|pixel| *pixel == COLOUR), count(&|pixel| *pixel == [0; 3]));
+    let circle = 0.25 * std::f64::consts::PI * CIRCLE.width * CIRCLE.height;
+    let outside = (picture.width * picture.height) as f64 - circle;
+    println!(
+        "{filled} pixels of the background of {circle:.0}, {black} black ones, {outside:.0} outside of the circle"
+    );
+    assert!(filled as f64 > 0.5 * circle, "{filled} of {circle:.0} pixels");
+    assert!((filled as f64) < 0.99 * circle, "the cube's face is missing");
+    assert!((black as f64) < 1.02 * outside, "{black} of {outside:.0} pixels");
 }
 
 /// Six projectors of what is drawn off screen.

@@ -3,7 +3,7 @@
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
  * by one whose shader has the camera's matrix (matrices), by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
  * (half) or with its depths (depths), or what a compute shader makes of it (compute), or while the program reads it and its
- * depths (pick). Or with the newest of what there is to
+ * depths (pick), or one face of it before a background that a triangle fills (background). Or with the newest of what there is to
  * present (newest), pipelines that are linked (library, parts, and with
  * sets that are independent of each other: independent), a pass with a mask of views (multiview). --picture writes
  * what was read: the window, or what was drawn off screen. A swapchain that is not as it should be is made anew; the pictures
@@ -20,6 +20,7 @@
 #include "cube_frag.h"
 #include "cube_push.h"
 #include "screen_both.h"
+#include "screen_filled.h"
 #include "screen_frag.h"
 #include "screen_matrices.h"
 #include "screen_place.h"
@@ -32,13 +33,13 @@
 typedef enum {
     READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
     /* Off screen: */
-    POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK,
+    POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK, BACKGROUND,
     WAYS
 } way_kind;
 static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "independent", "multiview", "post",
                                        "matrices",
                                        "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute",
-                                       "pick"};
+                                       "pick",  "background"};
 
 static struct {
     direction_options direction;
@@ -55,7 +56,7 @@ static VkSampler sampler;
 static VkRenderPass pass;
 static VkFramebuffer framebuffer;
 static VkPipelineLayout cube_layout, screen_layout, compute_layout;
-static linked_pipeline cube, screen, screen_of_both;
+static linked_pipeline cube, screen, screen_of_both, background;
 static VkPipeline compute;
 static frame_objects objects;
 static VkCommandBuffer commands;
@@ -66,7 +67,7 @@ static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
                     "  [--way read|part|clear|newest|library|parts|independent|multiview|post|matrices|chain|place|blit|resolve|passes|half|depths|\n"
-                    "         compute|pick]\n");
+                    "         compute|pick|background]\n");
     exit(2);
 }
 
@@ -130,6 +131,14 @@ static void make_pipelines(void)
                                          .samples = VK_SAMPLE_COUNT_1_BIT};
     cube = make_pipeline(&w, &cube_parts);
     screen = make_pipeline(&w, &screen_parts);
+    if (options.way == BACKGROUND) {
+        pipeline_description parts = screen_parts;
+        parts.fragment = SHADER(screen_filled);
+        parts.layout = cube_layout;
+        parts.color = scene_format();
+        parts.depth = DEPTH_FORMAT;
+        background = make_pipeline(&w, &parts);
+    }
     if (both()) {
         screen_parts.fragment = SHADER(screen_both);
         screen_of_both = make_pipeline(&w, &screen_parts);
@@ -343,7 +352,7 @@ static void draw_cube(matrix4 matrix)
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cube.whole);
     set_window(w.extent);
     vkCmdPushConstants(commands, cube_layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
-    vkCmdDraw(commands, 36, 1, 0, 0);
+    vkCmdDraw(commands, options.way == BACKGROUND ? 6 : 36, 1, 0, 0);
 }
 
 static void draw_screen(const linked_pipeline *by, VkDescriptorSet set, VkExtent2D size)
@@ -378,6 +387,11 @@ static void record_cube(picture *target, VkImage image, VkImageView view)
     barrier(target != NULL ? target->image : image, NEW, COLOR);
     barrier(depth.image, NEW, DEEP);
     begin(target != NULL ? target->view : view, true, VK_ATTACHMENT_LOAD_OP_CLEAR, whole);
+    if (options.way == BACKGROUND) {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, background.whole);
+        set_window(w.extent);
+        vkCmdDraw(commands, 3, 1, 0, 0);
+    }
     draw_cube(direction_matrix(&options.direction, w.extent, false));
     vkCmdEndRendering(commands);
 }
@@ -525,6 +539,7 @@ static void close_all(void)
     free_pipeline(&w, &cube);
     free_pipeline(&w, &screen);
     free_pipeline(&w, &screen_of_both);
+    free_pipeline(&w, &background);
     vkDestroyPipeline(w.device, compute, NULL);
     vkDestroyPipelineLayout(w.device, cube_layout, NULL);
     vkDestroyPipelineLayout(w.device, screen_layout, NULL);

@@ -1,6 +1,8 @@
 #version 450
-/* Shows a picture as it is. */
+/* Shows a picture as it is, or one colour (FILLED). */
+#if !defined(FILLED)
 layout(set = 0, binding = 0) uniform sampler2D picture;
+#endif
 #if defined(PLACE)
 layout(origin_upper_left) in vec4 gl_FragCoord;
 #elif defined(BOTH)
@@ -11,7 +13,9 @@ layout(location = 0) out vec4 result;
 
 void main()
 {
-#if defined(PLACE)
+#if defined(FILLED)
+    result = vec4(0.2, 0.6, 0.4, 1.0);
+#elif defined(PLACE)
     result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #else
     result = texture(picture, at);

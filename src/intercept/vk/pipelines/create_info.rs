@@ -88,6 +88,15 @@ impl<'a> Parts<'a> {
         input && self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }
 
+    /// Number of vertex attributes; `None` if this part does not describe them.
+    pub fn attributes(&self) -> Option<u32> {
+        let described = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
+        let fixed = described && !self.dynamic.contains(&vk::DynamicState::VERTEX_INPUT_EXT);
+        let state = Some(self.info.p_vertex_input_state).filter(|_| fixed)?;
+        // SAFETY: the program's, which describes this part.
+        unsafe { state.as_ref() }.map(|state| state.vertex_attribute_description_count)
+    }
+
     /// True if it has shaders, and so needs a layout.
     pub fn shades(&self) -> bool {
         self.flags.intersects(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)

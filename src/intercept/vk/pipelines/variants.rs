@@ -30,6 +30,7 @@ pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants:
         variants,
         viewport: parts.viewport().or_else(|| linked.iter().find_map(|library| library.viewport)),
         scissor: parts.scissor().or_else(|| linked.iter().find_map(|library| library.scissor)),
+        without_attributes: parts.attributes() == Some(0) || linked.iter().any(|library| library.without_attributes),
     }
 }
 

@@ -66,6 +66,8 @@ pub struct Pipeline {
     pub(in crate::intercept::vk) viewport: Option<vk::Viewport>,
     /// Its scissor, likewise.
     pub(in crate::intercept::vk) scissor: Option<vk::Rect2D>,
+    /// Its vertices have no attributes.
+    pub(in crate::intercept::vk) without_attributes: bool,
 }
 
 /// The pipelines for the views. Their viewport and scissor are set by commands.

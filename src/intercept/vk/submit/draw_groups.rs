@@ -215,6 +215,7 @@ fn classify(
             *frame.counts.found.entry("inverse of a camera matrix").or_default() += group.draws;
             DrawClass::Screen
         }
+        None if facts.fills && in_views => DrawClass::Screen,
         // What is flat in a picture of the scene has no other place than the views.
         None if facts.off_screen => DrawClass::Behind,
         None => {

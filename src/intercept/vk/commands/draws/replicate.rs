@@ -123,7 +123,8 @@ unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: 
 /// * Without matrices it is flat, unless it covers the window with a picture of the scene
 ///   (`screen`) or its shaders take the lens that the rig gives (`deep`).
 /// * A flat draw before the first draw of the scene may have to go behind the scene, so that it
-///   needs the views, too.
+///   needs the views, too. One triangle or square off screen without matrices and attributes, whose
+///   places the shader has from the numbers of its vertices, is over all of each view (`fills`).
 ///
 /// Matrices count only in the viewport of the whole picture (`main`); elsewhere they may be those
 /// of another camera.
@@ -163,13 +164,16 @@ fn classify(
     let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
     let own_lens = layout.views.iter().any(|view| view.own_lens);
     let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
+    let given = has_matrices || !variants.matrices.is_empty() || !sets.is_empty();
+    let fills = off_screen && main && covers && !pass.scene && !given && draw.pipeline.without_attributes;
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;
     if !sources.is_empty() {
         recording.y_up = y_up;
     }
     let viewport = variants.moves_place.then(|| area(&program.viewport));
-    let facts = DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen, cameras, sky };
+    let facts =
+        DrawFacts { sources, y_up, in_views, off_screen, deep, viewport, pictures, screen, fills, cameras, sky };
     Some(Classified { facts, program, sets })
 }
 

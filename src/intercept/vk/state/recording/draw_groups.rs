@@ -108,6 +108,8 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) sky: bool,
     /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,
+    /// They fill an image before the scene is drawn there: a background.
+    pub(in crate::intercept::vk) fills: bool,
 }
 
 /// Draws that share a lens.
