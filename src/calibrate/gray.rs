@@ -92,6 +92,9 @@ pub struct Decoder {
     code: [Vec<u16>; 2],
 }
 
+/// Side of the windows in which places are averaged, cells. In larger ones the mean is off, because
+/// the map is not straight.
+pub const CELLS: u32 = 4;
 /// Contrast of what an output lights, as a part of the contrast of its brightest places.
 const LEAST_CONTRAST: f64 = 0.1;
 /// The least contrast at all, of 65535: noise.
@@ -131,21 +134,57 @@ impl Decoder {
 
     /// What was seen, one place for each window of `window` pixels of the output.
     pub fn sightings(&self, output: usize, window: u32) -> Vec<Sighting> {
-        let cells = (window / self.codes.cell).max(1);
-        let columns = self.codes.size.0.div_ceil(self.codes.cell).div_ceil(cells);
-        let rows = self.codes.size.1.div_ceil(self.codes.cell).div_ceil(cells);
-        let mut windows: Vec<Vec<(DVec2, DVec2)>> = vec![Vec::new(); (columns * rows) as usize];
-        for (index, _) in self.lit.iter().enumerate().filter(|(_, lit)| **lit) {
-            let [x, y] = [0, 1].map(|axis| u32::from(plain(self.code[axis][index])));
-            let (column, row) = (x / cells, y / cells);
-            if column >= columns || row >= rows {
-                continue;
-            }
+        let cells = self.cells(window);
+        let mut windows: Vec<Vec<(DVec2, DVec2)>> = vec![Vec::new(); self.windows(cells)];
+        for (index, window, cell) in self.decoded(cells) {
             let middle = |cell: u32| (f64::from(cell) + 0.5) * f64::from(self.codes.cell);
             let seen = DVec2::new((index % self.size.0 as usize) as f64, (index / self.size.0 as usize) as f64) + 0.5;
-            windows[(row * columns + column) as usize].push((seen, DVec2::new(middle(x), middle(y))));
+            windows[window].push((seen, DVec2::new(middle(cell[0]), middle(cell[1]))));
         }
         windows.iter().filter_map(|window| mean(window, output)).collect()
+    }
+
+    /// The mean light of another photograph in the places of [`Self::sightings`], in their order;
+    /// `light` is that of each of its values. `None` if its size is another one.
+    pub fn light(&self, window: u32, photograph: &Photograph, light: &[f32]) -> Option<Vec<f64>> {
+        let cells = self.cells(window);
+        let mut windows = vec![(0.0, 0usize); self.windows(cells)];
+        if photograph.size != self.size {
+            return None;
+        }
+        for (index, window, _) in self.decoded(cells) {
+            let value = light.get(usize::from(photograph.values[index])).copied().unwrap_or_default();
+            windows[window].0 += f64::from(value);
+            windows[window].1 += 1;
+        }
+        let seen = windows.into_iter().filter(|(_, count)| *count >= FEWEST);
+        Some(seen.map(|(sum, count)| sum / count as f64).collect())
+    }
+
+    /// The cells in a side of a window.
+    fn cells(&self, window: u32) -> u32 {
+        (window / self.codes.cell).max(1)
+    }
+
+    /// The number of windows in a row, and of rows.
+    fn grid(&self, cells: u32) -> [u32; 2] {
+        [self.codes.size.0, self.codes.size.1].map(|length| length.div_ceil(self.codes.cell).div_ceil(cells))
+    }
+
+    fn windows(&self, cells: u32) -> usize {
+        let [columns, rows] = self.grid(cells);
+        columns as usize * rows as usize
+    }
+
+    /// For each lit pixel of the photograph its index, the number of its window, and its cell.
+    fn decoded(&self, cells: u32) -> impl Iterator<Item = (usize, usize, [u32; 2])> {
+        let [columns, rows] = self.grid(cells);
+        let lit = self.lit.iter().enumerate().filter(|(_, lit)| **lit);
+        lit.filter_map(move |(index, _)| {
+            let cell = [0, 1].map(|axis| u32::from(plain(self.code[axis][index])));
+            let [column, row] = cell.map(|cell| cell / cells);
+            (column < columns && row < rows).then(|| (index, (row * columns + column) as usize, cell))
+        })
     }
 }
 

@@ -11,7 +11,7 @@
 use super::camera::{self, Camera, CameraLens};
 use super::least_squares::{self, Fit, Model};
 use super::marks::{self, Mark, Solved};
-use super::{Part, Projector};
+use super::{Part, Projector, Symmetric};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Optics, Pose, Screen};
 use crate::rig::Rig;
@@ -60,6 +60,8 @@ const FEWEST: usize = 20;
 const FOR_START: usize = 25;
 /// Starts of each kind of lens that all projectors are fitted from.
 const BEST: usize = 2;
+/// A camera is usually within this part of the screen's size from its middle.
+const USUAL: f64 = 0.8;
 /// Fewest marks and landmarks that fix the rotation.
 const FIX: usize = 2;
 /// Focal lengths that are tried, as parts of the photograph's width.
@@ -73,9 +75,9 @@ const PINHOLE: [f64; 5] = [0.35, 0.5, 0.8, 1.3, 2.2];
 /// was seen does not determine it.
 pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part]) -> Result<Found> {
     let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, why);
-    let screen = rig.surface();
     let count = |output: usize| observed.sightings.iter().filter(|sighting| sighting.output == output).count();
-    let seen: Vec<usize> = (0..rig.outputs.len()).filter(|output| count(*output) > 0).collect();
+    let screen = rig.surface();
+    let seen = seen(rig, observed);
     if seen.is_empty() {
         return Err(invalid("no output was seen".into()));
     }
@@ -83,17 +85,48 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part
         let (name, count) = (&rig.outputs[*output].name, count(*output));
         return Err(invalid(format!("output \"{name}\" was seen in {count} places; it needs {FEWEST} at least")));
     }
-    let projectors =
-        seen.iter().map(|output| Projector::new(&rig.outputs[*output], sizes[*output], parts, screen.size()));
-    let projectors: Vec<Projector> = projectors.collect::<Result<_>>()?;
-    let all = observations(&screen, &seen, observed)
-        .ok_or_else(|| invalid("a mark is in a direction where no screen is".into()))?;
-    let whole =
-        Joint { screen: &screen, camera: first_camera(&screen, observed.photograph), projectors, all, held: vec![] };
+    let camera = first_camera(&screen, observed.photograph);
+    let whole = Joint::new(rig, &screen, sizes, observed, camera, parts)?;
     let aimed_by_first = observed.landmarks.len() + observed.marks.len() < FIX;
     let (model, fit) = best(&whole, aimed_by_first)
         .ok_or_else(|| invalid("what was seen does not fit the rig: is it roughly right?".into()))?;
     found(&model, &fit, &seen, aimed_by_first)
+}
+
+/// The least errors that any way to solve the outputs can have from such photographs (Cramér, Rao),
+/// in the order of the outputs that are seen: root mean squares over their pictures, pixels. `None`
+/// if they are not determined.
+///
+/// `rig` and `camera` are right, what is observed is exact, and `deviation` is the standard
+/// deviation of the errors that all its coordinates will have, pixels.
+///
+/// # Errors
+/// As [`solve`].
+pub fn limits(
+    rig: &Rig,
+    sizes: &[(u32, u32)],
+    observed: &Observed,
+    camera: &Camera,
+    parts: &[Part],
+    deviation: f64,
+) -> Result<Option<Vec<f64>>> {
+    let screen = rig.surface();
+    let model = Joint::new(rig, &screen, sizes, observed, camera.clone(), parts)?;
+    let exact = vec![0.0; model.parameters()];
+    let used = vec![true; model.observations()];
+    let information = least_squares::information(&model, &exact, &used, &[deviation]);
+    let limit = |covariance: &Symmetric, (index, projector): (usize, &Projector)| {
+        let own = model.first(index)..model.first(index + 1);
+        marks::expected(projector, &exact[own.clone()], &covariance.part(own), &screen)
+    };
+    let limits = |covariance| model.projectors.iter().enumerate().map(|own| limit(&covariance, own)).collect();
+    Ok(information.inverse().map(limits))
+}
+
+/// The numbers of the outputs that were seen.
+fn seen(rig: &Rig, observed: &Observed) -> Vec<usize> {
+    let is_seen = |output: &usize| observed.sightings.iter().any(|sighting| sighting.output == *output);
+    (0..rig.outputs.len()).filter(is_seen).collect()
 }
 
 /// The camera that all guesses are changes of.
@@ -140,7 +173,24 @@ struct Joint<'a> {
     held: Vec<bool>,
 }
 
-impl Joint<'_> {
+impl<'a> Joint<'a> {
+    /// The outputs that were seen, as the rig has them.
+    fn new(
+        rig: &Rig,
+        screen: &'a Screen,
+        sizes: &[(u32, u32)],
+        observed: &Observed,
+        camera: Camera,
+        parts: &[Part],
+    ) -> Result<Self> {
+        let seen = seen(rig, observed);
+        let projector = |output: &usize| Projector::new(&rig.outputs[*output], sizes[*output], parts, screen.size());
+        let projectors = seen.iter().map(projector).collect::<Result<_>>()?;
+        let all = observations(screen, &seen, observed)
+            .ok_or_else(|| Error::new(ErrorKind::InvalidArgument, "a mark is in a direction where no screen is"))?;
+        Ok(Self { screen, camera, projectors, all, held: Vec::new() })
+    }
+
     /// The first parameter of a projector; for their number that of the camera.
     fn first(&self, projector: usize) -> usize {
         self.projectors[..projector].iter().map(Projector::parameters).sum()
@@ -249,9 +299,17 @@ fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)>
         // Rotations follow the position.
         held = [[false; 3], [true; 3]].concat();
     }
-    let of = |lens: CameraLens| starts.iter().filter(move |(_, camera)| camera.lens == lens).take(BEST);
-    let starts = of(CameraLens::Fisheye).chain(of(CameraLens::Pinhole));
-    let fits = starts.map(|(_, camera)| {
+    // From the wall behind it a sphere is seen under half the angles, and looks nearly as from the
+    // middle with half the focal length: both are tried.
+    let is_inside =
+        |camera: &Camera| camera.pose.position.distance(whole.screen.pose.position) < USUAL * whole.screen.size();
+    let of = |lens: CameraLens, inside: bool, count: usize| {
+        let own = move |(_, camera): &&(f64, Camera)| camera.lens == lens && is_inside(camera) == inside;
+        starts.iter().filter(own).take(count)
+    };
+    let fisheyes = of(CameraLens::Fisheye, true, BEST).chain(of(CameraLens::Fisheye, false, 1));
+    let pinholes = of(CameraLens::Pinhole, true, BEST).chain(of(CameraLens::Pinhole, false, 1));
+    let fits = fisheyes.chain(pinholes).map(|(_, camera)| {
         let camera = camera.clone();
         let model = Joint { camera, held: held.clone(), ..thin.clone() };
         let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
@@ -315,7 +373,7 @@ fn found(model: &Joint, fit: &Fit, outputs: &[usize], aimed_by_first: bool) -> R
             Some(1e-4 * fit.residuals[at]?.length() / pixels.max(f64::MIN_POSITIVE))
         };
         let projector = &model.projectors[index];
-        let quality = marks::quality(projector, &optics[index], fit, model.first(index), model.screen, &own, angle);
+        let quality = marks::quality(projector, fit, model.first(index), model.screen, &own, angle);
         let quality = quality.ok_or_else(|| {
             let why = "what was seen does not determine the projectors; let the camera see more of each";
             Error::new(ErrorKind::InvalidArgument, why)

@@ -74,14 +74,7 @@ pub fn solve(rig: &Rig, output: usize, size: (u32, u32), marks: &[Mark], parts: 
             parts.iter().map(|part| part.word()).collect::<Vec<_>>().join(", ")
         )));
     }
-    let points = marks.iter().map(|mark| {
-        let hit = screen.unbounded_hit(DVec3::ZERO, mark.direction);
-        hit.map(|hit| (mark.pixel, hit.point)).ok_or_else(|| {
-            let [azimuth, elevation] = angles(mark.direction);
-            invalid(format!("has a mark at azimuth {azimuth:.2}, elevation {elevation:.2}, where no screen is"))
-        })
-    });
-    let whole = MarksModel { points: points.collect::<Result<_>>()?, projector };
+    let whole = MarksModel { points: points(&screen, &described.name, marks)?, projector };
     let start = start(&whole);
     let model = MarksModel { projector: whole.projector.with(start, parts), ..whole };
     let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
@@ -91,13 +84,63 @@ pub fn solve(rig: &Rig, output: usize, size: (u32, u32), marks: &[Mark], parts: 
         Some(screen.unbounded_hit(origin, direction)?.point.angle_between(marks[index].direction))
     };
     let own: Vec<usize> = (0..marks.len()).collect();
-    let quality = quality(&model.projector, &optics, &fit, 0, &screen, &own, angle);
+    let quality = quality(&model.projector, &fit, 0, &screen, &own, angle);
     quality.map(|quality| Solved { optics, quality }).ok_or_else(|| {
         invalid(
             "is not determined by its marks: spread them over the whole picture, at different azimuths and elevations"
                 .into(),
         )
     })
+}
+
+/// The least error that any way to solve a projector can have from such marks (Cramér, Rao): root
+/// mean square over the picture, pixels. `None` if they do not determine it.
+///
+/// `rig` is right, `marks` are exact, and `deviation` is the standard deviation of the errors that
+/// their coordinates will have, pixels.
+///
+/// # Errors
+/// As [`solve`].
+pub fn limit(
+    rig: &Rig,
+    output: usize,
+    size: (u32, u32),
+    marks: &[Mark],
+    parts: &[Part],
+    deviation: f64,
+) -> Result<Option<f64>> {
+    let (described, screen) = (&rig.outputs[output], rig.surface());
+    let projector = Projector::new(described, size, parts, screen.size())?;
+    let model = MarksModel { points: points(&screen, &described.name, marks)?, projector };
+    let exact = vec![0.0; model.parameters()];
+    let information = least_squares::information(&model, &exact, &vec![true; marks.len()], &[deviation]);
+    let Some(covariance) = information.inverse() else { return Ok(None) };
+    Ok(Some(expected(&model.projector, &exact, &covariance, &screen)))
+}
+
+/// The places of marks with the points of the screen that they light.
+fn points(screen: &Screen, name: &str, marks: &[Mark]) -> Result<Vec<(DVec2, DVec3)>> {
+    let point = |mark: &Mark| {
+        let hit = screen.unbounded_hit(DVec3::ZERO, mark.direction);
+        hit.map(|hit| (mark.pixel, hit.point)).ok_or_else(|| {
+            let [azimuth, elevation] = angles(mark.direction);
+            let why = format!(
+                "output \"{name}\" has a mark at azimuth {azimuth:.2}, elevation {elevation:.2}, where no screen is"
+            );
+            Error::new(ErrorKind::InvalidArgument, why)
+        })
+    };
+    marks.iter().map(point).collect()
+}
+
+/// Root mean square distance, in pixels, between the places where `found` and `right` show the same
+/// points, all over the picture of `projector`.
+pub fn difference(projector: &Projector, right: &Optics, found: &Optics, screen: &Screen) -> f64 {
+    rms(grid(projector.size()).filter_map(|pixel| {
+        let (origin, direction) = projector.ray(right, pixel)?;
+        let point = screen.hit(origin, direction)?.point;
+        Some(projector.pixel(found, point)?.distance(pixel))
+    }))
 }
 
 /// Azimuth and elevation of a direction, degrees.
@@ -110,7 +153,6 @@ fn angles(direction: DVec3) -> [f64; 2] {
 /// determined.
 pub(super) fn quality(
     projector: &Projector,
-    optics: &Optics,
     fit: &Fit,
     first: usize,
     screen: &Screen,
@@ -121,6 +163,7 @@ pub(super) fn quality(
     let distance = |index: usize| fit.residuals[index].map_or(f64::INFINITY, DVec2::length);
     let used = || own.iter().copied().filter(|index| fit.used[*index]);
     let errors = StandardErrors::of(projector, covariance, first);
+    let parameters = first..first + projector.parameters();
     Some(Quality {
         distances: own.iter().map(|index| distance(*index)).collect(),
         used: own.iter().map(|index| fit.used[*index]).collect(),
@@ -128,7 +171,7 @@ pub(super) fn quality(
         rms_angle: rms(used().filter_map(angle)),
         position: errors.position,
         aim: errors.aim,
-        expected: expected(projector, optics, fit, first, screen)?,
+        expected: expected(projector, &fit.parameters[parameters.clone()], &covariance.part(parameters), screen),
     })
 }
 
@@ -154,19 +197,13 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// The expected error over the picture, pixels, from the covariance of a fit.
-pub(super) fn expected(
-    projector: &Projector,
-    optics: &Optics,
-    fit: &Fit,
-    first: usize,
-    screen: &Screen,
-) -> Option<f64> {
-    let covariance = fit.covariance.as_ref()?;
-    let own = first..first + projector.parameters();
-    let mut parameters = fit.parameters[own.clone()].to_vec();
+/// The expected error over the picture, pixels, from the covariance of a projector's own
+/// parameters.
+pub(super) fn expected(projector: &Projector, parameters: &[f64], covariance: &Symmetric, screen: &Screen) -> f64 {
+    let optics = projector.optics(parameters);
+    let mut parameters = parameters.to_vec();
     let shown = |pixel: DVec2| {
-        let (origin, direction) = projector.ray(optics, pixel)?;
+        let (origin, direction) = projector.ray(&optics, pixel)?;
         Some(screen.hit(origin, direction)?.point)
     };
     let points: Vec<DVec3> = grid(projector.size()).filter_map(shown).collect();
@@ -186,13 +223,12 @@ pub(super) fn expected(
             slope[1].push(by.y);
         }
     }
-    let own = covariance.part(own);
-    let variance = |slope: &[Vec<f64>; 2]| own.form(&slope[0]) + own.form(&slope[1]);
-    Some(rms(slopes.iter().map(|slope| variance(slope).sqrt())))
+    let variance = |slope: &[Vec<f64>; 2]| covariance.form(&slope[0]) + covariance.form(&slope[1]);
+    rms(slopes.iter().map(|slope| variance(slope).sqrt()))
 }
 
 /// Places all over a picture.
-pub(super) fn grid((width, height): (u32, u32)) -> impl Iterator<Item = DVec2> {
+fn grid((width, height): (u32, u32)) -> impl Iterator<Item = DVec2> {
     let part = |index: u32| (f64::from(index) + 0.5) / f64::from(GRID);
     (0..GRID * GRID)
         .map(move |index| DVec2::new(part(index % GRID) * f64::from(width), part(index / GRID) * f64::from(height)))

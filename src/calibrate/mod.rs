@@ -2,7 +2,7 @@
 //!
 //! `marks` solves each projector for itself, from places of its picture whose direction in the dome
 //! is known. `joint` solves all projectors together with a camera that has seen them, `gray` has
-//! the patterns for that. `projector` and `camera` say which numbers are free, `least_squares`
+//! the patterns for that. `light` finds how bright the projectors are. `projector` and `camera` say which numbers are free, `least_squares`
 //! finds the values that fit best although some observations are wrong, `matrix` solves its
 //! equations.
 
@@ -10,6 +10,7 @@ pub mod camera;
 pub mod gray;
 pub mod joint;
 pub mod least_squares;
+pub mod light;
 pub mod marks;
 mod matrix;
 pub mod projector;

@@ -200,4 +200,17 @@ impl Projector {
         let picture = self.flip.pixel(pixel, self.size) / self.half() - 1.0;
         optics.ray(picture * DVec2::new(1.0, -1.0), self.aspect())
     }
+
+    /// The angle between a pixel's ray and the lens' axis, radians; `None` where the lens has no
+    /// ray.
+    pub fn off_axis(&self, optics: &Optics, pixel: DVec2) -> Option<f64> {
+        let picture = self.flip.pixel(pixel, self.size) / self.half() - 1.0;
+        let ray = optics.lens.ray(picture * DVec2::new(1.0, -1.0), self.aspect())?;
+        Some(ray.x.hypot(ray.y).atan2(-ray.z))
+    }
+
+    /// True if a place is in the picture.
+    pub fn shows(&self, pixel: DVec2) -> bool {
+        pixel.cmpge(DVec2::ZERO).all() && pixel.cmple(2.0 * self.half()).all()
+    }
 }

@@ -4,7 +4,7 @@
 
 #![allow(dead_code, reason = "each program that includes this file needs only a part of it")]
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// A SplitMix64 generator (Steele, Lea, Flood 2014): small, and the same on every machine.
 #[derive(Clone, Debug)]
@@ -51,6 +51,13 @@ impl Random {
         let (sine, cosine) = self.range(0.0, std::f64::consts::TAU).sin_cos();
         let h = (1.0 - z * z).sqrt();
         DVec3::new(h * cosine, h * sine, z)
+    }
+
+    /// Two independent coordinates with normal distribution and standard deviation 1 (Box and
+    /// Muller 1958).
+    pub fn gaussian(&mut self) -> DVec2 {
+        let length = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        length * DVec2::from_angle(self.range(0.0, std::f64::consts::TAU))
     }
 
     /// A rotation by any angle about any axis.

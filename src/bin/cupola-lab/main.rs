@@ -23,6 +23,7 @@ mod terminal;
 
 mod accuracy;
 mod bench;
+mod calibrate;
 mod calls;
 mod cells;
 mod conformance;
@@ -51,6 +52,7 @@ enum Command {
     Structure(structure::Arguments),
     Conformance(conformance::Arguments),
     Calls(calls::Arguments),
+    Calibrate(calibrate::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         Command::Structure(arguments) => structure::run(&arguments),
         Command::Conformance(arguments) => conformance::run(&arguments),
         Command::Calls(arguments) => calls::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
     };
     failure::exit_code("cupola-lab", result)
 }

@@ -108,7 +108,7 @@ fn command(action: &Action) -> Command {
         Action::Rig { name, replace } => Command::Rig { name: name.clone(), replace: *replace },
         Action::Pattern { parts, only, step } => {
             let parts = if parts[..] == ["off"] { Vec::new() } else { parts.clone() };
-            Command::Pattern(Choice { parts, step: *step, only: only.clone(), at: Vec::new() })
+            Command::Pattern(Choice { parts, step: *step, only: only.clone(), ..Choice::default() })
         }
         Action::Start { program, command } => {
             Command::Start { program: program.clone(), command: (!command.is_empty()).then(|| command.clone()) }

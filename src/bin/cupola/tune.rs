@@ -21,6 +21,9 @@ pub struct Arguments {
     changes: Vec<String>,
 }
 
+/// Keys that name files relative to the rig file.
+const FILES: [&str; 2] = ["file", "image"];
+
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let file = arguments.file.display();
@@ -96,7 +99,7 @@ pub fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Va
 }
 
 /// Sets a key. Missing tables are created.
-fn set(table: &mut dyn TableLike, path: &[&str], value: &Value) -> Result<(), String> {
+pub fn set(table: &mut dyn TableLike, path: &[&str], value: &Value) -> Result<(), String> {
     match path {
         [] | [""] => Err("a key has no name; expected KEY=VALUE".to_owned()),
         [key] => {
@@ -115,6 +118,22 @@ fn set(table: &mut dyn TableLike, path: &[&str], value: &Value) -> Result<(), St
             let inner = table.entry(key).or_insert(Item::Table(Table::new()));
             let inner = inner.as_table_like_mut().ok_or_else(|| format!("{key} is not a table"))?;
             set(inner, rest, value)
+        }
+    }
+}
+
+/// Makes names of files absolute, for a rig file in another folder.
+pub fn name_files_absolutely(table: &mut dyn TableLike, folder: &Path) {
+    for (key, item) in table.iter_mut() {
+        if let Some(name) = item.as_str().filter(|_| FILES.contains(&key.get())) {
+            let path = folder.join(name);
+            if let (Some(path), Some(value)) = (path.to_str(), item.as_value_mut()) {
+                *value = Value::from(path);
+            }
+        } else if let Some(tables) = item.as_array_of_tables_mut() {
+            tables.iter_mut().for_each(|inner| name_files_absolutely(inner, folder));
+        } else if let Some(inner) = item.as_table_like_mut() {
+            name_files_absolutely(inner, folder);
         }
     }
 }

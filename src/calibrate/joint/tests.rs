@@ -8,11 +8,6 @@ use crate::testing::random::Random;
 const SIZES: [(u32, u32); 6] = [(1920, 1080); 6];
 const PHOTOGRAPH: (u32, u32) = (4000, 3000);
 
-fn gaussian(random: &mut Random) -> DVec2 {
-    let length = (-2.0 * (1.0 - random.unit()).ln()).sqrt();
-    length * DVec2::from_angle(random.range(0.0, std::f64::consts::TAU))
-}
-
 /// The rig as a technician would measure it.
 fn rough(exact: &Rig, random: &mut Random) -> Rig {
     let mut rough = exact.clone();
@@ -49,7 +44,7 @@ fn observed(exact: &Rig, camera: &Camera, each: usize, landmarks: usize, noise: 
             let (origin, direction) = projector.ray(&optics, pixel).expect("a ray");
             let Some(hit) = screen.hit(origin, direction) else { continue };
             let Some(seen) = camera.place(hit.point).filter(inside) else { continue };
-            observed.sightings.push(Sighting { output, pixel, seen: seen + noise * gaussian(random) });
+            observed.sightings.push(Sighting { output, pixel, seen: seen + noise * random.gaussian() });
             found += 1;
             if found == each {
                 break;
@@ -59,7 +54,7 @@ fn observed(exact: &Rig, camera: &Camera, each: usize, landmarks: usize, noise: 
     while observed.landmarks.len() < landmarks {
         let direction = random.direction();
         let Some(seen) = camera.place(5.0 * direction).filter(inside) else { continue };
-        observed.landmarks.push((seen + noise * gaussian(random), direction));
+        observed.landmarks.push((seen + noise * random.gaussian(), direction));
     }
     observed
 }
@@ -77,7 +72,7 @@ fn exact_photographs_give_the_exact_rig_although_some_places_are_wrong() {
         let camera = camera(lens, &mut random);
         let mut observed = observed(&exact, &camera, 50, 8, 0.0, &mut random);
         for sighting in observed.sightings.iter_mut().step_by(10) {
-            sighting.seen += gaussian(&mut random) * 300.0 + 10.0;
+            sighting.seen += random.gaussian() * 300.0 + 10.0;
         }
         let found = solve(&rough(&exact, &mut random), &SIZES, &observed, &[Part::Pose]).expect("determined");
         assert!((found.camera.lens, found.aimed_by_first) == (lens, false) && found.rms < 1e-6, "{found:?}");
@@ -99,39 +94,19 @@ fn noise_is_averaged_as_well_as_can_be() {
     let mut random = Random::new(102);
     let exact = rig::load("planetarium-6").expect("a preset");
     let screen = exact.surface();
-    let (mut squares, mut limits) = (Vec::new(), Vec::new());
+    let (mut squares, mut least) = (Vec::new(), Vec::new());
     for _ in 0..3 {
         let camera = camera(CameraLens::Fisheye, &mut random);
         let observed = observed(&exact, &camera, 60, 20, 0.3, &mut random);
         let found = solve(&rough(&exact, &mut random), &SIZES, &observed, &[Part::Pose]).expect("determined");
-        let right: Vec<Projector> = (0..6)
-            .map(|output| Projector::new(&exact.outputs[output], SIZES[output], &[Part::Pose], 5.0).expect("one"))
-            .collect();
-        // The limit of Cramér and Rao.
-        let all = observations(&screen, &[0, 1, 2, 3, 4, 5], &observed).expect("on the screen");
-        let model = Joint { screen: &screen, camera, projectors: right.clone(), all, held: vec![] };
-        let zero = vec![0.0; model.parameters()];
-        let used = vec![true; model.observations()];
-        let limit = Fit {
-            covariance: least_squares::information(&model, &zero, &used, &[0.3]).inverse(),
-            parameters: zero,
-            residuals: Vec::new(),
-            used: Vec::new(),
-            cost: 0.0,
-            deviations: vec![0.3],
-        };
-        for ((output, solved), projector) in found.outputs.iter().zip(&right) {
-            let optics = projector.optics(&[]);
-            let first = model.first(*output);
-            limits.push(marks::expected(projector, &optics, &limit, first, &screen).expect("determined"));
-            squares.push(marks::rms(marks::grid(SIZES[0]).filter_map(|pixel| {
-                let (origin, direction) = projector.ray(&optics, pixel)?;
-                let point = screen.hit(origin, direction)?.point;
-                Some(projector.pixel(&solved.optics, point)?.distance(pixel))
-            })));
+        let limits_of_all = limits(&exact, &SIZES, &observed, &camera, &[Part::Pose], 0.3).expect("projectors");
+        least.extend(limits_of_all.expect("determined"));
+        for (output, solved) in &found.outputs {
+            let projector = Projector::new(&exact.outputs[*output], SIZES[*output], &[Part::Pose], 5.0).expect("one");
+            squares.push(marks::difference(&projector, &projector.optics(&[]), &solved.optics, &screen));
         }
     }
-    let [found, limit] = [squares, limits].map(|values| marks::rms(values.into_iter()));
+    let [found, limit] = [squares, least].map(|values| marks::rms(values.into_iter()));
     assert!(found < 1.2 * limit && found > 0.75 * limit, "{found} px, at least {limit}");
 }
 

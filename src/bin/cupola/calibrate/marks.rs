@@ -60,9 +60,13 @@ pub fn read(file: &Path, rig: &Rig) -> Result<Vec<Line>, Failure> {
 }
 
 /// A mistake: line, column, and what is wrong.
-type Mistake = (usize, usize, String);
+pub type Mistake = (usize, usize, String);
 
-fn parse(text: &str, rig: &Rig) -> Result<Vec<Line>, Mistake> {
+/// Reads the text of a file of marks.
+///
+/// # Errors
+/// The first mistake.
+pub fn parse(text: &str, rig: &Rig) -> Result<Vec<Line>, Mistake> {
     let mut angles = Angles::Horizon;
     let mut lines = Vec::new();
     let mut first = true;

@@ -1,10 +1,15 @@
 //! `cupola calibrate`: places, aims and lenses of projectors from marks on the dome or
 //! photographs of it.
 
-mod marks;
+mod length;
+mod light;
+pub mod marks;
 mod photographs;
 mod report;
 mod written;
+
+pub use report::summary;
+pub use written::changes;
 
 use crate::convert;
 use crate::failure::Failure;
@@ -33,7 +38,7 @@ pub struct Arguments {
     /// large as the window
     #[arg(long, value_name = "DIR", conflicts_with_all = ["marks", "photos", "out", "solve"])]
     patterns: Option<PathBuf>,
-    /// Folder with the photographs of these patterns as PNG files, named in their order
+    /// Folder with the photographs of these patterns as PNG or JPEG files, named in their order
     #[arg(long, value_name = "DIR", required_unless_present_any = ["marks", "patterns"])]
     photos: Option<PathBuf>,
     /// File of marks: lines `output,x,y,azimuth,elevation`
@@ -46,9 +51,20 @@ pub struct Arguments {
     /// tangential, mirror
     #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = part)]
     solve: Vec<Part>,
+    /// A length that was measured, if the radius of the dome is not known: the distance of two
+    /// outputs, or of one and the `camera`. The radius is found
+    #[arg(long, value_name = "FROM,TO,METRES", value_parser = length::length)]
+    length: Option<length::Length>,
     /// Size of the smallest squares of the patterns in pixels of an output
     #[arg(long, value_name = "PIXELS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
     cell: u32,
+    /// Also find how bright the projectors are, by grey pictures: response, black, and what evens
+    /// out the light over the dome
+    #[arg(long)]
+    light: bool,
+    /// Values of the photographs are proportional to light [default: sRGB]
+    #[arg(long, requires = "light")]
+    linear: bool,
     /// Window size in pixels [default: from the rig, or 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, requires = "patterns")]
     size: Option<(u32, u32)>,
@@ -61,7 +77,7 @@ pub struct Arguments {
 }
 
 /// Reads a part of a projector.
-fn part(word: &str) -> Result<Part, String> {
+pub fn part(word: &str) -> Result<Part, String> {
     let words = || Part::ALL.map(Part::word).join(", ");
     Part::ALL.into_iter().find(|part| part.word() == word).ok_or_else(|| format!("expected some of {}", words()))
 }
@@ -90,22 +106,34 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     // The pose is always free.
     let mut parts = Part::ALL.to_vec();
     parts.retain(|part| *part == Part::Pose || arguments.solve.contains(part));
-    let (found, camera) = match &arguments.photos {
+    let (mut found, mut camera, light) = match &arguments.photos {
         Some(folder) => {
-            let (found, camera) = photographs::solve(arguments, &rig, folder, &marks, &parts)?;
-            (found, Some(camera))
+            let found = photographs::solve(arguments, &rig, folder, &marks, &parts)?;
+            (found.outputs, Some(found.camera), found.light)
         }
-        None => (from_marks(arguments, &rig, &marks, &parts)?, None),
+        None if arguments.light => {
+            return Err(Failure::usage("--light needs photographs of the patterns; give --photos DIR"));
+        }
+        None => (from_marks(arguments, &rig, &marks, &parts)?, None, None),
     };
-    written::write(&arguments.rig, &rig, &parts, &found, out)?;
+    let masks = light.as_ref().map(|light| light::masks(&rig, light, out, arguments.force)).transpose()?;
+    let length = arguments.length.as_ref();
+    let radius = length.map(|length| length.apply(&rig, &mut found, camera.as_mut())).transpose()?;
+    written::write(&arguments.rig, &rig, &parts, &found, radius, masks.as_deref().unwrap_or_default(), out)?;
     if arguments.json {
-        println!("{:#}", report::json(&rig, &found, camera.as_ref(), out));
+        println!("{:#}", report::json(&rig, &found, camera.as_ref(), light.as_ref(), out));
         return Ok(ExitCode::SUCCESS);
     }
     println!("{}: outputs: {}", out.display(), found.len());
     found.iter().for_each(|found| print!("{}", report::words(&rig, found, arguments.marks.as_deref())));
     if let Some(camera) = &camera {
         println!("{}", report::camera_words(camera));
+    }
+    if let Some(radius) = radius {
+        println!("dome: radius {radius:.4} m");
+    }
+    if let Some(light) = &light {
+        print!("{}", report::light_words(&rig, light));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -5,16 +5,14 @@ use super::{Arguments, Found};
 use crate::failure::Failure;
 use crate::map::native_size;
 use crate::terminal;
-use cupola::calibrate::gray::{Codes, Decoder, Photograph, Picture};
-use cupola::calibrate::{Camera, Observed, Part, joint};
-use cupola::rig::{self, Rig};
+use cupola::blend;
+use cupola::calibrate::gray::{self, Codes, Decoder, Photograph, Picture};
+use cupola::calibrate::light::{self, LEVELS, Reading};
+use cupola::calibrate::{Camera, Observed, Part, Sighting, joint};
+use cupola::rig::{self, Blend, OutputKind, Rig, Transfer};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Side of the windows of an output in which places are averaged, cells. In larger ones the mean is
-/// off, because the map is not straight.
-const WINDOW: u32 = 4;
 
 /// The outputs that get patterns, with their codes.
 fn series(rig: &Rig, cell: u32) -> Vec<(usize, Codes)> {
@@ -37,20 +35,19 @@ pub fn write_patterns(arguments: &Arguments, folder: &Path) -> Result<ExitCode, 
         .map_err(|error| Failure::usage(format!("the folder {} cannot be created: {error}", folder.display())))?;
     let window = arguments.size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
     let places = rig.layout(window);
-    let count: usize = series.iter().map(|(_, codes)| codes.pictures().len()).sum();
+    let count: usize = series.iter().map(|(_, codes)| shown(codes, arguments.light).len()).sum();
     let bar = terminal::progress(count as u64, "patterns");
     let mut number = 0;
     for (output, codes) in &series {
         let place = &places[*output];
-        for picture in codes.pictures() {
+        for picture in shown(codes, arguments.light) {
             number += 1;
-            let white = |x: u32, y: u32| {
+            let value = |x: u32, y: u32| {
                 let inside = x >= place.x && y >= place.y && x - place.x < place.width && y - place.y < place.height;
-                inside && codes.is_white(picture, (x - place.x, y - place.y))
+                if inside { picture.value(codes, (x - place.x, y - place.y)) } else { 0 }
             };
-            let values: Vec<u8> =
-                (0..window.0 * window.1).map(|at| 255 * u8::from(white(at % window.0, at / window.0))).collect();
-            let file = folder.join(format!("{number:04}-{}-{}.png", rig.outputs[*output].name, name(picture)));
+            let values: Vec<u8> = (0..window.0 * window.1).map(|at| value(at % window.0, at / window.0)).collect();
+            let file = folder.join(format!("{number:04}-{}-{}.png", rig.outputs[*output].name, picture.name()));
             image::save_buffer(&file, &values, window.0, window.1, image::ColorType::L8)
                 .map_err(|error| Failure::new(format!("{} cannot be written: {error}", file.display())))?;
             bar.inc(1);
@@ -66,14 +63,46 @@ pub fn write_patterns(arguments: &Arguments, folder: &Path) -> Result<ExitCode, 
     Ok(ExitCode::SUCCESS)
 }
 
-fn name(picture: Picture) -> String {
-    match picture {
-        Picture::White => "white".to_owned(),
-        Picture::Black => "black".to_owned(),
-        Picture::Bit { axis, bit, inverse } => {
-            format!("{}{bit}{}", ["x", "y"][axis.min(1)], if inverse { "-inverse" } else { "" })
+/// A picture that is photographed.
+#[derive(Clone, Copy)]
+enum Shown {
+    Code(Picture),
+    Grey(u8),
+}
+
+/// The pictures of an output in their order.
+fn shown(codes: &Codes, light: bool) -> Vec<Shown> {
+    // White and black are the first two codes.
+    let greys = LEVELS.into_iter().filter(|level| light && !matches!(level, 0 | 255)).map(Shown::Grey);
+    codes.pictures().into_iter().map(Shown::Code).chain(greys).collect()
+}
+
+impl Shown {
+    fn value(self, codes: &Codes, pixel: (u32, u32)) -> u8 {
+        match self {
+            Self::Code(picture) => 255 * u8::from(codes.is_white(picture, pixel)),
+            Self::Grey(level) => level,
         }
     }
+
+    fn name(self) -> String {
+        match self {
+            Self::Grey(level) => format!("grey-{level:03}"),
+            Self::Code(Picture::White) => "white".to_owned(),
+            Self::Code(Picture::Black) => "black".to_owned(),
+            Self::Code(Picture::Bit { axis, bit, inverse }) => {
+                format!("{}{bit}{}", ["x", "y"][axis.min(1)], if inverse { "-inverse" } else { "" })
+            }
+        }
+    }
+}
+
+/// What photographs tell.
+pub struct Photographed {
+    pub outputs: Vec<Found>,
+    pub camera: Camera,
+    /// How bright the outputs are, if grey pictures were photographed.
+    pub light: Option<light::Found>,
 }
 
 /// Solves all outputs together with the camera that made the photographs.
@@ -83,28 +112,37 @@ pub fn solve(
     folder: &Path,
     marks: &[Line],
     parts: &[Part],
-) -> Result<(Vec<Found>, Camera), Failure> {
+) -> Result<Photographed, Failure> {
     let series = series(rig, arguments.cell);
     if series.is_empty() {
         return Err(no_projectors(rig));
     }
     let files = files(folder)?;
-    let count: usize = series.iter().map(|(_, codes)| codes.pictures().len()).sum();
+    let count: usize = series.iter().map(|(_, codes)| shown(codes, arguments.light).len()).sum();
     if files.len() != count {
         return Err(Failure::usage(format!(
-            "{} has {} photographs (*.png); the patterns of {} with --cell {} are {count}",
+            "{} has {} photographs (*.png, *.jpg); the patterns of {} with --cell {}{} are {count}",
             folder.display(),
             files.len(),
             rig.name,
-            arguments.cell
+            arguments.cell,
+            if arguments.light { " and --light" } else { "" }
         )));
     }
     let mut observed = Observed::default();
+    let mut readings = Vec::new();
+    let values = values(arguments.linear);
     let bar = terminal::progress(count as u64, "photographs");
     let mut files = files.iter();
     for (output, codes) in &series {
-        let decoder = decoded(*codes, &mut files, &mut observed.photograph, &bar)?;
-        observed.sightings.extend(decoder.sightings(*output, WINDOW * arguments.cell));
+        let mut photographs = Photographs { files: &mut files, size: &mut observed.photograph, bar: &bar };
+        let (decoder, white, black) = photographs.decoded(*codes)?;
+        let window = gray::CELLS * arguments.cell;
+        let seen = decoder.sightings(*output, window);
+        if arguments.light {
+            readings.extend(photographs.readings(&decoder, window, &seen, [&black, &white], &values)?);
+        }
+        observed.sightings.extend(seen);
     }
     bar.finish_and_clear();
     for line in marks {
@@ -128,55 +166,109 @@ pub fn solve(
     for (output, _) in series.iter().filter(|(output, _)| found.outputs.iter().all(|(own, _)| own != output)) {
         eprintln!("cupola: {} is not in the photographs, and stays as it is", rig.outputs[*output].name);
     }
-    let outputs = found.outputs.into_iter();
-    Ok((outputs.map(|(output, solved)| Found { output, solved, lines: Vec::new() }).collect(), found.camera))
+    let light = if arguments.light {
+        let mut calibrated = rig.clone();
+        for (output, solved) in &found.outputs {
+            calibrated.outputs[*output].kind =
+                OutputKind::Optics { optics: Box::new(solved.optics.clone()), even_light: 0.0 };
+        }
+        let light = light::solve(&calibrated, &sizes, &found.camera, &readings);
+        Some(light.map_err(|error| Failure::usage(format!("{}: {}", folder.display(), error.message)))?)
+    } else {
+        None
+    };
+    let outputs = found.outputs.into_iter().map(|(output, solved)| Found { output, solved, lines: Vec::new() });
+    Ok(Photographed { outputs: outputs.collect(), camera: found.camera, light })
+}
+
+/// The light of each value of a photograph, 0…1.
+fn values(linear: bool) -> Vec<f32> {
+    let srgb = Blend { transfer: Transfer::Srgb, ..Blend::default() };
+    let light = |value: f64| if linear { value } else { blend::light_of(value, &srgb, blend::GREEN) };
+    (0..=u16::MAX).map(|value| light(f64::from(value) / f64::from(u16::MAX)) as f32).collect()
 }
 
 /// The photographs of a folder by their names.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let unreadable = |error: std::io::Error| Failure::usage(format!("{} cannot be read: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?.flatten().map(|entry| entry.path());
-    let is_png = |path: &PathBuf| path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("png"));
-    let mut files: Vec<PathBuf> = entries.filter(is_png).collect();
+    let is_photograph = |path: &PathBuf| {
+        let kinds = ["png", "jpg", "jpeg"];
+        path.extension().is_some_and(|kind| kinds.iter().any(|known| kind.eq_ignore_ascii_case(known)))
+    };
+    let mut files: Vec<PathBuf> = entries.filter(is_photograph).collect();
     files.sort();
     Ok(files)
 }
 
-/// Reads and decodes the photographs of one output.
-fn decoded<'a>(
-    codes: Codes,
-    files: &mut impl Iterator<Item = &'a PathBuf>,
-    size: &mut (u32, u32),
-    bar: &indicatif::ProgressBar,
-) -> Result<Decoder, Failure> {
-    let mut next = || -> Result<(Photograph, String), Failure> {
-        let file = files.next().ok_or_else(|| Failure::new("a photograph is missing"))?;
+/// The photographs in their order.
+struct Photographs<'a, I> {
+    files: &'a mut I,
+    size: &'a mut (u32, u32),
+    bar: &'a indicatif::ProgressBar,
+}
+
+impl<'a, I: Iterator<Item = &'a PathBuf>> Photographs<'_, I> {
+    fn next(&mut self) -> Result<Photograph, Failure> {
+        let file = self.files.next().ok_or_else(|| Failure::new("a photograph is missing"))?;
         let photograph = read(file)?;
-        if *size == (0, 0) {
-            *size = photograph.size;
+        if *self.size == (0, 0) {
+            *self.size = photograph.size;
         }
-        if *size != photograph.size {
-            let ((width, height), (x, y)) = (photograph.size, *size);
+        if *self.size != photograph.size {
+            let ((width, height), (x, y)) = (photograph.size, *self.size);
             let file = file.display();
             return Err(Failure::usage(format!(
                 "{file} has {width} × {height} pixels, the first photograph {x} × {y}"
             )));
         }
-        bar.inc(1);
-        Ok((photograph, file.display().to_string()))
-    };
-    let unlike = |file: String| Failure::usage(format!("{file}: its size is not that of the others"));
-    let ((white, _), (black, file)) = (next()?, next()?);
-    let mut decoder = Decoder::new(codes, &white, &black).ok_or_else(|| unlike(file))?;
-    for picture in codes.pictures() {
-        if let Picture::Bit { axis, bit, inverse: false } = picture {
-            let ((picture, _), (inverse, file)) = (next()?, next()?);
-            if !decoder.add(axis, bit, &picture, &inverse) {
-                return Err(unlike(file));
+        self.bar.inc(1);
+        Ok(photograph)
+    }
+
+    /// Reads and decodes the codes of one output. Returns white and black as well.
+    fn decoded(&mut self, codes: Codes) -> Result<(Decoder, Photograph, Photograph), Failure> {
+        let (white, black) = (self.next()?, self.next()?);
+        let mut decoder = Decoder::new(codes, &white, &black).ok_or_else(unlike)?;
+        for picture in codes.pictures() {
+            if let Picture::Bit { axis, bit, inverse: false } = picture {
+                let (picture, inverse) = (self.next()?, self.next()?);
+                decoder.add(axis, bit, &picture, &inverse).then_some(()).ok_or_else(unlike)?;
             }
         }
+        Ok((decoder, white, black))
     }
-    Ok(decoder)
+
+    /// The light of the places that were seen of an output, from the grey pictures that follow.
+    fn readings(
+        &mut self,
+        decoder: &Decoder,
+        window: u32,
+        seen: &[Sighting],
+        [black, white]: [&Photograph; 2],
+        values: &[f32],
+    ) -> Result<Vec<Reading>, Failure> {
+        let reading = |sighting: &Sighting| {
+            let Sighting { output, pixel, seen } = *sighting;
+            Reading { output, pixel, seen, light: [0.0; LEVELS.len()] }
+        };
+        let mut readings: Vec<Reading> = seen.iter().map(reading).collect();
+        for (index, level) in LEVELS.into_iter().enumerate() {
+            let means = match level {
+                0 => decoder.light(window, black, values),
+                255 => decoder.light(window, white, values),
+                _ => decoder.light(window, &self.next()?, values),
+            };
+            let means = means.ok_or_else(unlike)?;
+            readings.iter_mut().zip(means).for_each(|(reading, mean)| reading.light[index] = mean);
+        }
+        Ok(readings)
+    }
+}
+
+/// All sizes have been compared by then.
+fn unlike() -> Failure {
+    Failure::new("the photographs are not of the same size")
 }
 
 fn read(file: &Path) -> Result<Photograph, Failure> {

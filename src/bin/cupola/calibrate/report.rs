@@ -1,7 +1,7 @@
 //! What was found, in words and as JSON.
 
 use super::Found;
-use cupola::calibrate::{Camera, CameraLens, Quality};
+use cupola::calibrate::{Camera, CameraLens, Quality, light};
 use cupola::rig::Rig;
 use serde_json::json;
 use std::fmt::Write;
@@ -48,7 +48,13 @@ pub fn words(rig: &Rig, found: &Found, marks: Option<&Path>) -> String {
 }
 
 /// The same of all outputs as JSON; lengths in metres, angles in degrees.
-pub fn json(rig: &Rig, found: &[Found], camera: Option<&Camera>, out: &Path) -> serde_json::Value {
+pub fn json(
+    rig: &Rig,
+    found: &[Found],
+    camera: Option<&Camera>,
+    light: Option<&light::Found>,
+    out: &Path,
+) -> serde_json::Value {
     let outputs: Vec<_> = found
         .iter()
         .map(|found| {
@@ -80,7 +86,14 @@ pub fn json(rig: &Rig, found: &[Found], camera: Option<&Camera>, out: &Path) -> 
             "radial": camera.radial,
         })
     });
-    json!({ "file": out.display().to_string(), "outputs": outputs, "camera": camera })
+    let light = light.map(|light| {
+        let lit = |lit: &light::Lit| {
+            json!({ "name": rig.outputs[lit.output].name, "contrast": lit.contrast, "response": lit.response })
+        };
+        let outputs: Vec<_> = light.outputs.iter().map(lit).collect();
+        json!({ "rms": light.rms, "brightest_to_darkest": light.range, "outputs": outputs })
+    });
+    json!({ "file": out.display().to_string(), "outputs": outputs, "camera": camera, "light": light })
 }
 
 fn lens(camera: &Camera) -> &'static str {
@@ -100,4 +113,23 @@ pub fn camera_words(camera: &Camera) -> String {
         camera.center.x,
         camera.center.y
     )
+}
+
+/// What was found of the light.
+pub fn light_words(rig: &Rig, light: &light::Found) -> String {
+    let mut words = format!(
+        "light: brightest to darkest place {:.2}, now as the darkest; photographs differ from this by {:.2} % rms\n",
+        light.range,
+        100.0 * light.rms
+    );
+    for lit in &light.outputs {
+        let contrast = lit
+            .contrast
+            .map_or("black too dark to be measured".to_owned(), |contrast| format!("contrast {contrast:.0}"));
+        let half =
+            lit.response.iter().find(|[value, _]| *value >= 0.5).map_or(0.0, |[value, light]| light.ln() / value.ln());
+        // Writing into a string cannot fail.
+        let _ = writeln!(words, "  {}: about gamma {half:.2}, {contrast}", rig.outputs[lit.output].name);
+    }
+    words
 }

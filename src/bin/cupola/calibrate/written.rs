@@ -2,7 +2,6 @@
 
 use super::{Found, report};
 use crate::failure::Failure;
-use crate::serve;
 use crate::tune;
 use cupola::calibrate::Part;
 use cupola::geom::{Lens, Optics, pose};
@@ -18,7 +17,15 @@ const MARK: &str = "# calibrated:";
 ///
 /// # Errors
 /// The file cannot be written, or the rig would be refused; nothing is changed then.
-pub fn write(name: &str, rig: &Rig, parts: &[Part], found: &[Found], out: &Path) -> Result<(), Failure> {
+pub fn write(
+    name: &str,
+    rig: &Rig,
+    parts: &[Part],
+    found: &[Found],
+    radius: Option<f64>,
+    light: &[Changes],
+    out: &Path,
+) -> Result<(), Failure> {
     let text = match rig::presets().iter().find(|preset| preset.name == name) {
         Some(preset) => preset.text.to_owned(),
         None => std::fs::read_to_string(name).map_err(|error| Failure::usage(format!("{name}: {error}")))?,
@@ -38,13 +45,60 @@ pub fn write(name: &str, rig: &Rig, parts: &[Part], found: &[Found], out: &Path)
     if let (Some(from), Some(to)) = (folder(Path::new(name)), folder(out))
         && from != to
     {
-        serve::name_files_absolutely(document.as_table_mut(), &from);
+        tune::name_files_absolutely(document.as_table_mut(), &from);
+    }
+    if let Some(radius) = radius {
+        tune::set(document.as_table_mut(), &["dome", "radius"], &number(radius))
+            .map_err(|why| Failure::usage(format!("{name}: {why}")))?;
+    }
+    // Files of the light are beside the new rig.
+    for changes in light {
+        if let Some(table) = output_mut(&mut document, &changes.name) {
+            changes.removed.iter().for_each(|path| remove(table, path));
+        }
+        for (path, value) in &changes.keys {
+            tune::outputs(&mut document, &changes.name, path, value)
+                .map_err(|why| Failure::usage(format!("{name}: {why}")))?;
+        }
     }
     let text = document.to_string();
     rig::parse(&text, &out.display().to_string(), out.parent().unwrap_or(Path::new(""))).map_err(|error| {
         Failure::new(format!("what was found is no valid rig; nothing was written\n{}", error.message))
     })?;
     tune::replace(out, &text).map_err(|error| Failure::new(format!("{} cannot be written: {error}", out.display())))
+}
+
+/// Changes of an output's keys.
+pub struct Changes {
+    /// Its name.
+    pub name: String,
+    /// Keys that go.
+    pub removed: Vec<Vec<&'static str>>,
+    /// Keys with their values.
+    pub keys: Vec<(Vec<&'static str>, Value)>,
+}
+
+/// Removes a key if it is there.
+fn remove(table: &mut dyn TableLike, path: &[&str]) {
+    match path {
+        [key] => drop(table.remove(key)),
+        [key, rest @ ..] => {
+            if let Some(inner) = table.get_mut(key).and_then(Item::as_table_like_mut) {
+                remove(inner, rest);
+            }
+        }
+        [] => {}
+    }
+}
+
+/// The changes of the rig `text` that make it what was found, as `cupola tune` takes them.
+///
+/// # Errors
+/// The text is no TOML.
+pub fn changes(text: &str, name: &str, optics: &Optics, parts: &[Part]) -> Result<Vec<String>, String> {
+    let document: DocumentMut = text.parse().map_err(|error| format!("{error}"))?;
+    let keys = keys(&document, name, optics, parts).into_iter();
+    Ok(keys.map(|(path, value)| format!("output.{name}.{}={value}", path.join("."))).collect())
 }
 
 /// The table of an output, `output-N` if it has no name.
@@ -116,11 +170,11 @@ fn has_angles(document: &DocumentMut, name: &str) -> bool {
 }
 
 /// A number with nine decimal places: far below what can be measured.
-fn number(value: f64) -> Value {
+pub fn number(value: f64) -> Value {
     Value::from((value * 1e9).round() / 1e9 + 0.0)
 }
 
-fn numbers(values: &[f64]) -> Value {
+pub fn numbers(values: &[f64]) -> Value {
     Value::Array(values.iter().map(|value| number(*value)).collect::<Array>())
 }
 

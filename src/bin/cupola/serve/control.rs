@@ -1,5 +1,6 @@
 //! What can be asked of the server, by the page, by `cupola ctl` and by OSC.
 
+use super::marks::{Marks, NewMark};
 use super::pattern::{self, Choice};
 use super::picture::Pictures;
 use super::program::{self, Launch, Program};
@@ -53,6 +54,19 @@ pub enum Command {
     },
     /// Shows a test pattern, or the program again.
     Pattern(Choice),
+    /// Adds a mark for the calibration.
+    Mark(NewMark),
+    /// Removes the mark in a line of the file of marks.
+    Unmark {
+        /// Its number, from 1.
+        line: usize,
+    },
+    /// Solves the outputs that have marks, and changes the rig accordingly.
+    Solve {
+        /// What else is free, as `cupola calibrate --solve` takes it.
+        #[serde(default)]
+        parts: Vec<String>,
+    },
     /// Starts a program that the server was started with; the only one if none is named.
     Start {
         /// Its name.
@@ -72,6 +86,7 @@ pub enum Command {
 struct Desk {
     working: Working,
     pattern: Choice,
+    marks: Marks,
     patterns: u64,
     /// Numbers of rigs before this one.
     before: u64,
@@ -101,11 +116,13 @@ impl Server {
         programs: Vec<(String, Vec<OsString>)>,
         launch: Launch,
         program: Program,
+        marks: Option<PathBuf>,
         folder: &std::path::Path,
     ) -> Result<Self, String> {
         let name = rigs.first().map_or("fisheye", String::as_str);
         let working = Working::open(name, &launch.working_file)?;
-        let desk = Desk { working, pattern: Choice::default(), patterns: 0, before: 0, scene: None };
+        let marks = Marks::open(marks, working.rig())?;
+        let desk = Desk { working, pattern: Choice::default(), marks, patterns: 0, before: 0, scene: None };
         Ok(Self {
             desk: Mutex::new(desk),
             program,
@@ -144,6 +161,22 @@ impl Server {
             Command::Save { replace } => drop(desk.working.save(replace)?),
             Command::Rig { name, replace } => self.open(&mut desk, &name, replace)?,
             Command::Pattern(choice) => self.show(&mut desk, choice)?,
+            Command::Mark(mark) => {
+                let Desk { marks, working, .. } = &mut *desk;
+                marks.add(&mark, working.rig())?;
+            }
+            Command::Unmark { line } => {
+                let Desk { marks, working, .. } = &mut *desk;
+                marks.remove(line, working.rig())?;
+            }
+            Command::Solve { parts } => {
+                let (changes, words) = desk.marks.solve(desk.working.rig(), desk.working.text(), &parts)?;
+                desk.working.set(&changes, None)?;
+                self.draw_again(&mut desk)?;
+                let mut state = self.state(&desk);
+                state["solved"] = words.into();
+                return Ok(state);
+            }
             Command::Start { program, command } => self.start(program, command, is_trusted)?,
             Command::Stop {} => self.program.stop(),
             Command::Quit {} if is_trusted => self.program.leave(),
@@ -259,6 +292,7 @@ impl Server {
             },
             "rigs": self.rigs.iter().cloned().chain(presets).collect::<Vec<_>>(),
             "pattern": desk.pattern,
+            "marks": desk.marks.state(working.rig()),
             "program": status,
             "programs": self.programs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
             "frame_milliseconds": self.pictures().frame_milliseconds(),

@@ -11,6 +11,7 @@
 mod access;
 pub mod control;
 mod http;
+mod marks;
 mod osc;
 pub mod pattern;
 mod picture;
@@ -18,8 +19,6 @@ mod program;
 mod scene;
 pub mod socket;
 mod working;
-
-pub use working::name_files_absolutely;
 
 use crate::failure::Failure;
 use crate::launch::loader::Scratch;
@@ -32,6 +31,7 @@ use scene::Overlay;
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -45,6 +45,7 @@ const PAGE: &str = concat!(
     "<script nonce=\"cupola\">",
     include_str!("page/dome.js"),
     include_str!("page/page.js"),
+    include_str!("page/marks.js"),
     "</script>\n</html>\n",
 );
 /// The port, if no other is asked for.
@@ -70,6 +71,9 @@ pub struct Arguments {
     /// Another program that the page may start, as one line of words; may be given several times
     #[arg(long, value_name = "COMMAND")]
     program: Vec<String>,
+    /// File of marks, as `cupola calibrate` reads it: the page adds those that are made on it
+    #[arg(long, value_name = "FILE.csv")]
+    marks: Option<PathBuf>,
     /// Do not start PROGRAM at once
     #[arg(long)]
     idle: bool,
@@ -126,14 +130,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     }
     let rigs = if arguments.rig.is_empty() { vec!["fisheye".to_owned()] } else { arguments.rig };
     let starts = !arguments.idle && !arguments.command.is_empty();
-    serve(rigs, programs, options, starts, &arguments.ways, false)
+    serve(rigs, programs, options, starts, arguments.marks, &arguments.ways, false)
 }
 
 /// As `cupola run --serve`: the page for one program with these options of `run`, until it ends.
 pub fn run_with(rig: String, options: Vec<OsString>, program: &[OsString]) -> Result<ExitCode, Failure> {
     let name = program.first().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let ways = Ways { port: PORT, listen: None, osc: None };
-    serve(vec![rig], vec![(name, program.to_owned())], options, true, &ways, true)
+    serve(vec![rig], vec![(name, program.to_owned())], options, true, None, &ways, true)
 }
 
 fn serve(
@@ -141,6 +145,7 @@ fn serve(
     programs: Vec<(String, Vec<OsString>)>,
     options: Vec<OsString>,
     starts: bool,
+    marks: Option<PathBuf>,
     ways: &Ways,
     is_once: bool,
 ) -> Result<ExitCode, Failure> {
@@ -152,7 +157,7 @@ fn serve(
         statistics: scratch.path().join("statistics.json"),
     };
     let (program, supervised) = Program::new();
-    let server = Server::new(rigs, programs, launch.clone(), program, scratch.path()).map_err(Failure::usage)?;
+    let server = Server::new(rigs, programs, launch.clone(), program, marks, scratch.path()).map_err(Failure::usage)?;
     let server = Arc::new(server);
     process::note_end_signals();
     announce(&server, ways)?;

@@ -7,8 +7,12 @@
 use crate::canvas::Canvas;
 use crate::pattern::draw::{Part, Pattern};
 use cupola::rig::{Method, Output, Rig};
+use glam::DVec2;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Pixels around the middle of a crosshair that are white.
+const NEAR: i64 = 20;
 
 /// What is shown.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -26,12 +30,27 @@ pub struct Choice {
     /// Crosses: azimuth and elevation in degrees.
     #[serde(default)]
     pub at: Vec<[f64; 2]>,
+    /// A crosshair at a pixel.
+    #[serde(default)]
+    pub cursor: Option<Cursor>,
+}
+
+/// A place of an output's picture.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cursor {
+    /// Name of the output.
+    pub output: String,
+    /// Pixels from the left.
+    pub x: f64,
+    /// Pixels from the top.
+    pub y: f64,
 }
 
 impl Choice {
     /// Nothing is shown instead of the program's picture.
     pub fn is_none(&self) -> bool {
-        self.parts.is_empty() && self.at.is_empty()
+        self.parts.is_empty() && self.at.is_empty() && self.cursor.is_none()
     }
 }
 
@@ -59,8 +78,13 @@ pub fn changes(
         return Err("a pattern has lines 0.1 to 90 degrees apart, and at most 100 crosses".to_owned());
     }
     let is_named = |name: &String| rig.outputs.iter().any(|output| output.name == *name);
-    if let Some(name) = choice.only.as_ref().filter(|name| !is_named(name)) {
+    let cursor = choice.cursor.as_ref();
+    let names = [choice.only.as_ref(), cursor.map(|cursor| &cursor.output)];
+    if let Some(name) = names.into_iter().flatten().find(|name| !is_named(name)) {
         return Err(format!("there is no output {name:?}"));
+    }
+    if cursor.is_some_and(|cursor| !cursor.x.is_finite() || !cursor.y.is_finite()) {
+        return Err("the place of the crosshair is no place".to_owned());
     }
     let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
     std::fs::create_dir_all(folder).map_err(failed)?;
@@ -72,10 +96,14 @@ pub fn changes(
     let file = |output: &Output| folder.join(format!("{}-{number}.png", output.name));
     let draw = |(index, output): (usize, &Output)| {
         let is_black = choice.only.as_ref().is_some_and(|only| *only != output.name);
-        let picture = match is_black {
+        let mut picture = match is_black {
             true => Canvas::new(sizes[index].0 as usize, sizes[index].1 as usize, [0.0; 3]),
             false => pattern.draw(index),
         };
+        if let Some(cursor) = cursor.filter(|cursor| cursor.output == output.name) {
+            let place = output.flip.pixel(DVec2::new(cursor.x, cursor.y), sizes[index]);
+            crosshair(&mut picture, place);
+        }
         write(&file(output), &picture)
     };
     let next = AtomicUsize::new(0);
@@ -112,6 +140,14 @@ fn rig_changes(rig: &Rig, dark: &Path, file: impl Fn(&Output) -> PathBuf) -> Vec
         }
     }
     changes
+}
+
+/// Lines through a pixel, brighter around it; the pixel itself is the middle.
+fn crosshair(picture: &mut Canvas, place: DVec2) {
+    let (column, row) = (place.x.floor() as i64, place.y.floor() as i64);
+    let color = |away: i64| if away.abs() <= NEAR { [1.0, 1.0, 1.0] } else { [0.1, 0.6, 0.2] };
+    (0..picture.width as i64).for_each(|x| picture.blend(x, row, color(x - column), 1.0));
+    (0..picture.height as i64).for_each(|y| picture.blend(column, y, color(y - row), 1.0));
 }
 
 /// Removes the pictures of the patterns before `number`: the program may still be reading the
@@ -152,6 +188,7 @@ mod tests {
             step: None,
             only: Some("a".into()),
             at: Vec::new(),
+            cursor: None,
         };
         let folder = scratch.path().join("pattern");
         let changes = changes(&rig, &[(64, 64), (40, 30)], &choice, &folder, 1).expect("a pattern");
@@ -162,6 +199,13 @@ mod tests {
         let lit =
             |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8().iter().any(|value| *value > 0);
         assert!(lit("a-1.png") && !lit("b-1.png") && !lit("dark.png"));
+        let cursor = Some(Cursor { output: "b".into(), x: 30.5, y: 10.5 });
+        let crossed = Choice { cursor, parts: Vec::new(), only: Some("b".into()), ..choice.clone() };
+        super::changes(&rig, &[(64, 64), (40, 30)], &crossed, &folder, 1).expect("a crosshair");
+        let picture = image::open(folder.join("b-1.png")).expect("a picture").into_rgb8();
+        // The output is mirrored both ways afterwards.
+        assert_eq!(picture.get_pixel(9, 19).0, [255; 3]);
+        assert_eq!((picture.get_pixel(10, 18).0, picture.get_pixel(0, 0).0), ([0; 3], [0; 3]));
         let wrong = Choice { parts: vec!["nothing".into()], ..choice };
         assert!(super::changes(&rig, &[(64, 64), (40, 30)], &wrong, &folder, 2).is_err());
         tidy(&folder, 2);

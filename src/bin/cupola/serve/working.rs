@@ -7,14 +7,12 @@ use crate::tune;
 use cupola::rig::{self, Rig};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use toml_edit::{DocumentMut, Item, Value};
 
 /// Steps that can be undone.
 const STEPS: usize = 500;
 /// Changes of one gesture that follow each other faster than this are one step.
 const ONE_GESTURE: Duration = Duration::from_secs(2);
-/// Keys that name files relative to the rig file.
-const FILES: [&str; 2] = ["file", "image"];
 
 /// A rig with its history.
 pub struct Working {
@@ -212,7 +210,7 @@ impl Working {
             document.insert("name", Item::Value(Value::from(self.rig.name.as_str())));
         }
         let folder = if self.folder.as_os_str().is_empty() { Path::new("/") } else { &self.folder };
-        name_files_absolutely(document.as_table_mut(), folder);
+        tune::name_files_absolutely(document.as_table_mut(), folder);
         let text = tune::changed(&document.to_string(), &self.shown_instead)?;
         if !self.shown_instead.is_empty() {
             rig::parse(&text, &self.name, &self.folder).map_err(|error| error.message)?;
@@ -226,22 +224,6 @@ fn write_quickly(path: &Path, text: &str) -> std::io::Result<()> {
     let next = path.with_extension("next");
     std::fs::write(&next, text)?;
     std::fs::rename(next, path)
-}
-
-/// Makes names of files absolute: the working file lies elsewhere.
-pub fn name_files_absolutely(table: &mut dyn TableLike, folder: &Path) {
-    for (key, item) in table.iter_mut() {
-        if let Some(name) = item.as_str().filter(|_| FILES.contains(&key.get())) {
-            let path = folder.join(name);
-            if let (Some(path), Some(value)) = (path.to_str(), item.as_value_mut()) {
-                *value = Value::from(path);
-            }
-        } else if let Some(tables) = item.as_array_of_tables_mut() {
-            tables.iter_mut().for_each(|inner| name_files_absolutely(inner, folder));
-        } else if let Some(inner) = item.as_table_like_mut() {
-            name_files_absolutely(inner, folder);
-        }
-    }
 }
 
 /// The text with those tables that every rig may have.

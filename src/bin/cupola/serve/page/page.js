@@ -66,8 +66,9 @@ function take(state) {
   document.title = `${rig.changed ? '• ' : ''}${rig.title} – Cupola`;
   options($('only'), ['all outputs', ...rig.outputs], state.pattern.only || 'all outputs');
   for (const button of $('parts').children) button.classList.toggle('on', state.pattern.parts.includes(button.dataset.part));
-  $('off').classList.toggle('on', state.pattern.parts.length === 0 && state.pattern.at.length === 0);
+  $('off').classList.toggle('on', state.pattern.parts.length === 0 && state.pattern.at.length === 0 && !state.pattern.cursor);
   showHealth(state);
+  showMarks(state);
   if (state.version !== version) { version = state.version; refresh(); }
 }
 

@@ -1,0 +1,199 @@
+//! Marks that are made on the page: lines of the file that `cupola calibrate` reads.
+
+use crate::calibrate;
+use cupola::calibrate::Part;
+use cupola::rig::Rig;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// A mark.
+#[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NewMark {
+    /// Name of the output.
+    pub output: String,
+    /// The place in its picture, pixels from the top left.
+    pub x: f64,
+    /// As `x`.
+    pub y: f64,
+    /// Degrees, 0 is the front, 90 right.
+    pub azimuth: f64,
+    /// Degrees above the horizon.
+    pub elevation: f64,
+}
+
+/// All marks, as the text of their file.
+pub struct Marks {
+    file: Option<PathBuf>,
+    text: String,
+}
+
+/// First line of a new file.
+const HEADER: &str = "output,x,y,azimuth,elevation\n";
+
+impl Marks {
+    /// Those of a file, which need not exist yet.
+    ///
+    /// # Errors
+    /// What is wrong with the file, for people.
+    pub fn open(file: Option<PathBuf>, rig: &Rig) -> Result<Self, String> {
+        let text = match file.as_deref().filter(|file| file.exists()) {
+            Some(file) => {
+                calibrate::marks::read(file, rig).map_err(|failure| failure.message)?;
+                let text = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
+                if text.contains("polar") {
+                    return Err(format!(
+                        "{}: has angles of the dome (polar, around); the page makes marks with azimuth and elevation",
+                        file.display()
+                    ));
+                }
+                text
+            }
+            None => HEADER.to_owned(),
+        };
+        Ok(Self { file, text })
+    }
+
+    /// Adds a mark.
+    ///
+    /// # Errors
+    /// Why it is none, or why the file cannot be written; nothing has changed then.
+    pub fn add(&mut self, mark: &NewMark, rig: &Rig) -> Result<(), String> {
+        let mut text = self.text.clone();
+        if !text.ends_with('\n') {
+            text.push('\n');
+        }
+        let NewMark { output, x, y, azimuth, elevation } = mark;
+        text += &format!("{output},{x},{y},{azimuth},{elevation}\n");
+        calibrate::marks::parse(&text, rig).map_err(|(_, _, why)| why)?;
+        self.replace(text)
+    }
+
+    /// Removes the mark in a line, from 1.
+    ///
+    /// # Errors
+    /// There is no mark, or the file cannot be written.
+    pub fn remove(&mut self, line: usize, rig: &Rig) -> Result<(), String> {
+        if !self.lines(rig).iter().any(|mark| mark.number == line) {
+            return Err(format!("there is no mark in line {line}"));
+        }
+        let kept = self.text.split_inclusive('\n').zip(1..).filter(|(_, number)| *number != line);
+        self.replace(kept.map(|(text, _)| text).collect())
+    }
+
+    fn replace(&mut self, text: String) -> Result<(), String> {
+        if let Some(file) = &self.file {
+            crate::tune::replace(file, &text).map_err(|error| format!("{}: {error}", file.display()))?;
+        }
+        self.text = text;
+        Ok(())
+    }
+
+    /// Marks of another rig say nothing.
+    fn lines(&self, rig: &Rig) -> Vec<calibrate::marks::Line> {
+        calibrate::marks::parse(&self.text, rig).unwrap_or_default()
+    }
+
+    /// All of them, and the file.
+    pub fn state(&self, rig: &Rig) -> Value {
+        let marks = self.lines(rig).into_iter().filter_map(|line| {
+            let output = rig.outputs[line.mark?.output].name.as_str();
+            let direction = line.direction;
+            let azimuth = direction.x.atan2(-direction.z).to_degrees();
+            let elevation = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
+            let [x, y] = line.pixel.to_array();
+            Some(json!({
+                "line": line.number, "output": output, "x": x, "y": y, "azimuth": azimuth, "elevation": elevation,
+            }))
+        });
+        json!({ "file": self.file.as_ref().map(|file| file.display().to_string()), "list": marks.collect::<Vec<_>>() })
+    }
+
+    /// Solves the outputs that have marks. Returns changes of the rig `text`, and what was found in
+    /// words.
+    ///
+    /// # Errors
+    /// Why nothing can be solved, for people.
+    pub fn solve(&self, rig: &Rig, text: &str, parts: &[String]) -> Result<(Vec<String>, Vec<String>), String> {
+        let mut free = vec![Part::Pose];
+        for word in parts {
+            let part = calibrate::part(word)?;
+            if !free.contains(&part) {
+                free.push(part);
+            }
+        }
+        let lines = self.lines(rig);
+        let (mut changes, mut words) = (Vec::new(), Vec::new());
+        for (output, described) in rig.outputs.iter().enumerate() {
+            let own: Vec<_> = lines.iter().filter_map(|line| line.mark).filter(|mark| mark.output == output).collect();
+            if own.is_empty() {
+                continue;
+            }
+            let size = crate::map::native_size(rig, output);
+            let solved = cupola::calibrate::marks::solve(rig, output, size, &own, &free);
+            let solved = solved.map_err(|error| error.message)?;
+            changes.extend(calibrate::changes(text, &described.name, &solved.optics, &free)?);
+            words.push(format!("{}: {}", described.name, calibrate::summary(&solved.quality)));
+        }
+        if words.is_empty() { Err("there are no marks yet".to_owned()) } else { Ok((changes, words)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::launch::loader::Scratch;
+    use crate::tune;
+    use cupola::warp::WarpMap;
+    use glam::DVec2;
+    use std::path::Path;
+
+    fn rig(yaw: f64) -> (String, Rig) {
+        let text = format!(
+            "[dome]\ntilt = 20\n[[output]]\nname = \"a\"\nkind = \"projector\"\nsize = [800, 500]\nposition = [0, 0, 1]\n\
+             pitch = 30\nyaw = {yaw}\nfov = [80, 55]\nflip = \"horizontal\"\n"
+        );
+        let rig = cupola::rig::parse(&text, "rig.toml", Path::new("")).expect("a rig");
+        (text, rig)
+    }
+
+    #[test]
+    fn marks_lead_to_the_projector_and_to_a_file() {
+        let scratch = Scratch::new().expect("a folder");
+        let file = scratch.path().join("marks.csv");
+        let ((_, exact), (text, rough)) = (rig(3.0), rig(0.0));
+        std::fs::write(&file, "output,x,y,polar,around\na,1,1,10,10\n").expect("written");
+        assert!(Marks::open(Some(file.clone()), &rough).is_err(), "other angles");
+        std::fs::remove_file(&file).expect("removed");
+        let mut marks = Marks::open(Some(file.clone()), &rough).expect("new");
+        assert!(marks.solve(&rough, &text, &[]).is_err());
+        let map = WarpMap::new(&exact, 0, (800, 500), None).expect("a map");
+        for place in 0..12 {
+            let pixel = DVec2::new(100.5 + 200.0 * f64::from(place % 4), 80.5 + 160.0 * f64::from(place / 4));
+            let direction = map.hit(pixel).expect("lit").normalize();
+            let azimuth = direction.x.atan2(-direction.z).to_degrees();
+            let mark = NewMark {
+                output: "a".into(),
+                x: pixel.x,
+                y: pixel.y,
+                azimuth,
+                elevation: direction.y.asin().to_degrees(),
+            };
+            marks.add(&mark, &rough).expect("a mark");
+        }
+        let wrong = NewMark { output: "b".into(), x: 1.0, y: 1.0, azimuth: 0.0, elevation: 0.0 };
+        assert!(marks.add(&wrong, &rough).expect_err("no output").contains("no output \"b\""));
+        let (changes, words) = marks.solve(&rough, &text, &["fov".into()]).expect("solved");
+        assert!(words[0].starts_with("a: 12 of 12 marks"), "{words:?}");
+        let solved = tune::changed(&text, &changes).expect("keys");
+        let solved = cupola::rig::parse(&solved, "rig.toml", Path::new("")).expect("valid");
+        let found = WarpMap::new(&solved, 0, (800, 500), None).expect("a map");
+        let place = DVec2::new(321.0, 123.0);
+        assert!(found.pixel(map.hit(place).expect("lit")).expect("there").distance(place) < 1e-3);
+        let mut again = Marks::open(Some(file), &rough).expect("read again");
+        assert_eq!(again.state(&rough)["list"].as_array().map(Vec::len), Some(12));
+        again.remove(5, &rough).expect("there");
+        assert!(again.remove(50, &rough).is_err());
+        assert_eq!(again.state(&rough)["list"].as_array().map(Vec::len), Some(11));
+    }
+}
