@@ -237,6 +237,23 @@ fn methods_of_outputs() {
 }
 
 #[test]
+fn windows_of_their_own() {
+    let head = "[[output]]\nkind = \"domemaster\"\n[[output]]\nkind = \"domemaster\"\n";
+    let own = |keys: &str| format!("{head}{keys}");
+    let rig = read(&own("size = [64, 64]\ndisplay = \":0.1\"\nfullscreen = true")).expect("a rig");
+    assert_eq!((rig.outputs.len(), rig.beside.len()), (1, 1));
+    let window = rig.beside[0].own_window.as_ref().expect("a window");
+    assert_eq!((window.display.as_deref(), window.fullscreen), (Some(":0.1"), true));
+    assert!(read(&own("size = [64, 64]\nfullscreen = false")).is_ok_and(|rig| rig.outputs.len() == 2));
+    refused_text(&own("monitor = \"DP-2\""), 3, "output[1].shown", &["needs a size"]);
+    let keys = "size = [64, 64]\nmonitor = \"DP-2\"\n";
+    refused_text(&own(&format!("{keys}fullscreen = true")), 7, "output[1].fullscreen", &["leave out one"]);
+    refused_text(&own(&format!("{keys}shown = true")), 7, "output[1].shown", &["a window of its own"]);
+    let only = "[[output]]\nkind = \"domemaster\"\nsize = [64, 64]\ndisplay = \":1\"";
+    refused_text(only, 1, "output", &["none of them has a place in the program's window"]);
+}
+
+#[test]
 fn numbers_that_are_none() {
     for number in ["nan", "inf", "-inf", "+nan"] {
         refused("radius = 5", &format!("radius = {number}"), "dome.radius", &["no number that can be used", "metres"]);

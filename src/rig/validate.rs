@@ -22,6 +22,11 @@ const RAYS: usize = 65;
 pub(super) fn check(rig: &Rig, problems: &mut Problems) {
     let shown = rig.outputs.iter().filter(|output| output.shown).count();
     match (rig.passthrough, rig.outputs.len()) {
+        (false, 1..) if shown == 0 => problems.add(
+            "output",
+            "none of them has a place in the program's window; expected one without display, monitor, fullscreen and \
+             shown = false",
+        ),
         (false, _) if shown == 0 => {
             problems.add("output", "is missing; expected at least one [[output]], or passthrough = true")
         }

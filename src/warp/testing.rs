@@ -21,6 +21,7 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
         flip: Flip::default(),
         publish: false,
         shown: true,
+        own_window: None,
         node: None,
         here: true,
     }

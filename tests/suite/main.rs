@@ -47,6 +47,7 @@ mod reference;
 mod rigs;
 mod semantics;
 mod steady;
+mod stream;
 mod vertices;
 mod vkcube;
 mod vulkan;
@@ -93,6 +94,7 @@ harness::tests! {
     random_order,
     semantics,
     steady,
+    stream,
     vertices,
     vulkan,
     vulkan_calls,

@@ -30,7 +30,9 @@ mod launch;
 mod manual;
 mod map;
 mod node;
+mod own_windows;
 mod pattern;
+mod pipe;
 mod plan;
 mod play;
 mod player;
@@ -39,6 +41,7 @@ mod run;
 mod serve;
 mod setup;
 mod simulate;
+mod stream;
 mod tune;
 mod window;
 
@@ -58,6 +61,7 @@ enum Command {
     Run(run::Arguments),
     Play(play::Arguments),
     Record(record::Arguments),
+    Stream(stream::Arguments),
     Node(node::Arguments),
     Window(window::Arguments),
     Serve(serve::Arguments),
@@ -85,6 +89,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Play(arguments) => play::run(arguments),
         Command::Record(arguments) => record::run(arguments),
+        Command::Stream(arguments) => stream::run(&arguments),
         Command::Node(arguments) => node::run(arguments),
         Command::Window(arguments) => window::run(&arguments),
         Command::Serve(arguments) => serve::run(arguments),

@@ -3,8 +3,10 @@
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{Environment, apply, clock, loader};
-use cupola::rig::{Chosen, Defaults, Overrides, Profile, Profiles, Rig};
+use crate::own_windows;
+use cupola::rig::{Chosen, Defaults, Overrides, Place, Profile, Profiles, Rig};
 use cupola::ring;
+use cupola::system;
 use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
@@ -190,7 +192,7 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     } else {
         environment.extend(loader::Loader::temporary(scratch.path())?.environment(&display)?);
     }
-    environment.extend(display);
+    environment.extend(display.clone());
 
     let mut command = Command::new(program);
     command.args(rest);
@@ -213,9 +215,14 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     if let Some(file) = published.as_deref().map(Path::new).filter(|_| !options.waits_for_readers) {
         eprintln!("cupola: finished pictures are published in {}", file.display());
     }
+    let windows = match (&published, options.waits_for_readers || switched_off) {
+        (Some(file), false) => own_windows::Windows::open(&options.on_this_node(rig)?, Path::new(file), &display),
+        _ => own_windows::Windows::default(),
+    };
     // The library ends the program in a frame; only one that draws none has to be stopped.
     let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
     let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
+    windows.close();
     if let Some(file) = &published {
         // A program that was killed leaves it behind.
         ring::remove_if_ended(Path::new(file));
@@ -273,6 +280,12 @@ impl Options {
         };
         let defaults = profile.map_or_else(Defaults::default, |chosen| chosen.profile.defaults);
         Ok(overrides.apply(cupola::rig::load_with(&self.rig_name(), &defaults)?)?)
+    }
+
+    /// The rig with the outputs of this machine, where there are several.
+    fn on_this_node(&self, rig: Rig) -> Result<Rig, Failure> {
+        let place = self.node.as_ref().and_then(|(place, _)| Place::parse(place, system::host_name()));
+        Ok(place.map_or(Ok(rig.clone()), |place| rig.on_node(&place))?)
     }
 
     /// The file of published pictures, if there are any to publish.

@@ -41,6 +41,9 @@ pub struct Arguments {
     /// File of published pictures [default: /dev/shm/cupola-USER, with the number of the user]
     #[arg(long, value_name = "FILE")]
     published: Option<PathBuf>,
+    /// Do not tell that a program is waited for
+    #[arg(long, hide = true)]
+    quiet: bool,
 }
 
 /// Runs the subcommand until the program ends.
@@ -48,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let file = arguments.published.clone().unwrap_or_else(ring::default_path);
     let screen = Output::open(arguments)?;
     let mut reader = None;
-    let mut is_told = false;
+    let mut is_told = arguments.quiet;
     while reader.is_none() {
         reader = Reader::open(&file).ok();
         if reader.is_none() {

@@ -99,6 +99,7 @@ impl Rig {
             flip: Flip::default(),
             publish: true,
             shown: false,
+            own_window: None,
             node: None,
             here: true,
         });
@@ -114,6 +115,17 @@ impl Rig {
         upright.outputs.iter_mut().for_each(|output| output.flip = Flip::default());
         Cow::Owned(upright)
     }
+}
+
+/// Where the window of an output is that has one of its own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OwnWindow {
+    /// X screen, such as `:0.1`; `None` = that of the program.
+    pub display: Option<String>,
+    /// Monitor that it fills, as `xrandr` calls it.
+    pub monitor: Option<String>,
+    /// It fills the screen.
+    pub fullscreen: bool,
 }
 
 /// A spherical dome, centred at the origin.
@@ -209,6 +221,9 @@ pub struct Output {
     /// It has a place in the window.
     #[serde(skip)]
     pub shown: bool,
+    /// A window of its own, which `cupola run` opens for it; `shown` is false then.
+    #[serde(skip)]
+    pub own_window: Option<OwnWindow>,
     /// The machine that shows it, where there are several.
     #[serde(skip)]
     pub node: Option<Node>,

@@ -5,7 +5,7 @@ use crate::geom::lenses::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, PixelRect, Pose, Sphere};
 use crate::rig::reading::problems::Problems;
 use crate::rig::reading::reader::{Allowed, Section};
-use crate::rig::{Dome, Flip, Output, OutputKind};
+use crate::rig::{Dome, Flip, Output, OutputKind, OwnWindow};
 use glam::DVec3;
 use std::path::Path;
 
@@ -87,7 +87,8 @@ pub(super) fn output(
     let window = window.map(|[x, y, width, height]| PixelRect { x, y, width, height });
     let eye = section.number("eye", &EYE, 0.0, problems);
     let method = method::method(&mut section, problems);
-    let shown = shown(&mut section, size, window, problems);
+    let own_window = own_window(&mut section, problems);
+    let shown = shown(&mut section, own_window.is_none(), size, window, problems);
     let node = section.node("node", problems);
     let publish = section.boolean("publish", !shown, problems);
     let output_kind = geometry(&mut section, kind, dome, directory, problems);
@@ -109,6 +110,7 @@ pub(super) fn output(
         flip,
         publish,
         shown,
+        own_window,
         node,
         here: true,
     })
@@ -156,12 +158,38 @@ fn geometry(
     }
 }
 
-/// True if the output has a place in the window.
-fn shown(section: &mut Section, size: Option<(u32, u32)>, window: Option<PixelRect>, problems: &mut Problems) -> bool {
-    let shown = section.boolean("shown", true, problems);
+/// The window of its own that an output asks for.
+fn own_window(section: &mut Section, problems: &mut Problems) -> Option<OwnWindow> {
+    let display = section.text("display", "an X screen, for example \":0.1\"", problems).map(str::to_owned);
+    let monitor = section.text("monitor", "a monitor as xrandr lists it, for example \"DP-2\"", problems);
+    let monitor = monitor.map(str::to_owned);
+    let fullscreen = section.boolean("fullscreen", false, problems);
+    if fullscreen && monitor.is_some() {
+        let path = section.path("fullscreen");
+        problems.add(&path, "is the whole screen, `monitor` a part of it; leave out one of them");
+    }
+    (display.is_some() || monitor.is_some() || fullscreen).then_some(OwnWindow { display, monitor, fullscreen })
+}
+
+/// True if the output has a place in the program's window. `usually`: it has no window of its own.
+fn shown(
+    section: &mut Section,
+    usually: bool,
+    size: Option<(u32, u32)>,
+    window: Option<PixelRect>,
+    problems: &mut Problems,
+) -> bool {
+    let shown = section.boolean("shown", usually, problems);
     let path = section.path("shown");
+    if shown && !usually {
+        problems.add(
+            &path,
+            "means a place in the program's window, but `display`, `monitor` and `fullscreen` a window of its own",
+        );
+    }
     if !shown && size.is_none() {
-        problems.add(&path, "needs a size; expected size = [width, height] in pixels beside shown = false");
+        let why = if usually { "shown = false" } else { "display, monitor or fullscreen" };
+        problems.add(&path, format!("needs a size; expected size = [width, height] in pixels beside {why}"));
     }
     if !shown && window.is_some() {
         problems.add(&path, "means that the output has no place in the window; leave out `window`");

@@ -4,7 +4,7 @@
 use crate::backend::gl::driver::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
 use crate::error::{Error, ErrorKind, Result};
 use libloading::Library;
-use std::ffi::{c_char, c_int, c_ulong, c_void};
+use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 const GLX_DRAWABLE_TYPE: c_int = 0x8010;
@@ -27,6 +27,8 @@ pub struct Driver {
     /// The driver draws in this process; otherwise the X server does, and nothing can be
     /// intercepted.
     pub direct: bool,
+    /// Extensions of GLX, with a space between them.
+    pub extensions: String,
 }
 
 /// The functions of Xlib and GLX that are needed.
@@ -43,6 +45,7 @@ struct Glx {
     destroy_context: unsafe extern "C" fn(Handle, Handle),
     make_current: unsafe extern "C" fn(Handle, c_ulong, c_ulong, Handle) -> c_int,
     is_direct: unsafe extern "C" fn(Handle, Handle) -> c_int,
+    query_extensions: unsafe extern "C" fn(Handle, c_int) -> *const c_char,
     // Keep the functions above valid; last, so that they go last.
     _libraries: [Library; 2],
 }
@@ -74,6 +77,7 @@ impl Glx {
             destroy_context: function!(gl, b"glXDestroyContext\0"),
             make_current: function!(gl, b"glXMakeContextCurrent\0"),
             is_direct: function!(gl, b"glXIsDirect\0"),
+            query_extensions: function!(gl, b"glXQueryExtensionsString\0"),
             _libraries: [x11, gl],
         })
     }
@@ -130,7 +134,13 @@ fn on_display(glx: &Glx, display: Handle) -> Result<Driver> {
         let gl = Gl::load(|name| unsafe { (glx.get_proc_address)(name.as_ptr()) });
         // SAFETY: display and context are valid.
         let direct = unsafe { (glx.is_direct)(display, context) } != 0;
-        Ok(Driver { vendor: gl.text(GL_VENDOR), renderer: gl.text(GL_RENDERER), version: gl.text(GL_VERSION), direct })
+        // SAFETY: the display is open and has this screen; the text is the driver's, and ends with a zero.
+        let extensions = unsafe {
+            let text = (glx.query_extensions)(display, (glx.default_screen)(display));
+            if text.is_null() { String::new() } else { CStr::from_ptr(text).to_string_lossy().into_owned() }
+        };
+        let (vendor, renderer, version) = (gl.text(GL_VENDOR), gl.text(GL_RENDERER), gl.text(GL_VERSION));
+        Ok(Driver { vendor, renderer, version, direct, extensions })
     } else {
         Err(graphics("GLX gives no context that can be used"))
     };

@@ -46,6 +46,13 @@ impl Api {
         }
     }
 
+    /// Whether the device has an extension.
+    pub fn has_extension(&self, name: &CStr) -> bool {
+        // SAFETY: the physical device is one of the instance's, and both are live.
+        let extensions = unsafe { self.instance.enumerate_device_extension_properties(self.physical_device) };
+        extensions.is_ok_and(|all| all.iter().any(|one| one.extension_name_as_c_str().is_ok_and(|known| known == name)))
+    }
+
     /// The same; pipelines that the driver made are kept by `cache`.
     pub fn with_cache(mut self, cache: &Cache) -> Self {
         self.cache = cache.clone();

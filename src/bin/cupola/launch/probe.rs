@@ -39,6 +39,8 @@ pub struct Answer {
     pub direct: bool,
     /// File names of the loaded libraries of OpenGL and of Cupola.
     pub libraries: Vec<String>,
+    /// Extensions of GLX.
+    pub extensions: Vec<String>,
 }
 
 impl Answer {
@@ -63,11 +65,13 @@ impl Answer {
 /// Runs the subcommand: prints the JSON that [`ask`] reads.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (driver, direct, libraries);
+    let mut extensions = String::new();
     match arguments.way {
         Way::Glx => {
             let found = glx::driver()?;
             driver = format!("{}, {}, {}", found.vendor, found.renderer, found.version);
             direct = found.direct;
+            extensions = found.extensions;
             libraries = loaded();
         }
         Way::Egl => {
@@ -85,7 +89,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             libraries = loaded();
         }
     }
-    println!("{}", json!({ "driver": driver, "direct": direct, "libraries": libraries }));
+    let extensions: Vec<&str> = extensions.split_whitespace().collect();
+    let answer = json!({ "driver": driver, "direct": direct, "libraries": libraries, "extensions": extensions });
+    println!("{answer}");
     Ok(ExitCode::SUCCESS)
 }
 
@@ -137,10 +143,14 @@ pub fn ask(way: Way, environment: &Environment) -> Result<Answer, String> {
         });
     }
     let answer: Value = serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())?;
-    let libraries = answer["libraries"].as_array().into_iter().flatten();
+    let texts = |key: &str| {
+        let texts = answer[key].as_array().into_iter().flatten();
+        texts.filter_map(|text| text.as_str().map(str::to_owned)).collect()
+    };
     Ok(Answer {
         driver: answer["driver"].as_str().unwrap_or_default().to_owned(),
         direct: answer["direct"].as_bool().unwrap_or_default(),
-        libraries: libraries.filter_map(|name| name.as_str().map(str::to_owned)).collect(),
+        libraries: texts("libraries"),
+        extensions: texts("extensions"),
     })
 }

@@ -4,7 +4,7 @@
 //! the program's frames go, when `head`, which runs beside the program of node 0, says so. What
 //! they tell each other (`link`) travels by `mpi` or, on one machine, by `local`.
 
-mod head;
+pub mod head;
 mod link;
 mod local;
 #[cfg(feature = "mpi")]

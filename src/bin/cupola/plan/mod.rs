@@ -2,6 +2,7 @@
 //! directions.
 
 mod figures;
+mod nodes;
 mod picture;
 
 use crate::failure::Failure;
@@ -31,12 +32,17 @@ pub struct Arguments {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    nodes: nodes::Options,
 }
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut rig = cupola::rig::load(&arguments.rig)?;
     rig.views.favour = arguments.favour.unwrap_or(rig.views.favour);
+    if nodes::run(&arguments.nodes, &rig, arguments.size, arguments.json)?.is_some() {
+        return Ok(ExitCode::SUCCESS);
+    }
     let request = window_request(&rig, arguments.size);
     let start = Instant::now();
     let plan = correct::build(&rig, &request)?;

@@ -1,12 +1,13 @@
-//! Films: raw pictures to the standard input of ffmpeg, one process for each output.
+//! Pictures to the standard input of other programs, one for each output: films by way of ffmpeg,
+//! and commands of the user's.
 
 use super::{Sink, file_name};
 use crate::failure::Failure;
 use crate::launch::clock::Rate;
+use crate::pipe::{Form, Format, Receiver, TimeBase};
 use cupola::ring::Picture;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 const ENCODER: &str = "ffmpeg";
 
@@ -38,110 +39,132 @@ impl Preset {
     }
 }
 
-/// One film for each output.
-pub struct Films {
+/// Who takes the pictures.
+pub enum Taker {
+    /// ffmpeg, for a film.
+    Film(Preset),
+    /// A command for the shell, and the form of what it gets.
+    Command(String, Format),
+}
+
+/// One receiver for each output.
+pub struct Receivers {
     folder: PathBuf,
     name: Option<String>,
-    preset: Preset,
+    taker: Taker,
     rate: Rate,
-    films: Vec<Film>,
+    receivers: Vec<One>,
 }
 
-struct Film {
-    encoder: Child,
-    size: (u32, u32),
-    part: PathBuf,
-    file: PathBuf,
+struct One {
+    receiver: Receiver,
+    output: String,
+    /// A film's name until it is complete, and from then on.
+    files: Option<(PathBuf, PathBuf)>,
 }
 
-impl Films {
-    pub fn new(folder: &Path, name: Option<String>, preset: Preset, rate: Rate) -> Self {
-        Self { folder: folder.to_owned(), name, preset, rate, films: Vec::new() }
+impl Receivers {
+    pub fn new(folder: &Path, name: Option<String>, taker: Taker, rate: Rate) -> Self {
+        Self { folder: folder.to_owned(), name, taker, rate, receivers: Vec::new() }
     }
 
-    fn start(&self, picture: &Picture, several: bool) -> Result<Film, Failure> {
+    fn start(&self, picture: &Picture, several: bool) -> Result<One, Failure> {
+        let base = TimeBase { numerator: self.rate.seconds, denominator: self.rate.frames };
+        let form = |format| Form { format, base, rate: self.rate };
         let output = file_name(&picture.name);
-        let stem = match &self.name {
-            Some(name) if several => format!("{name}-{output}"),
-            Some(name) => name.clone(),
-            None => output,
-        };
-        let extension = self.preset.extension();
-        let file = self.folder.join(format!("{stem}.{extension}"));
-        let part = self.folder.join(format!("{stem}.part.{extension}"));
-        let (width, height) = picture.size;
-        let encoder = Command::new(ENCODER)
-            .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba"])
-            .args(["-video_size", &format!("{width}x{height}")])
-            .args(["-framerate", &format!("{}/{}", self.rate.frames, self.rate.seconds), "-i", "-"])
-            // These codecs want even sides and pictures in the colours of television.
-            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"])
-            .args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"])
-            .args(self.preset.options())
-            .args(["-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"])
-            .arg(std::path::absolute(&part).unwrap_or_else(|_| part.clone()))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .spawn()
-            .map_err(|error| {
-                Failure::new(format!("{ENCODER}, which writes films, cannot be started: {error}; install it"))
-            })?;
-        Ok(Film { encoder, size: picture.size, part, file })
+        match &self.taker {
+            Taker::Command(command, format) => {
+                let mut shell = Receiver::shell(command, self.rate, picture);
+                let receiver = Receiver::start(shell.current_dir(&self.folder), form(*format), picture)?;
+                Ok(One { receiver, output, files: None })
+            }
+            Taker::Film(preset) => {
+                let stem = match &self.name {
+                    Some(name) if several => format!("{name}-{output}"),
+                    Some(name) => name.clone(),
+                    None => output.clone(),
+                };
+                let extension = preset.extension();
+                let part = self.folder.join(format!("{stem}.part.{extension}"));
+                let file = self.folder.join(format!("{stem}.{extension}"));
+                let mut encoder = encoder(*preset, self.rate, picture.size, &part);
+                let receiver = Receiver::start(&mut encoder, form(Format::Raw), picture)?;
+                Ok(One { receiver, output, files: Some((part, file)) })
+            }
+        }
     }
 }
 
-impl Film {
-    fn add(&mut self, picture: &Picture) -> Result<(), Failure> {
-        if picture.size != self.size {
+fn encoder(preset: Preset, rate: Rate, (width, height): (u32, u32), file: &Path) -> Command {
+    let mut encoder = Command::new(ENCODER);
+    encoder
+        .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba"])
+        .args(["-video_size", &format!("{width}x{height}")])
+        .args(["-framerate", &format!("{}/{}", rate.frames, rate.seconds), "-i", "-"])
+        .args(TELEVISION)
+        .args(preset.options())
+        .args(["-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"])
+        .arg(std::path::absolute(file).unwrap_or_else(|_| file.to_owned()))
+        .stdout(Stdio::null());
+    encoder
+}
+
+/// Codecs want even sides and pictures in the colours of television.
+pub const TELEVISION: [&str; 10] = [
+    "-vf",
+    "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
+    "-colorspace",
+    "bt709",
+    "-color_primaries",
+    "bt709",
+    "-color_trc",
+    "bt709",
+    "-color_range",
+    "tv",
+];
+
+impl One {
+    fn add(&mut self, picture: &Picture, time: u64) -> Result<(), Failure> {
+        let (old, new) = (self.receiver.size(), picture.size);
+        if old != new {
             return Err(Failure::new(format!(
                 "{}: the picture changed its size from {} × {} to {} × {}, which a film cannot",
-                self.file.display(),
-                self.size.0,
-                self.size.1,
-                picture.size.0,
-                picture.size.1
+                self.output, old.0, old.1, new.0, new.1
             )));
         }
-        let written = self.encoder.stdin.as_mut().map_or(Ok(()), |input| input.write_all(&picture.rgba));
-        written.map_err(|error| {
-            Failure::new(format!("{}: {ENCODER} takes no more pictures: {error}", self.part.display()))
-        })
+        self.receiver.add(picture, time)
     }
 
     fn finish(&mut self) -> Result<(), Failure> {
-        drop(self.encoder.stdin.take());
-        let failed = |error: std::io::Error| Failure::new(format!("{}: {error}", self.part.display()));
-        let status = self.encoder.wait().map_err(failed)?;
-        if !status.success() {
-            return Err(Failure::new(format!("{}: {ENCODER} failed with {status}", self.part.display())));
+        self.receiver.finish()?;
+        match &self.files {
+            Some((part, file)) => {
+                std::fs::rename(part, file).map_err(|error| Failure::new(format!("{}: {error}", part.display())))
+            }
+            None => Ok(()),
         }
-        std::fs::rename(&self.part, &self.file).map_err(failed)
     }
 }
 
-impl Drop for Film {
-    fn drop(&mut self) {
-        // The part of a film that was not finished stays: ffmpeg closes it when its input ends.
-        drop(self.encoder.stdin.take());
-        let _ = self.encoder.wait();
-    }
-}
-
-impl Sink for Films {
-    fn take(&mut self, _number: u64, pictures: &[Picture]) -> Result<(), Failure> {
-        if self.films.is_empty() {
-            self.films =
+impl Sink for Receivers {
+    fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure> {
+        if self.receivers.is_empty() {
+            self.receivers =
                 pictures.iter().map(|picture| self.start(picture, pictures.len() > 1)).collect::<Result<_, _>>()?;
         }
-        if pictures.len() != self.films.len() {
+        if pictures.len() != self.receivers.len() {
             return Err(Failure::new("the number of outputs changed, which a film cannot"));
         }
-        self.films.iter_mut().zip(pictures).try_for_each(|(film, picture)| film.add(picture))
+        self.receivers.iter_mut().zip(pictures).try_for_each(|(one, picture)| one.add(picture, number - 1))
     }
 
     fn finish(&mut self) -> Result<String, Failure> {
-        self.films.iter_mut().try_for_each(Film::finish)?;
-        let files: Vec<_> = self.films.iter().map(|film| film.file.display().to_string()).collect();
-        Ok(format!("the film is in {}", files.join(", ")))
+        self.receivers.iter_mut().try_for_each(One::finish)?;
+        let files: Vec<_> =
+            self.receivers.iter().filter_map(|one| Some(one.files.as_ref()?.1.display().to_string())).collect();
+        Ok(match files.is_empty() {
+            true => "the command has taken all pictures".to_owned(),
+            false => format!("the film is in {}", files.join(", ")),
+        })
     }
 }

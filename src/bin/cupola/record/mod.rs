@@ -1,13 +1,15 @@
-//! `cupola record`: writes all frames of a program to numbered pictures or to a film.
+//! `cupola record`: writes all frames of a program to numbered pictures or to a film, or hands them
+//! to a command.
 //!
 //! The program gets the virtual clock and publishes its frames; a thread of this command reads and
 //! writes them, and the program waits for it.
 
-mod film;
+pub mod film;
 mod numbered;
 
 use crate::failure::Failure;
 use crate::launch::clock::{Rate, rate};
+use crate::pipe::Format;
 use crate::run::{self, Options};
 use crate::terminal;
 use cupola::ring::{self, Frame, Next, Picture, Reader};
@@ -46,6 +48,12 @@ pub struct Arguments {
     /// Write a film with ffmpeg instead of pictures
     #[arg(long, value_name = "h264|h265|prores")]
     film: Option<film::Preset>,
+    /// Start this shell command in the folder, and hand the pictures to its standard input
+    #[arg(long, value_name = "COMMAND", conflicts_with = "film")]
+    pipe: Option<String>,
+    /// Form of these pictures
+    #[arg(long, value_name = "nut|y4m|raw", requires = "pipe", default_value = "nut")]
+    format: Format,
     /// Program and its arguments
     #[arg(trailing_var_arg = true, required = true)]
     program: Vec<OsString>,
@@ -61,7 +69,7 @@ trait Sink: Send {
 
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
-    let Arguments { mut options, fps, out, name, film, program } = arguments;
+    let Arguments { mut options, fps, out, name, film, pipe, format, program } = arguments;
     let Some(frames) = options.frames else {
         return Err(Failure::usage(
             "the length of the recording is missing: give --frames N, for example --frames 600",
@@ -83,9 +91,10 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         own.into()
     });
     options.publish = Some(ring.clone());
-    let sink: Box<dyn Sink> = match film {
+    let taker = film.map(film::Taker::Film).or(pipe.map(|command| film::Taker::Command(command, format)));
+    let sink: Box<dyn Sink> = match taker {
         None => Box::new(numbered::Folder::new(&out, name)),
-        Some(preset) => Box::new(film::Films::new(&out, name, preset, fps)),
+        Some(taker) => Box::new(film::Receivers::new(&out, name, taker, fps)),
     };
     let has_ended = AtomicBool::new(false);
     std::thread::scope(|scope| {

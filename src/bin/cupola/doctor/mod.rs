@@ -1,6 +1,8 @@
 //! `cupola doctor`: reports which kinds of programs can be corrected on this machine, and why
 //! others cannot.
 
+mod screens;
+
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::probe::{self, Answer, Way};
@@ -91,6 +93,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         (None, Err(_)) => "there is no X display, and Xvfb could not be started".to_owned(),
     };
     tell("display", None, place);
+    let shown_on = display.iter().find(|(name, _)| *name == "DISPLAY").and_then(|(_, value)| value.clone());
+    for words in screens::screens(shown_on.as_deref().and_then(std::ffi::OsStr::to_str)) {
+        tell("screen", None, words);
+    }
+    for words in screens::cards(Path::new("/sys/class/drm")) {
+        tell("card", None, words);
+    }
 
     let hooked = hooked(&scratch, &display, &mut tell);
     let works = [("glx", Way::Glx), ("egl", Way::Egl)].map(|(key, way)| {
@@ -106,6 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let Ok(device) = &device {
         tell("vulkan flat", None, vulkan_flat(device));
     }
+    tell("swap groups", None, screens::swap_groups(&display, device.as_ref().ok()));
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));

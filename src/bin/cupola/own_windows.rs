@@ -1,0 +1,134 @@
+//! Outputs that have windows of their own: `cupola run` opens them by `cupola window`, and opens
+//! them again when their screens come back.
+
+use crate::launch::{Environment, apply};
+use cupola::rig::{Output, OwnWindow, Rig};
+use cupola::system::process;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// So often it is looked whether a window has ended.
+const LOOK: Duration = Duration::from_millis(50);
+/// Time until a window that has ended is opened again.
+const PAUSE: Duration = Duration::from_secs(1);
+/// A window that was open for so long has worked: its next error is told.
+const WORKED: Duration = Duration::from_secs(3);
+
+/// The windows of a run.
+#[derive(Default)]
+pub struct Windows {
+    threads: Vec<JoinHandle<()>>,
+    is_over: Arc<AtomicBool>,
+}
+
+impl Windows {
+    /// Opens a window for each output that has its own, as soon as pictures are published.
+    /// `display`: what the program is told about the X server.
+    pub fn open(rig: &Rig, published: &Path, display: &Environment) -> Self {
+        let mut windows = Self::default();
+        let here = rig.beside.iter().chain(&rig.outputs).filter(|output| output.here);
+        for (output, own) in here.filter_map(|output| Some((output, output.own_window.as_ref()?))) {
+            let command = Opening::new(output, own, published, display);
+            let is_over = Arc::clone(&windows.is_over);
+            windows.threads.push(std::thread::spawn(move || command.keep_open(&is_over)));
+        }
+        windows
+    }
+
+    /// The program has ended.
+    pub fn close(self) {
+        self.is_over.store(true, Ordering::SeqCst);
+        for thread in self.threads {
+            // One that has panicked has told so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// How a window is opened.
+struct Opening {
+    output: String,
+    own: OwnWindow,
+    published: PathBuf,
+    display: Environment,
+}
+
+impl Opening {
+    fn new(output: &Output, own: &OwnWindow, published: &Path, display: &Environment) -> Self {
+        Self {
+            output: output.name.clone(),
+            own: own.clone(),
+            published: published.to_owned(),
+            display: display.clone(),
+        }
+    }
+
+    /// Starts `cupola window`; `loud`: with its messages.
+    fn start(&self, loud: bool) -> std::io::Result<Child> {
+        let mut command = Command::new(std::env::current_exe()?);
+        apply(&mut command, &self.display);
+        command.args(["window", &self.output, "--quiet", "--published"]).arg(&self.published);
+        if let Some(display) = &self.own.display {
+            command.args(["--display", display]);
+        }
+        if let Some(monitor) = &self.own.monitor {
+            command.args(["--monitor", monitor]);
+        }
+        if self.own.fullscreen {
+            command.arg("--fullscreen");
+        }
+        command.stdin(Stdio::null()).stdout(Stdio::null());
+        if !loud {
+            command.stderr(Stdio::null());
+        }
+        // This thread lives as long as the window may.
+        process::end_with_parent(&mut command).spawn()
+    }
+
+    /// Keeps the window open until the program has ended.
+    fn keep_open(&self, is_over: &AtomicBool) {
+        let mut loud = true;
+        while !is_over.load(Ordering::SeqCst) {
+            let begin = Instant::now();
+            match self.start(loud) {
+                Ok(child) => {
+                    let has_failed = wait(child, is_over);
+                    if has_failed && (loud || begin.elapsed() > WORKED) {
+                        let output = &self.output;
+                        eprintln!(
+                            "cupola: the window of {output} is closed; it is opened again when its screen is there"
+                        );
+                    }
+                }
+                Err(error) if loud => eprintln!("cupola: the window of {} cannot be opened: {error}", self.output),
+                Err(_) => {}
+            }
+            loud = begin.elapsed() > WORKED;
+            let pause = Instant::now();
+            while pause.elapsed() < PAUSE && !is_over.load(Ordering::SeqCst) {
+                std::thread::sleep(LOOK);
+            }
+        }
+    }
+}
+
+/// Waits for the end of a window; when the program has ended, ends it. Whether it failed.
+fn wait(mut child: Child, is_over: &AtomicBool) -> bool {
+    loop {
+        match child.try_wait() {
+            Ok(None) if is_over.load(Ordering::SeqCst) => {
+                // It may have ended meanwhile.
+                let _ = process::terminate(&child);
+                let _ = child.wait();
+                return false;
+            }
+            Ok(None) => std::thread::sleep(LOOK),
+            Ok(Some(status)) => return !status.success(),
+            Err(_) => return true,
+        }
+    }
+}

@@ -1,0 +1,457 @@
+//! A show of several nodes in time that is counted: programs that draw for a while, messages that
+//! take a while, and the decisions of `cupola node` itself.
+
+use crate::node::head::{Action, Head};
+use cupola::nodes::{Arrival, FIRST_FRAMES};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+use std::time::Duration;
+
+/// Time in which node 0 takes a message, or sends one.
+const HANDLING: u64 = 5_000;
+/// So much real time is simulated at most, in nanoseconds.
+const LONGEST: u64 = 3_600_000_000_000;
+
+/// A node that fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Failed {
+    pub node: usize,
+    /// In this frame.
+    pub frame: u64,
+    /// For so long; `None`: for ever.
+    pub stopped: Option<Duration>,
+}
+
+/// What is simulated.
+#[derive(Clone, Debug)]
+pub struct Show {
+    /// Time that each node's program and graphics card take for a frame.
+    pub work: Vec<Duration>,
+    /// Mean of what a frame takes longer: exponentially distributed.
+    pub jitter: Duration,
+    /// Time of a message on its way.
+    pub latency: Duration,
+    /// Processors that all nodes share; `None`: each node has its own.
+    pub cores: Option<usize>,
+    /// Time from frame to frame.
+    pub length: Duration,
+    /// Frames are shown at that rate, and no faster.
+    pub is_paced: bool,
+    pub time_out: Duration,
+    pub frames: u64,
+    pub failed: Option<Failed>,
+}
+
+/// What was seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Mean milliseconds from frame to frame, on node 0.
+    pub interval: f64,
+    /// Milliseconds between the first node and the last that show a frame: half of the frames have
+    /// no more, and 99 of 100.
+    pub apart: (f64, f64),
+    /// The longest time without a new picture on the nodes that did not fail, in milliseconds.
+    pub longest: f64,
+    /// Frames that the node that failed did not show.
+    pub left_out: u64,
+    /// Milliseconds after its stop until the node that failed showed a frame with the others; `None`:
+    /// it did not.
+    pub back: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Event {
+    /// A program has drawn a frame.
+    Drawn {
+        node: usize,
+        epoch: u64,
+    },
+    /// A message is taken by node 0.
+    Arrived {
+        node: usize,
+        frame: u64,
+    },
+    /// A node hears that frames up to this may be shown.
+    Released {
+        node: usize,
+        frame: u64,
+    },
+    /// A program has waited long enough.
+    Over {
+        node: usize,
+        frame: u64,
+    },
+    /// A program that is on its own shows its next frame.
+    Paced {
+        node: usize,
+        frame: u64,
+    },
+    Tick,
+    GoesOn {
+        node: usize,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Draws { until: u64 },
+    Waits,
+    Alone { released: u64 },
+    Stopped { left: u64 },
+    Dead,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    state: State,
+    /// Frame that it draws, or whose end it has reached.
+    frame: u64,
+    released: u64,
+    /// It is on its own since so many frames were released.
+    alone: Option<u64>,
+    epoch: u64,
+    went: u64,
+    time: u64,
+    /// When it showed each frame.
+    shown: BTreeMap<u64, u64>,
+}
+
+struct Run<'a> {
+    show: &'a Show,
+    head: Head,
+    events: BinaryHeap<Reverse<(u64, u64, Event)>>,
+    count: u64,
+    nodes: Vec<Node>,
+    /// When each processor is free.
+    cores: Option<Vec<u64>>,
+    /// When node 0 has done what it does.
+    busy: u64,
+    /// The programs' time after each frame.
+    times: BTreeMap<u64, u64>,
+    arrivals: BTreeMap<(usize, u64), Arrival>,
+    random: u64,
+    tick: Option<u64>,
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+impl Show {
+    /// Simulates it.
+    pub fn run(&self) -> Seen {
+        let node = Node {
+            state: State::Waits,
+            frame: 0,
+            released: 0,
+            alone: None,
+            epoch: 0,
+            went: 0,
+            time: 0,
+            shown: BTreeMap::new(),
+        };
+        let mut run = Run {
+            show: self,
+            head: Head::new(self.work.len(), self.time_out / 2, self.is_paced.then_some(self.length)),
+            events: BinaryHeap::new(),
+            count: 0,
+            nodes: vec![node; self.work.len()],
+            cores: self.cores.map(|cores| vec![0; cores]),
+            busy: 0,
+            times: BTreeMap::new(),
+            arrivals: BTreeMap::new(),
+            random: 1,
+            tick: None,
+        };
+        for node in 0..self.work.len() {
+            run.begin(node, 0);
+        }
+        while let Some(Reverse((now, _, event))) = run.events.pop() {
+            if now > LONGEST || run.nodes.iter().any(|node| node.frame > self.frames) {
+                break;
+            }
+            run.take(event, now);
+        }
+        run.seen()
+    }
+}
+
+impl Run<'_> {
+    fn at(&mut self, time: u64, event: Event) {
+        self.count += 1;
+        self.events.push(Reverse((time, self.count, event)));
+    }
+
+    /// A number of the exponential distribution with mean 1.
+    fn chance(&mut self) -> f64 {
+        // Marsaglia's xorshift64.
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        -(((self.random >> 11) as f64 + 0.5) / (1u64 << 53) as f64).ln()
+    }
+
+    /// A program begins its next frame; when it has a processor for that.
+    fn begin(&mut self, node: usize, now: u64) -> u64 {
+        let extra = nanoseconds(self.show.jitter) as f64 * self.chance();
+        let work = nanoseconds(self.show.work[node]) + extra as u64;
+        let begin = match &mut self.cores {
+            None => now,
+            Some(cores) => {
+                // The processor that is free first.
+                let first = cores.iter_mut().min();
+                first.map_or(now, |free| {
+                    let begin = now.max(*free);
+                    *free = begin + work;
+                    begin
+                })
+            }
+        };
+        let until = begin + work;
+        let frame = &mut self.nodes[node];
+        frame.frame += 1;
+        frame.state = State::Draws { until };
+        let (epoch, number) = (frame.epoch, frame.frame);
+        self.at(until, Event::Drawn { node, epoch });
+        if let Some(failed) = self.show.failed.filter(|failed| (failed.node, failed.frame) == (node, number)) {
+            let frame = &mut self.nodes[node];
+            frame.epoch += 1;
+            match failed.stopped {
+                Some(stopped) => {
+                    frame.state = State::Stopped { left: work };
+                    self.at(now + nanoseconds(stopped), Event::GoesOn { node });
+                }
+                None => {
+                    frame.state = State::Dead;
+                    // The connection is lost, and that is seen.
+                    let actions = self.head.gone(node, now);
+                    self.act(actions, now);
+                }
+            }
+        }
+        begin
+    }
+
+    fn take(&mut self, event: Event, now: u64) {
+        match event {
+            Event::Drawn { node, epoch } if self.nodes[node].epoch == epoch => self.drawn(node, now),
+            Event::Drawn { .. } => {}
+            Event::Arrived { node, frame } => {
+                if let Some(arrival) = self.arrivals.remove(&(node, frame)) {
+                    let actions = self.head.arrived(node, arrival, now);
+                    self.act(actions, now);
+                }
+            }
+            Event::Released { node, frame } => {
+                let one = &mut self.nodes[node];
+                one.released = one.released.max(frame);
+                if one.state == State::Waits && one.released >= one.frame {
+                    self.pass(node, now);
+                }
+            }
+            Event::Over { node, frame } => {
+                let one = &mut self.nodes[node];
+                if one.state == State::Waits && one.frame == frame {
+                    one.alone = Some(one.released);
+                    self.pass(node, now);
+                }
+            }
+            Event::Paced { node, frame } => {
+                let one = &self.nodes[node];
+                if matches!(one.state, State::Alone { .. }) && one.frame == frame {
+                    self.pass(node, now);
+                }
+            }
+            Event::Tick => {
+                self.tick = None;
+                let actions = self.head.tick(now);
+                self.act(actions, now);
+            }
+            Event::GoesOn { node } => {
+                let one = &mut self.nodes[node];
+                if let State::Stopped { left } = one.state {
+                    one.state = State::Draws { until: now + left };
+                    let epoch = one.epoch;
+                    self.at(now + left, Event::Drawn { node, epoch });
+                }
+            }
+        }
+    }
+
+    /// A program is at the end of a frame.
+    fn drawn(&mut self, node: usize, now: u64) {
+        let latency = if node == 0 { 0 } else { nanoseconds(self.show.latency) };
+        let length = nanoseconds(self.show.length);
+        let one = &mut self.nodes[node];
+        one.time += length;
+        let frame = one.frame;
+        let arrival = Arrival { frame, digest: frame, time: one.time, went: one.went, size: (1, 1) };
+        self.arrivals.insert((node, frame), arrival);
+        self.busy = self.busy.max(now + latency) + HANDLING;
+        self.at(self.busy, Event::Arrived { node, frame });
+        let one = &mut self.nodes[node];
+        if one.alone.is_some_and(|released| one.released != released) {
+            one.alone = None;
+        }
+        match one.alone {
+            Some(released) => {
+                one.state = State::Alone { released };
+                let due = now.max(one.went + length);
+                self.at(due, Event::Paced { node, frame });
+            }
+            None if one.released >= frame => self.pass(node, now),
+            None => {
+                one.state = State::Waits;
+                let limit = if frame <= FIRST_FRAMES { 60_000_000_000 } else { nanoseconds(self.show.time_out) };
+                self.at(now + limit, Event::Over { node, frame });
+            }
+        }
+    }
+
+    /// A program shows its frame, or leaves it out if the others are ahead.
+    fn pass(&mut self, node: usize, now: u64) {
+        let one = &mut self.nodes[node];
+        if let Some(time) = self.times.get(&one.frame) {
+            one.time = one.time.max(*time);
+        }
+        let (frame, is_late) = (one.frame, one.released > one.frame);
+        let went = self.begin(node, now);
+        let one = &mut self.nodes[node];
+        one.went = went;
+        if !is_late {
+            one.shown.insert(frame, went);
+        }
+    }
+
+    /// Does what node 0 has decided.
+    fn act(&mut self, actions: Vec<Action>, now: u64) {
+        let latency = nanoseconds(self.show.latency);
+        for action in actions {
+            let Action::Release { frame, time } = action else { continue };
+            if time > 0 {
+                self.times.insert(frame, time);
+            }
+            self.busy = self.busy.max(now);
+            for node in 1..self.nodes.len() {
+                self.busy += HANDLING;
+                self.at(self.busy + latency, Event::Released { node, frame });
+            }
+            self.at(self.busy, Event::Released { node: 0, frame });
+        }
+        if let Some(due) =
+            self.head.due().map(|due| due.max(now + 1)).filter(|due| self.tick.is_none_or(|tick| tick > *due))
+        {
+            self.tick = Some(due);
+            self.at(due, Event::Tick);
+        }
+    }
+
+    fn seen(&self) -> Seen {
+        const MS: f64 = 1e-6;
+        let failed = self.show.failed.map(|failed| failed.node);
+        let others =
+            || self.nodes.iter().enumerate().filter(|(number, _)| Some(*number) != failed).map(|(_, node)| node);
+        let steps = |node: &Node| -> Vec<u64> {
+            let times: Vec<u64> = node.shown.range(FIRST_FRAMES..).map(|(_, time)| *time).collect();
+            times.windows(2).map(|pair| pair[1] - pair[0]).collect()
+        };
+        let leader = others().next().map(steps).unwrap_or_default();
+        let mut apart: Vec<u64> = Vec::new();
+        if let Some(first) = others().next() {
+            for frame in first.shown.range(FIRST_FRAMES..).map(|(frame, _)| frame) {
+                let times: Vec<u64> = others().filter_map(|node| node.shown.get(frame).copied()).collect();
+                apart.extend(times.iter().max().zip(times.iter().min()).map(|(last, first)| last - first));
+            }
+        }
+        apart.sort_unstable();
+        let part = |part: usize| apart.get(apart.len() * part / 100).map_or(0.0, |time| *time as f64 * MS);
+        let longest = others().flat_map(steps).max().unwrap_or(0);
+        let (left_out, back) = self.show.failed.map_or((0, None), |failed| self.returned(failed));
+        Seen {
+            interval: leader.iter().sum::<u64>() as f64 * MS / leader.len().max(1) as f64,
+            apart: (part(50), part(99)),
+            longest: longest as f64 * MS,
+            left_out,
+            back,
+        }
+    }
+
+    /// Frames that the node that failed left out, and how long after its stop it was back.
+    fn returned(&self, failed: Failed) -> (u64, Option<f64>) {
+        let Some(node) = self.nodes.get(failed.node) else { return (0, None) };
+        let left_out = (1..node.frame).filter(|frame| !node.shown.contains_key(frame)).count() as u64;
+        let before = node.shown.range(..failed.frame).next_back().map_or(0, |(_, time)| *time);
+        let after = node.shown.range(failed.frame..).next();
+        let back = failed.stopped.zip(after).map(|(stopped, (_, time))| {
+            (time.saturating_sub(before).saturating_sub(nanoseconds(stopped))) as f64 * 1e-6
+        });
+        (left_out, back)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: Duration = Duration::from_millis(1);
+
+    fn show(count: usize) -> Show {
+        Show {
+            work: vec![8 * MS; count],
+            jitter: Duration::ZERO,
+            latency: MS / 10,
+            cores: None,
+            length: 16 * MS,
+            is_paced: false,
+            time_out: 100 * MS,
+            frames: 400,
+            failed: None,
+        }
+    }
+
+    fn is_near(value: f64, expected: f64) -> bool {
+        (value - expected).abs() < 0.05 * expected.max(0.1)
+    }
+
+    /// Without chance all is known: a frame takes the work, and two messages one after the other.
+    #[test]
+    fn lock_step_takes_the_slowest_node_and_two_messages() {
+        let alone = show(1).run();
+        assert!(is_near(alone.interval, 8.005), "{alone:?}");
+        let mut four = show(4);
+        let seen = four.run();
+        assert!(is_near(seen.interval, 8.2) && is_near(seen.apart.0, 0.1), "{seen:?}");
+        four.work[2] = 12 * MS;
+        let slow = four.run();
+        assert!(is_near(slow.interval, 12.2), "{slow:?}");
+        four.is_paced = true;
+        assert!(is_near(four.run().interval, 16.0), "{:?}", four.run());
+        // Four programs on two processors.
+        let shared = Show { cores: Some(2), ..show(4) }.run();
+        assert!(is_near(shared.interval, 16.2), "{shared:?}");
+    }
+
+    #[test]
+    fn chance_costs_more_the_more_nodes_there_are() {
+        let with = |count: usize| Show { jitter: 2 * MS, ..show(count) }.run().interval;
+        // The mean of the largest of n exponential numbers is the n-th harmonic number.
+        let harmonic = |count: u32| (1..=count).map(|part| 1.0 / f64::from(part)).sum::<f64>();
+        for count in [1, 4, 16] {
+            let expected = 8.0 + 2.0 * harmonic(count) + if count > 1 { 0.2 } else { 0.0 };
+            assert!((with(count as usize) - expected).abs() < 0.35, "{count}: {} {expected}", with(count as usize));
+        }
+    }
+
+    #[test]
+    fn others_wait_for_a_node_that_stops_for_half_of_the_time_out() {
+        let failed = |stopped| Some(Failed { node: 2, frame: 100, stopped });
+        let paced = Show { is_paced: true, ..show(3) };
+        let stopped = Show { failed: failed(Some(500 * MS)), ..paced.clone() }.run();
+        assert!((50.0..82.0).contains(&stopped.longest), "{stopped:?}");
+        assert!(stopped.left_out > 10 && stopped.back.is_some_and(|back| back < 600.0), "{stopped:?}");
+        let killed = Show { failed: failed(None), ..paced.clone() }.run();
+        assert!(killed.longest < 34.0 && killed.back.is_none(), "{killed:?}");
+        let whole = paced.run();
+        assert!(whole.longest < 17.0 && whole.left_out == 0, "{whole:?}");
+    }
+}

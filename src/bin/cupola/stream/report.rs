@@ -1,0 +1,83 @@
+//! What was sent, what was lost, and how long it took.
+
+use cupola::ring::Frame;
+use cupola::system;
+use serde_json::{Value, json};
+use std::fmt;
+
+/// Frames whose times are kept; of more, those of the first.
+const KEPT: usize = 1 << 20;
+
+/// Numbers of a stream.
+#[derive(Default)]
+pub struct Report {
+    /// Frames that the receiver has taken.
+    pub sent: u64,
+    /// Frames that it lost because it was too slow.
+    pub lost: u64,
+    /// Frames that were left out to keep the rate.
+    left_out: u64,
+    read: u64,
+    /// Numbers that the program gave to its frames and that did not come.
+    missing: u64,
+    index: u64,
+    /// Microseconds from the program's swap until the receiver had taken the picture.
+    delays: Vec<u32>,
+    /// The first loss was told.
+    is_told: bool,
+}
+
+impl Report {
+    /// A frame was read; `lost` before it.
+    pub fn read(&mut self, frame: &Frame, lost: u64) {
+        if self.index > 0 {
+            self.missing += frame.index.saturating_sub(self.index + 1);
+        }
+        (self.index, self.lost, self.read) = (frame.index, lost, self.read + 1);
+        if lost > 0 && !std::mem::replace(&mut self.is_told, true) {
+            eprintln!("cupola: the receiver is slower than the program: it loses frames");
+        }
+        self.left_out = self.read - self.sent - 1;
+    }
+
+    /// The receiver has taken it. `time`: of its swap; that of a virtual clock tells nothing.
+    pub fn sent(&mut self, time: u64) {
+        self.sent += 1;
+        let delay = system::monotonic().checked_sub(time).and_then(|delay| u32::try_from(delay / 1000).ok());
+        if let Some(delay) = delay.filter(|delay| *delay < 60_000_000 && self.delays.len() < KEPT) {
+            self.delays.push(delay);
+        }
+    }
+
+    /// Half of the delays, and 99 of 100, are no longer; in microseconds.
+    fn delays(&self) -> Option<(u32, u32)> {
+        let mut sorted = self.delays.clone();
+        sorted.sort_unstable();
+        let at = |part: usize| sorted.get(sorted.len() * part / 100).copied();
+        Some((at(50)?, at(99)?))
+    }
+
+    /// The numbers as JSON.
+    pub fn json(&self) -> Value {
+        let mut json = json!({
+            "sent": self.sent,
+            "lost": self.lost,
+            "left_out": self.left_out,
+            "not_published": self.missing.saturating_sub(self.lost),
+        });
+        if let Some((median, most)) = self.delays() {
+            json["microseconds_from_swap"] = json!({ "median": median, "99_of_100": most });
+        }
+        json
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} frames sent, {} lost", self.sent, self.lost)?;
+        if self.left_out > 0 {
+            write!(f, ", {} left out to keep the rate", self.left_out)?;
+        }
+        Ok(())
+    }
+}
