@@ -12,6 +12,7 @@ tests! {
     four_nodes_show_what_one_process_shows,
     with_their_own_clocks_nodes_differ,
     a_program_that_reads_past_the_clock_is_named,
+    a_vulkan_program_that_differs_is_named,
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
 
@@ -88,6 +89,31 @@ fn a_program_that_reads_past_the_clock_is_named() {
         let Some(nodes) = by_time(&rig(), mode, 6, &nodes) else { return };
         let words = "node 1 draws something else than the others in frame 3";
         assert!(nodes.words().contains(words), "{mode}: {}", nodes.words());
+    }
+}
+
+/// Each node has its own direction, or all have the same.
+fn a_vulkan_program_that_differs_is_named() {
+    let Some(folder) = crate::programs::vulkan_apps() else { return };
+    for (yaw, words) in
+        [("0", "all alike"), ("${CUPOLA_NODE%/*}", "node 1 draws something else than the others in frame 1:")]
+    {
+        let run = Run { frames: 0, size: (96, 96), ..Run::new("vk_cube") };
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        command.env("CUPOLA_LIBRARY", library()).args([
+            "node",
+            "--local",
+            "2",
+            "--unpaced",
+            PATIENT[0],
+            PATIENT[1],
+            "--rig",
+        ]);
+        command.arg(rig()).args(["--frames", "4", "--", "sh", "-c", &format!("exec \"$0\" \"$@\" --yaw {yaw}")]);
+        command.arg(folder.join(run.program)).args(run.arguments(&display::place()));
+        let Some(finished) = Finished::of(command, run.program, "node") else { return };
+        let finished = finished.expect_success();
+        assert!(finished.words().contains(words), "{yaw}: {}", finished.words());
     }
 }
 

@@ -107,6 +107,17 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         }
         seen.push(expected);
     }
+    // A mirror: the pixels go through a pipe, which may lead to another machine.
+    let cupola = env!("CARGO_BIN_EXE_cupola");
+    let output = format!("--output {} --published {}", outputs[3].name, published.display());
+    let pipe = format!("{cupola} stream - {output} 2>/dev/null | {cupola} window --stdin --display {}", other.name);
+    let mirror = start(Command::new("sh").args(["-c", &pipe]));
+    let begin = Instant::now();
+    while pixels(&other) != seen[1] {
+        assert!(begin.elapsed() < Duration::from_secs(40), "the mirror shows nothing");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    drop(mirror);
     // A screen that goes away: its window ends with an error, and the program goes on.
     let mut shown = start(window(&outputs[3].name, &other, &published).stderr(Stdio::piped()));
     let begin = Instant::now();

@@ -4,6 +4,7 @@
 //! else with it.
 
 use crate::failure::Failure;
+use crate::pipe::nut;
 use cupola::ring::{self, Frame, Next, Picture, Reader};
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -26,8 +27,11 @@ The program is started with cupola run --publish, or with a rig in which the out
 scaled: give the output the size of the monitor. It is shown one or two frames after the program's own window.")]
 pub struct Arguments {
     /// Name of the output
-    #[arg(value_name = "OUTPUT")]
-    output: String,
+    #[arg(value_name = "OUTPUT", required_unless_present = "stdin", conflicts_with = "stdin")]
+    output: Option<String>,
+    /// Show pictures from the standard input, as `cupola stream -` sends them
+    #[arg(long, conflicts_with = "published")]
+    stdin: bool,
     /// X screen, for example :0.1 [default: $DISPLAY]
     #[arg(long, value_name = "NAME")]
     display: Option<String>,
@@ -50,6 +54,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let file = arguments.published.clone().unwrap_or_else(ring::default_path);
     let screen = Output::open(arguments)?;
+    let Some(output) = &arguments.output else { return show_input(&screen) };
     let mut reader = None;
     let mut is_told = arguments.quiet;
     while reader.is_none() {
@@ -74,10 +79,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             }
             Next::Frame => {}
         }
-        let Some(picture) = frame.pictures.iter().find(|picture| picture.name == arguments.output) else {
+        let Some(picture) = frame.pictures.iter().find(|picture| picture.name == *output) else {
             let names: Vec<&str> = frame.pictures.iter().map(|picture| &*picture.name).collect();
             let published = names.join(", ");
-            return Err(Failure::usage(format!("no output {:?} is published, but {published}", arguments.output)));
+            return Err(Failure::usage(format!("no output {output:?} is published, but {published}")));
         };
         let window = match window {
             Some(window) => window,
@@ -85,6 +90,20 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         };
         screen.show(window, picture)?;
     }
+}
+
+/// Shows what comes by the standard input until that ends.
+fn show_input(screen: &Output) -> Result<ExitCode, Failure> {
+    let mut reading = nut::Reading::new(std::io::stdin().lock());
+    let (mut picture, mut window) = (Picture::default(), None);
+    while reading.next(&mut picture).map_err(|error| Failure::new(format!("the standard input: {error}")))? {
+        let window = match window {
+            Some(window) => window,
+            None => *window.insert(screen.window(&picture)?),
+        };
+        screen.show(window, &picture)?;
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The screen of an output.

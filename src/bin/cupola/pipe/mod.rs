@@ -2,7 +2,7 @@
 //! stream` and for `cupola record --film` and `--pipe`.
 
 mod format;
-mod nut;
+pub mod nut;
 mod y4m;
 
 pub use format::{Format, TimeBase, Writing};

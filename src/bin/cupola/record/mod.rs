@@ -85,11 +85,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::usage(format!("the folder {} cannot be created: {error}", out.display())))?;
     options.clock.clock = Some(fps);
     options.waits_for_readers = true;
-    let ring = options.publish.take().filter(|file| !file.as_os_str().is_empty()).unwrap_or_else(|| {
-        let mut own = ring::default_path().into_os_string();
-        own.push(format!("-record-{}", std::process::id()));
-        own.into()
-    });
+    let ring = options.publish.take().filter(|file| !file.as_os_str().is_empty()).unwrap_or_else(own_ring);
     options.publish = Some(ring.clone());
     let taker = film.map(film::Taker::Film).or(pipe.map(|command| film::Taker::Command(command, format)));
     let sink: Box<dyn Sink> = match taker {
@@ -121,6 +117,17 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             Err(failure) => Err(failure),
         }
     })
+}
+
+/// The file of this recording's frames. Those of recordings that were killed are removed.
+fn own_ring() -> PathBuf {
+    let usual = ring::default_path();
+    let name = format!("{}-record-", usual.file_name().unwrap_or_default().to_string_lossy());
+    let folder = usual.parent().unwrap_or(Path::new("/dev/shm"));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let others = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&name));
+    others.for_each(|other| ring::remove_if_ended(&other.path()));
+    folder.join(format!("{name}{}", std::process::id()))
 }
 
 struct Recorder<'a> {

@@ -11,7 +11,7 @@ use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::driver::{Driver, SetDeviceLoaderData};
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::intercept::vk::state::views::view_constants::ConstantPool;
-use crate::intercept::{clock, log, settings};
+use crate::intercept::{clock, log, nodes, settings};
 use crate::lock::{Lock, SharedLock};
 use crate::runtime::cache;
 use ash::{ext, khr, vk};
@@ -50,6 +50,8 @@ pub unsafe extern "system" fn create(
             let made = *handle;
             let missing = missing_of_device(|name| address((link.get_device_proc_addr)(made, name.as_ptr())));
             let active = active && missing.is_none();
+            // From here on calls are summed up, if there are other machines.
+            nodes::are_there();
             if let Some(name) = missing {
                 log::once(&format!("Vulkan: a device's windows keep the program's own picture: there is no {name}"));
             }

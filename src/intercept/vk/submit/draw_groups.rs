@@ -6,6 +6,7 @@
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::single;
+use crate::intercept::call_sum;
 use crate::intercept::inspection;
 use crate::intercept::lens::{self, Candidate, Told};
 use crate::intercept::scene::flat_program::OffScreen;
@@ -83,7 +84,11 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
                 }
             }
             Event::Copy(from, to, region) => device.host_memory.copied(*from, *to, region),
-            Event::Update(buffer, offset, bytes) => device.host_memory.written(*buffer, *offset, bytes.clone()),
+            Event::Update(buffer, offset, bytes) => {
+                // SAFETY: the slice has so many bytes.
+                unsafe { call_sum::add_values(bytes.as_ptr(), bytes.len()) };
+                device.host_memory.written(*buffer, *offset, bytes.clone());
+            }
             Event::Layout(image, layout) => device.images.submitted(*image, *layout),
             Event::Execute(other) => {
                 device.recordings.with(*other, |other| run_events(device, other, queries));
@@ -143,6 +148,7 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     frame.follow(&group.layout);
     let functions_changed = camera_matrices::look(device, group, &frame);
     find_lens(device, group);
+    sum_up(group);
     let facts = &group.facts;
     frame.counts.seen += group.draws;
     let in_views = facts.in_views && device.draws_views();
@@ -188,6 +194,17 @@ fn find_lens(device: &Device, group: &mut DrawGroup) {
     }
     if group.matrices.is_empty() && group.facts.deep {
         group.lens = group.layout.session.given_lens().map(|lens| (Told::sure(lens), "the rig's lens"));
+    }
+}
+
+/// Adds a group's draws to the sum of the program's calls, by their number and the matrices that
+/// Cupola reads for them.
+fn sum_up(group: &DrawGroup) {
+    if call_sum::is_on() {
+        call_sum::add(group.draws);
+        for (_, matrix) in &group.matrices {
+            matrix.iter().for_each(|value| call_sum::add(value.to_bits()));
+        }
     }
 }
 
