@@ -35,7 +35,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("views", &["cache", "geom", "rig", "warp"]),
     ("warp", &["geom", "formats", "rig"]),
     ("blend", &["geom", "rig", "warp"]),
-    ("calibrate", &["geom", "rig"]),
+    ("calibrate", &["geom", "rig", "blend"]),
     ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
     ("ring", &["system"]),

@@ -197,19 +197,27 @@ fn photograph(rig: &Rig, patterns: &Path, photos: &Path, camera: &Camera) {
 
 /// Responses are those that were photographed, and masks even out the light of both projectors.
 fn check_light(exact: &Rig, found: &Rig) {
+    let weights = blend::Weights::new(exact, &[(480, 300); 2]).unwrap();
+    let maps = [0, 1].map(|output| WarpMap::new(exact, output, (480, 300), None).unwrap());
+    let masks = [0, 1].map(|output: usize| rig::read_mask(found.outputs[output].mask.as_deref().unwrap()).unwrap());
+    let shown = |output: usize, point: DVec3| {
+        let pixel = maps[output].pixel(point).unwrap_or(DVec2::splat(-1.0));
+        let Some(area) = maps[output].area(pixel) else { return 0.0 };
+        let ((width, height), mask) = &masks[output];
+        let (x, y) = ((pixel.x / 480.0 * f64::from(*width)) as u32, (pixel.y / 300.0 * f64::from(*height)) as u32);
+        let dimmed = f64::from(mask[(y * width + x) as usize]) / 65535.0;
+        weights.weight_at(output, point) * dimmed * BRIGHTNESS[output] / area
+    };
     let mut light = Vec::new();
     for (output, described) in found.outputs.iter().enumerate() {
         for value in [0.3f64, 0.5, 0.8] {
             let error = blend::light_of(value, &described.blend, 1) - value.powf(GAMMA[output]);
             assert!(error.abs() < 0.01, "{output}: {value}: {error}");
         }
-        let ((width, height), mask) = rig::read_mask(described.mask.as_deref().unwrap()).unwrap();
-        let map = WarpMap::new(exact, output, (480, 300), None).unwrap();
         for place in 0..80 {
             let part = DVec2::new(f64::from(place % 10) + 0.5, f64::from(place / 10) + 0.5) / DVec2::new(10.0, 8.0);
-            let (x, y) = ((part.x * f64::from(width)) as u32, (part.y * f64::from(height)) as u32);
-            let dimmed = f64::from(mask[(y * width + x) as usize]) / 65535.0;
-            light.extend(map.area(part * DVec2::new(480.0, 300.0)).map(|area| dimmed * BRIGHTNESS[output] / area));
+            let point = maps[output].hit(part * DVec2::new(480.0, 300.0));
+            light.extend(point.map(|point| shown(0, point) + shown(1, point)));
         }
     }
     let mean = light.iter().sum::<f64>() / light.len() as f64;

@@ -114,7 +114,7 @@ pub fn limits(
     let model = Joint::new(rig, &screen, sizes, observed, camera.clone(), parts)?;
     let exact = vec![0.0; model.parameters()];
     let used = vec![true; model.observations()];
-    let information = least_squares::information(&model, &exact, &used, &[deviation]);
+    let information = least_squares::information(&model, &exact, &used, &[deviation; GROUPS]);
     let limit = |covariance: &Symmetric, (index, projector): (usize, &Projector)| {
         let own = model.first(index)..model.first(index + 1);
         marks::expected(projector, &exact[own.clone()], &covariance.part(own), &screen)
@@ -134,6 +134,9 @@ fn first_camera(screen: &Screen, size: (u32, u32)) -> Camera {
     let pose = Pose { position: screen.pose.position, rotation: glam::DMat3::IDENTITY };
     Camera::new(pose, CameraLens::Fisheye, f64::from(size.0), size)
 }
+
+/// Kinds of observations.
+const GROUPS: usize = 3;
 
 /// One observation; `projector` counts those that were seen.
 #[derive(Clone, Copy, Debug)]
@@ -276,6 +279,19 @@ impl Model for Joint<'_> {
         projector.chain(camera).filter(|index| !self.is_held(*index))
     }
 
+    /// Places that are clicked at are less precise than decoded ones.
+    fn group(&self, observation: usize) -> usize {
+        match self.all[observation] {
+            Observation::Seen { .. } => 0,
+            Observation::Landmark { .. } => 1,
+            Observation::Mark { .. } => 2,
+        }
+    }
+
+    fn groups(&self) -> usize {
+        GROUPS
+    }
+
     fn is_held(&self, parameter: usize) -> bool {
         self.held.get(parameter).copied().unwrap_or(false)
     }
@@ -309,13 +325,18 @@ fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)>
     };
     let fisheyes = of(CameraLens::Fisheye, true, BEST).chain(of(CameraLens::Fisheye, false, 1));
     let pinholes = of(CameraLens::Pinhole, true, BEST).chain(of(CameraLens::Pinhole, false, 1));
-    let fits = fisheyes.chain(pinholes).map(|(_, camera)| {
-        let camera = camera.clone();
-        let model = Joint { camera, held: held.clone(), ..thin.clone() };
+    let fitted = |(_, camera): &(f64, Camera)| {
+        let model = Joint { camera: camera.clone(), held: held.clone(), ..thin.clone() };
         let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
         (fit.cost, model.moved(&fit.parameters))
-    });
-    let (_, best) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    };
+    let less = |a: &(f64, Joint), b: &(f64, Joint)| a.0.total_cmp(&b.0);
+    let mut best = fisheyes.chain(pinholes).map(fitted).min_by(less)?;
+    if !is_inside(&best.1.camera) {
+        // All others are tried before a place on the wall is taken.
+        best = starts.iter().map(fitted).chain([best]).min_by(less)?;
+    }
+    let best = best.1;
     let model = Joint { all: whole.all.clone(), ..best };
     let fit = least_squares::robust(&model, vec![0.0; model.parameters()]);
     Some((model, fit))

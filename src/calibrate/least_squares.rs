@@ -28,6 +28,8 @@ pub trait Model {
         false
     }
     /// The group of an observation, 0…[`Self::groups`]: those of one group are equally precise.
+    /// Those of group 0 are the most precise: a small group cannot tell by itself that it only
+    /// seems to be more precise, because parameters follow it.
     fn group(&self, _observation: usize) -> usize {
         0
     }
@@ -151,7 +153,9 @@ fn scales<M: Model>(model: &M, residuals: &[Option<DVec2>]) -> Vec<f64> {
     for (observation, residual) in residuals.iter().enumerate() {
         lengths[model.group(observation)].push(residual.map_or(f64::INFINITY, DVec2::length));
     }
-    lengths.iter_mut().map(|lengths| (median(lengths) / MEDIAN_LENGTH).clamp(LEAST_SCALE, 1e9)).collect()
+    let scale = |lengths: &mut Vec<f64>| (median(lengths) / MEDIAN_LENGTH).clamp(LEAST_SCALE, 1e9);
+    let scales: Vec<f64> = lengths.iter_mut().map(scale).collect();
+    scales.iter().map(|scale| scale.max(scales[0])).collect()
 }
 
 /// The median; 0 of nothing.
@@ -172,7 +176,9 @@ fn deviations<M: Model>(model: &M, residuals: &[Option<DVec2>], used: &[bool]) -
     let all = sums.iter().map(|sum| sum.1).sum::<usize>().max(1) as f64;
     let solved = (0..model.parameters()).filter(|index| !model.is_held(*index)).count();
     let free = ((all - solved as f64) / all).max(1.0 / all);
-    sums.iter().map(|(sum, count)| (sum / (free * (*count).max(1) as f64)).sqrt().max(1e-12)).collect()
+    let deviation = |(sum, count): &(f64, usize)| (sum / (free * (*count).max(1) as f64)).sqrt().max(1e-12);
+    let deviations: Vec<f64> = sums.iter().map(deviation).collect();
+    deviations.iter().map(|deviation| deviation.max(deviations[0])).collect()
 }
 
 /// Fisher's information about the parameters in observations whose coordinates have these standard

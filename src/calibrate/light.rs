@@ -11,6 +11,7 @@
 
 use super::least_squares::median;
 use super::{Camera, Projector, Symmetric};
+use crate::blend::EdgeWeight;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Optics, Screen};
 use crate::rig::Rig;
@@ -56,10 +57,12 @@ pub struct Found {
     pub rms: f64,
     /// Light that all places can have: that of the darkest one, in the readings' unit.
     even: f64,
-    /// The greatest light of a single projector, as a multiple of the least.
+    /// The light of the brightest place, as a multiple of that of the darkest.
     pub range: f64,
     screen: Screen,
     outlines: Vec<(Projector, Optics)>,
+    /// How much each output asks for where they overlap; `None` if it does not give way.
+    edges: Vec<Option<EdgeWeight>>,
 }
 
 /// Coefficients of a projector's falloff: of sin²θ and sin⁴θ, θ being the angle from the axis.
@@ -117,7 +120,12 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], camera: &Camera, readings: &[Readi
         let contrast = contrasts.get(index).copied().filter(|contrast| *contrast < GREATEST_CONTRAST);
         lit.push(Lit { output: *output, response, contrast, brightness: model.own(&white, index) });
     }
-    let mut found = Found { outputs: lit, rms, even: 0.0, range: 1.0, screen, outlines };
+    let edge = |output: &usize| {
+        let blend = &rig.outputs[*output].blend;
+        blend.overlap.then(|| EdgeWeight::of(blend))
+    };
+    let edges = outputs.iter().map(edge).collect();
+    let mut found = Found { outputs: lit, rms, even: 0.0, range: 1.0, screen, outlines, edges };
     let light: Vec<f64> = places.iter().filter_map(|(index, reading)| found.light(*index, reading.pixel)).collect();
     let (least, most) =
         light.iter().fold((f64::MAX, 0.0f64), |(least, most), light| (least.min(*light), most.max(*light)));
@@ -126,11 +134,30 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], camera: &Camera, readings: &[Readi
 }
 
 impl Found {
-    /// The light of white at a pixel of an output, counted among those that were seen; `None` where
-    /// it lights nothing.
+    /// The light of white where a pixel of an output is, of all projectors with the weights that
+    /// they have there; `None` where it lights nothing. `index` counts the outputs that were seen.
     fn light(&self, index: usize, pixel: DVec2) -> Option<f64> {
         let (projector, optics) = &self.outlines[index];
-        light(&self.outputs[index].brightness, projector, optics, &self.screen, pixel)
+        let (origin, direction) = projector.ray(optics, pixel)?;
+        let point = self.screen.unbounded_hit(origin, direction)?.point;
+        let mut shared = [0.0, 0.0];
+        let mut alone = 0.0;
+        for ((lit, (projector, optics)), edge) in self.outputs.iter().zip(&self.outlines).zip(&self.edges) {
+            let Some(place) = projector.pixel(optics, point).filter(|place| projector.shows(*place)) else { continue };
+            let Some(light) = light(&lit.brightness, projector, optics, &self.screen, place) else { continue };
+            match edge {
+                Some(edge) => {
+                    let size = projector.size();
+                    // In the corner of the only picture it has all, whatever it asks for.
+                    let asked = edge.raw_weight(place / DVec2::new(f64::from(size.0), f64::from(size.1))).max(1e-9);
+                    shared[0] += asked * light;
+                    shared[1] += asked;
+                }
+                None => alone += light,
+            }
+        }
+        let light = alone + if shared[1] > 0.0 { shared[0] / shared[1] } else { 0.0 };
+        (light > 0.0).then_some(light)
     }
 
     /// What a pixel of an output has to be dimmed to, so that the light of all projectors is that

@@ -110,6 +110,24 @@ fn noise_is_averaged_as_well_as_can_be() {
     assert!(found < 1.2 * limit && found > 0.75 * limit, "{found} px, at least {limit}");
 }
 
+/// Decoded places are ten times as precise as clicks; all of the clicks count nevertheless.
+#[test]
+fn rough_marks_beside_precise_places_are_averaged() {
+    let mut random = Random::new(104);
+    let exact = rig::load("planetarium-6").expect("a preset");
+    let camera = camera(CameraLens::Fisheye, &mut random);
+    let mut observed = observed(&exact, &camera, 60, 60, 0.02, &mut random);
+    observed.landmarks.iter_mut().for_each(|(seen, _)| *seen += 0.6 * random.gaussian());
+    let found = solve(&rough(&exact, &mut random), &SIZES, &observed, &[Part::Pose]).expect("determined");
+    let error = marks::rms(found.outputs.iter().map(|(output, solved)| {
+        let projector = Projector::new(&exact.outputs[*output], SIZES[*output], &[Part::Pose], 5.0).expect("one");
+        marks::difference(&projector, &projector.optics(&[]), &solved.optics, &exact.surface())
+    }));
+    let told = marks::rms(found.outputs.iter().map(|(_, solved)| solved.quality.expected));
+    // The mean of 60 clicks.
+    assert!(error < 0.25 && error < 2.0 * told, "{error} px, {told} px are told");
+}
+
 #[test]
 fn without_marks_the_first_output_gives_the_aim() {
     let mut random = Random::new(103);

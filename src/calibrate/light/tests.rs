@@ -132,7 +132,6 @@ fn light_becomes_even() {
     };
     let before = unevenness(&shown(&|_, _| 1.0, &dome.rig));
     let after = unevenness(&shown(&|index, pixel| found.dimming(index, pixel), &evened));
-    println!("{before:?} {after:?} {} {}", found.rms, found.range);
     assert!(before.0 > 0.1, "it was uneven: {before:?}");
     assert!(after.0 < 0.01 && after.1 < 0.02, "{after:?}");
     // With another falloff of the camera, what is seen is not what is there.

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::random::Random;
 use crate::terminal;
 use cupola::calibrate::gray::{CELLS, Codes, Decoder, Photograph, Picture};
-use cupola::calibrate::{Camera, Observed, Part, joint};
+use cupola::calibrate::{Camera, Observed, Part, Sighting, joint};
 use glam::{DVec2, DVec3};
 use serde_json::json;
 use std::fmt::Write;
@@ -37,6 +37,9 @@ const MARKS: [usize; 2] = [20, 100];
 pub struct Photographed {
     photographs: usize,
     sightings: usize,
+    /// Errors of the decoded places: root mean square, and length of the mean, pixels of the
+    /// photographs.
+    decoding: (f64, f64),
     rendering: f64,
     /// Number of marks, the error of each output in pixels, seconds.
     solved: Vec<(usize, Vec<f64>, f64)>,
@@ -47,9 +50,10 @@ impl Photographed {
     pub fn table(&self) -> String {
         let (width, height) = PHOTOGRAPH;
         let mut table = format!(
-            "\n{} photographs of {width} × {height} pixels, {} sightings; rendered and decoded in {:.0} s\n\n\
+            "\n{} photographs of {width} × {height} pixels, {} sightings with {:.3} px rms of error (mean {:.3} px); \
+             rendered and decoded in {:.0} s\n\n\
              | marks | error, px | worst output, px | solved in, s |\n|---|---|---|---|\n",
-            self.photographs, self.sightings, self.rendering
+            self.photographs, self.sightings, self.decoding.0, self.decoding.1, self.rendering
         );
         for (marks, errors, seconds) in &self.solved {
             // Writing into a string cannot fail.
@@ -65,6 +69,7 @@ impl Photographed {
         });
         json!({
             "photographs": self.photographs, "sightings": self.sightings, "seconds": self.rendering,
+            "decoding_rms": self.decoding.0, "decoding_mean": self.decoding.1,
             "solved": solved.collect::<Vec<_>>(),
         })
     }
@@ -108,6 +113,7 @@ pub fn measured() -> Result<Photographed, Failure> {
     }
     bar.finish_and_clear();
     let rendering = begin.elapsed().as_secs_f64();
+    let decoding = decoding(&world, &camera, &observed)?;
     let sizes = vec![SIZE; outputs];
     let mut solved = Vec::new();
     for marks in MARKS {
@@ -120,7 +126,23 @@ pub fn measured() -> Result<Photographed, Failure> {
         solved.push((marks, errors.collect::<Result<_, _>>()?, seconds));
     }
     let photographs = outputs * codes.pictures().len();
-    Ok(Photographed { photographs, sightings: observed.sightings.len(), rendering, solved })
+    Ok(Photographed { photographs, sightings: observed.sightings.len(), decoding, rendering, solved })
+}
+
+/// Root mean square and mean of the differences between decoded places and exact ones.
+fn decoding(world: &World, camera: &Camera, observed: &Observed) -> Result<(f64, f64), Failure> {
+    let screen = world.exact.surface();
+    let projectors: Vec<_> =
+        (0..world.exact.outputs.len()).map(|output| world.projector(output)).collect::<Result<_, _>>()?;
+    let error = |sighting: &Sighting| {
+        let (projector, optics) = &projectors[sighting.output];
+        let (origin, direction) = projector.ray(optics, sighting.pixel)?;
+        Some(sighting.seen - camera.place(screen.unbounded_hit(origin, direction)?.point)?)
+    };
+    let errors: Vec<DVec2> = observed.sightings.iter().filter_map(error).collect();
+    let count = errors.len().max(1) as f64;
+    let square = errors.iter().map(|error| error.length_squared()).sum::<f64>() / count;
+    Ok((square.sqrt(), (errors.iter().sum::<DVec2>() / count).length()))
 }
 
 /// The directions, dome axes, of the corners of all pixels of the photograph, row by row.

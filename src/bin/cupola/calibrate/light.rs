@@ -19,11 +19,11 @@ const COARSER: u32 = 8;
 /// A file is there already, or cannot be written.
 pub fn masks(rig: &Rig, light: &Found, out: &Path, replace: bool) -> Result<Vec<Changes>, Failure> {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+    let file = |lit: &Lit| out.with_file_name(format!("{stem}-{}-light.png", rig.outputs[lit.output].name));
+    light.outputs.iter().try_for_each(|lit| convert::refuse_to_replace(&file(lit), replace))?;
     let mut all = Vec::new();
     for (index, lit) in light.outputs.iter().enumerate() {
-        let name = &rig.outputs[lit.output].name;
-        let file = out.with_file_name(format!("{stem}-{name}-light.png"));
-        convert::refuse_to_replace(&file, replace)?;
+        let file = file(lit);
         let (size, values) = mask(rig, light, index)?;
         let picture = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(size.0, size.1, values);
         let written = picture.map(|picture| picture.save(&file));

@@ -262,14 +262,20 @@ impl Server {
 
     /// The scene of the moment, with its number.
     pub fn scene(&self) -> (u64, Arc<Scene>) {
+        let (version, rig) = {
+            let desk = self.desk();
+            let version = desk.version();
+            if let Some((_, scene)) = desk.scene.as_ref().filter(|(made, _)| *made == version) {
+                return (version, scene.clone());
+            }
+            (version, desk.working.rig().clone())
+        };
+        // Changes do not wait for it.
+        let scene = Arc::new(Scene::new(&rig, self.sizes(&rig)));
         let mut desk = self.desk();
-        let version = desk.version();
-        if let Some((_, scene)) = desk.scene.as_ref().filter(|(made, _)| *made == version) {
-            return (version, scene.clone());
+        if desk.version() == version {
+            desk.scene = Some((version, scene.clone()));
         }
-        let rig = desk.working.rig();
-        let scene = Arc::new(Scene::new(rig, self.sizes(rig)));
-        desk.scene = Some((version, scene.clone()));
         (version, scene)
     }
 
