@@ -166,19 +166,25 @@ pub fn solve(
     for (output, _) in series.iter().filter(|(output, _)| found.outputs.iter().all(|(own, _)| own != output)) {
         eprintln!("cupola: {} is not in the photographs, and stays as it is", rig.outputs[*output].name);
     }
-    let light = if arguments.light {
-        let mut calibrated = rig.clone();
-        for (output, solved) in &found.outputs {
-            calibrated.outputs[*output].kind =
-                OutputKind::Optics { optics: Box::new(solved.optics.clone()), even_light: 0.0 };
-        }
-        let light = light::solve(&calibrated, &sizes, &found.camera, &readings);
-        Some(light.map_err(|error| Failure::usage(format!("{}: {}", folder.display(), error.message)))?)
-    } else {
-        None
-    };
+    let light = arguments.light.then(|| solved_light(rig, &sizes, &found, &readings)).transpose();
+    let light = light.map_err(|error| Failure::usage(format!("{}: {}", folder.display(), error.message)))?;
     let outputs = found.outputs.into_iter().map(|(output, solved)| Found { output, solved, lines: Vec::new() });
     Ok(Photographed { outputs: outputs.collect(), camera: found.camera, light })
+}
+
+/// The light of the projectors where they were found.
+fn solved_light(
+    rig: &Rig,
+    sizes: &[(u32, u32)],
+    found: &joint::Found,
+    readings: &[Reading],
+) -> cupola::Result<light::Found> {
+    let mut calibrated = rig.clone();
+    for (output, solved) in &found.outputs {
+        calibrated.outputs[*output].kind =
+            OutputKind::Optics { optics: Box::new(solved.optics.clone()), even_light: 0.0 };
+    }
+    light::solve(&calibrated, sizes, &found.camera, readings)
 }
 
 /// The light of each value of a photograph, 0…1.

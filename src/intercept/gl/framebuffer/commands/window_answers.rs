@@ -26,13 +26,21 @@ pub(super) fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R
     answer
 }
 
+/// Parameters that depend on the read buffer.
+const READ_PARAMETERS: [u32; 2] = [api::GL_IMPLEMENTATION_COLOR_READ_TYPE, api::GL_IMPLEMENTATION_COLOR_READ_FORMAT];
+
 hooks! {
     "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, _gl|
         attachment_parameter(ctx, target, attachment, name, values);
     "glFramebufferParameteri" framebuffer_parameteri(target: u32, name: u32, value: i32) = |ctx, _gl|
         with_own(ctx, target, |gl| gl.framebuffer_parameteri(target, name, value));
-    "glGetFramebufferParameteriv" get_framebuffer_parameteriv(target: u32, name: u32, values: *mut i32) = |ctx, _gl|
-        with_own(ctx, target, |gl| gl.get_framebuffer_parameteriv(target, name, values));
+    "glGetFramebufferParameteriv" get_framebuffer_parameteriv(target: u32, name: u32, values: *mut i32) = |ctx, gl|
+        // The window's own framebuffer keeps its read buffer.
+        if ctx.app.read_buffer == api::GL_NONE && READ_PARAMETERS.contains(&name) {
+            gl.get_framebuffer_parameteriv(target, name, values);
+        } else {
+            with_own(ctx, target, |gl| gl.get_framebuffer_parameteriv(target, name, values));
+        };
     "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, _gl|
         with_own(ctx, target, |gl| gl.invalidate_framebuffer(target, count, attachments));
     "glDiscardFramebufferEXT" discard_framebuffer_ext(target: u32, count: i32, attachments: *const u32) = |ctx, _gl|
