@@ -170,37 +170,10 @@ fn exit_code(ended: &Ended) -> i32 {
     }
 }
 
-/// Starts a program. Returns its exit code.
-pub fn start(mut options: Options, program: &[OsString], inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
-    let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
-    let (program, rest) = program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
-    let profile = options.profile(Some(program))?;
-    let rig = options.rig_with(profile.as_ref())?;
-    if options.headless && options.size.is_none() && !options.offscreen {
-        // Without a screen nobody enlarges the window for the outputs.
-        options.size = rig.extent();
-    }
-    let mut environment = options.environment(profile.as_ref(), inspection.as_ref())?;
-    let scratch = loader::Scratch::new()?;
-    let server = match options.headless {
-        true => Some(display::Server::start(options.size.unwrap_or((1920, 1200)), scratch.path())?),
-        false => None,
-    };
-    let display = server.as_ref().map_or_else(Vec::new, display::Server::environment);
-    if switched_off {
-        environment.clear();
-    } else {
-        environment.extend(loader::Loader::temporary(scratch.path())?.environment(&display)?);
-    }
-    environment.extend(display.clone());
-
+/// Command that starts `program`, as its options ask, without its environment.
+fn command(program: &OsString, given: &[OsString], options: &Options, switched_off: bool) -> Command {
     let mut command = Command::new(program);
-    command.args(rest);
-    if let Some(chosen) = profile.filter(|_| !switched_off) {
-        eprintln!("cupola: {}", chosen.description());
-        command.envs(variables(&chosen));
-    }
-    apply(&mut command, &environment);
+    command.args(given);
     if options.clock.clock.is_some() && !switched_off {
         process::with_fixed_addresses(&mut command);
     }
@@ -210,14 +183,45 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     if options.node.is_some() {
         process::without_broken_pipes(&mut command);
     }
+    command
+}
+
+/// Starts a program. Returns its exit code.
+pub fn start(mut options: Options, program: &[OsString], inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
+    let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
+    let (program, given) = program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
+    let profile = options.profile(Some(program))?;
+    let rig = options.rig_with(profile.as_ref())?;
+    if options.headless && options.size.is_none() && !options.offscreen {
+        // Without a screen nobody enlarges the window for the outputs.
+        options.size = rig.extent();
+    }
+    let mut environment = options.environment(profile.as_ref(), inspection.as_ref())?;
+    let scratch = loader::Scratch::new()?;
+    let size = options.size.unwrap_or((1920, 1200));
+    let server = options.headless.then(|| display::Server::start(size, scratch.path())).transpose()?;
+    let display = server.as_ref().map_or_else(Vec::new, display::Server::environment);
+    if switched_off {
+        environment.clear();
+    } else {
+        environment.extend(loader::Loader::temporary(scratch.path())?.environment(&display)?);
+    }
+    environment.extend(display.clone());
+
+    let mut command = command(program, given, &options, switched_off);
+    if let Some(chosen) = profile.filter(|_| !switched_off) {
+        eprintln!("cupola: {}", chosen.description());
+        command.envs(variables(&chosen));
+    }
+    apply(&mut command, &environment);
     let expected = Expected::new(&options, inspection.as_ref());
     let published = environment.iter().find(|(name, _)| *name == "CUPOLA_PUBLISH").and_then(|(_, file)| file.clone());
     if let Some(file) = published.as_deref().map(Path::new).filter(|_| !options.waits_for_readers) {
         eprintln!("cupola: finished pictures are published in {}", file.display());
     }
-    let windows = match (&published, options.waits_for_readers || switched_off) {
-        (Some(file), false) => own_windows::Windows::open(&options.on_this_node(rig)?, Path::new(file), &display),
-        _ => own_windows::Windows::default(),
+    let windows = match published.as_deref().filter(|_| !options.waits_for_readers && !switched_off) {
+        Some(file) => own_windows::Windows::open(&options.on_this_node(rig)?, Path::new(file), &display),
+        None => own_windows::Windows::default(),
     };
     // The library ends the program in a frame; only one that draws none has to be stopped.
     let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);

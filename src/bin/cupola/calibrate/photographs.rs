@@ -105,6 +105,17 @@ pub struct Photographed {
     pub light: Option<light::Found>,
 }
 
+/// Failure of a folder with another number of photographs than there are patterns: `[is, wanted]`.
+fn wrong_number(arguments: &Arguments, rig: &Rig, folder: &Path, [is, wanted]: [usize; 2]) -> Failure {
+    Failure::usage(format!(
+        "{} has {is} photographs (*.png, *.jpg); the patterns of {} with --cell {}{} are {wanted}",
+        folder.display(),
+        rig.name,
+        arguments.cell,
+        if arguments.light { " and --light" } else { "" }
+    ))
+}
+
 /// Solves all outputs together with the camera that made the photographs.
 pub fn solve(
     arguments: &Arguments,
@@ -120,14 +131,7 @@ pub fn solve(
     let files = files(folder)?;
     let count: usize = series.iter().map(|(_, codes)| shown(codes, arguments.light).len()).sum();
     if files.len() != count {
-        return Err(Failure::usage(format!(
-            "{} has {} photographs (*.png, *.jpg); the patterns of {} with --cell {}{} are {count}",
-            folder.display(),
-            files.len(),
-            rig.name,
-            arguments.cell,
-            if arguments.light { " and --light" } else { "" }
-        )));
+        return Err(wrong_number(arguments, rig, folder, [files.len(), count]));
     }
     let mut observed = Observed::default();
     let mut readings = Vec::new();

@@ -109,13 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     });
     let (good, words) = vulkan(&display, hooked.as_ref());
     tell("vulkan", good, words);
-    let device = vk::driver::headless::Headless::new(&[]);
-    let (good, words) = vulkan_device(device.as_ref().map_err(|error| error.message.clone()));
-    tell("vulkan device", good, words);
-    if let Ok(device) = &device {
-        tell("vulkan flat", None, vulkan_flat(device));
-    }
-    tell("swap groups", None, screens::swap_groups(&display, device.as_ref().ok()));
+    tell_devices(&display, &mut tell);
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
@@ -124,6 +118,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}", if usable { "Programs can be corrected here." } else { "Programs cannot be corrected here." });
     }
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Tells about the Vulkan device, and what can lock displays together.
+fn tell_devices(display: &Environment, tell: &mut impl FnMut(&'static str, Option<bool>, String)) {
+    let device = vk::driver::headless::Headless::new(&[]);
+    let (good, words) = vulkan_device(device.as_ref().map_err(|error| error.message.clone()));
+    tell("vulkan device", good, words);
+    if let Ok(device) = &device {
+        tell("vulkan flat", None, vulkan_flat(device));
+    }
+    tell("swap groups", None, screens::swap_groups(display, device.as_ref().ok()));
 }
 
 /// Tells about the library. Returns the environment of a program that it corrects.

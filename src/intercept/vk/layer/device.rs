@@ -79,12 +79,16 @@ pub unsafe extern "system" fn create(
                 presented: Default::default(),
                 driver,
             };
-            let key = dispatch_key(vk::Handle::as_raw(made));
-            let mut devices = DEVICES.writing();
-            devices.get_or_insert_with(HashMap::new).insert(key, Arc::new(state));
+            insert(dispatch_key(vk::Handle::as_raw(made)), state);
         }
         result
     }
+}
+
+/// Makes a device known by its dispatch key.
+fn insert(key: usize, device: Device) {
+    let mut devices = DEVICES.writing();
+    devices.get_or_insert_with(HashMap::new).insert(key, Arc::new(device));
 }
 
 /// The driver's side of a device that was just made.
