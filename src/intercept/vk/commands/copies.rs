@@ -53,6 +53,7 @@ fn is_of_everything(device: &Device, (from, src): End, (to, dst): End, target: O
 /// Plans a copy. If it cannot be followed, the program is shown flat.
 pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
     let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
+    device.images.overwritten(to);
     let everything = is_of_everything(device, (from, src), (to, dst), written.as_deref());
     if device.images.is_candidate(from) {
         note_made(device, from, if everything { end_of(device, to) } else { Made::Elsewhere }, written.is_some());

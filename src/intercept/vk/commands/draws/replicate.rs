@@ -164,7 +164,7 @@ fn classify(
     let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
     let own_lens = layout.views.iter().any(|view| view.own_lens);
     let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
-    let given = has_matrices || !variants.matrices.is_empty() || !sets.is_empty();
+    let given = !variants.matrices.is_empty() || !cameras.is_empty() || !sets.is_empty();
     let fills = off_screen && main && covers && !pass.scene && !given && draw.pipeline.without_attributes;
     pass.scene |= !sources.is_empty() || screen || deep;
     let y_up = program.viewport.height < 0.0;

@@ -41,7 +41,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) attached: bool,
     /// So did a pass that drew to the window or to a scene.
     pub(in crate::intercept::vk) drawn_together: bool,
-    /// Layout of the last of these passes, if no pass of the program's own came later.
+    /// Layout of the last of these passes, if no pass of the program's own and no copy to the image
+    /// came later.
     pub(in crate::intercept::vk) drawn_in: Weak<AtlasLayout>,
     pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
     pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
@@ -325,6 +326,13 @@ impl Images {
     pub fn attached(&self, image: vk::Image) {
         if let Some(state) = self.images.locked().get_mut(&image) {
             state.attached = true;
+            state.drawn_in = Weak::new();
+        }
+    }
+
+    /// A copy to the image was recorded: its content is the program's own.
+    pub(in crate::intercept::vk) fn overwritten(&self, image: vk::Image) {
+        if let Some(state) = self.images.locked().get_mut(&image) {
             state.drawn_in = Weak::new();
         }
     }
