@@ -8,6 +8,7 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use ash::vk;
+use std::sync::atomic::Ordering;
 
 /// Tiles that a clear goes to.
 struct Cleared {
@@ -185,6 +186,9 @@ hooks! {
     ) { |state, next| {
         for atlas_copy in state.atlas_copies(image) {
             next(buffer, atlas_copy, layout, color, count, ranges);
+        }
+        if let Some(target) = state.images.target_of_image(image) {
+            target.panel_is_filled.store(true, Ordering::Relaxed);
         }
         if let Some(window) = state.images.target_of_image(image).filter(|target| target.window) {
             let drawn = Event::Drawn(window, state.draws_views());

@@ -85,6 +85,7 @@ impl Images {
             kept,
             nothing,
             missed: 0.into(),
+            panel_is_filled: false.into(),
         };
         if let Some(state) = self.images.locked().get_mut(&image) {
             state.target = Some(Arc::new(target));

@@ -61,10 +61,15 @@ impl<'a> Given<'a> {
     /// The pass that draws to the atlas of `target`.
     fn pass(&self, device: &Device, target: &Arc<ViewTarget>) -> Pass {
         let whole = is_whole(&self.info.render_area, &target.layout) && !self.has(vk::RenderingFlags::RESUMING);
-        let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
-            whole && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
+        let is_filled = |view| device.images.target(view).is_some_and(|target| target.takes_filled_panel());
+        let begins = |color: &vk::RenderingAttachmentInfo<'_>| {
+            // What is resolved gets the panel of the samples.
+            is_filled(color.resolve_image_view);
+            let anew = whole && color.load_op != vk::AttachmentLoadOp::LOAD;
+            color.image_view != vk::ImageView::null() && (is_filled(color.image_view) || anew)
         };
-        let uncleared_panels = (0..).zip(self.colors).filter(anew).map(|(number, _)| number).collect();
+        let uncleared_panels = (0..).zip(self.colors).filter(|(_, color)| begins(color));
+        let uncleared_panels = uncleared_panels.map(|(number, _)| number).collect();
         let kind = |given: &vk::RenderingAttachmentInfo<'_>| device.images.kind(given.image_view);
         let format = |given: Option<&vk::RenderingAttachmentInfo<'_>>| given.and_then(kind).unwrap_or_default().0;
         let within = Within::Rendering {

@@ -68,7 +68,11 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
             None => None,
         };
         let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
-        let mut new = Pass::new(Arc::clone(&target), within, pass.begin_in(0));
+        // Also those that are only resolved to: they get the panel of the samples.
+        let is_filled =
+            |view: &vk::ImageView| device.images.target(*view).is_some_and(|target| target.takes_filled_panel());
+        let filled: Vec<_> = views.iter().map(is_filled).collect();
+        let mut new = Pass::new(Arc::clone(&target), within, pass.begin_with(&filled));
         new.colored = is_colored;
         if is_colored {
             device.images.draws_together(device, &target.layout, views.iter().copied());

@@ -65,6 +65,18 @@ impl RenderPass {
         let begin = |(_, attachment): &&(u32, u32)| anew(*attachment) && !drawn(*attachment);
         colors.first().into_iter().flatten().filter(begin).map(|(number, _)| *number).collect()
     }
+
+    /// Those of the first subpass, and its attachments that are `filled`.
+    pub fn begin_with(&self, filled: &[bool]) -> Vec<u32> {
+        let mut begin = self.begin_in(0);
+        for (number, attachment) in self.colors.iter().take(1).flatten() {
+            let is_filled = filled.get(*attachment as usize).copied().unwrap_or(false);
+            if is_filled && !begin.contains(number) {
+                begin.push(*number);
+            }
+        }
+        begin
+    }
 }
 
 impl Framebuffers {
@@ -101,6 +113,10 @@ mod tests {
             leaves: Vec::new(),
             obstacle: None,
         };
+        assert_eq!(pass.begin_with(&[true, true, false, true]), [0, 1]);
+        let keeps = RenderPass { begins_anew: vec![false; 4], ..pass };
+        assert_eq!(keeps.begin_with(&[false, true, true, true]), [0], "one that is filled, in the first subpass");
+        let pass = RenderPass { begins_anew: vec![true, true, true, false], ..keeps };
         assert_eq!((pass.begin_in(0), pass.begin_in(1), pass.begin_in(2)), (vec![0, 1], vec![1], vec![]));
     }
 }

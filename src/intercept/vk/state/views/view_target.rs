@@ -51,6 +51,9 @@ pub struct ViewTarget {
     pub(in crate::intercept::vk) nothing: Option<OwnImage>,
     /// Number of times that the program's own image was drawn to since the views are.
     pub(in crate::intercept::vk) missed: AtomicU32,
+    /// A command outside of passes was recorded that clears all of the atlas, and with it the panel,
+    /// which would cover what passes draw to the views from here on.
+    pub(in crate::intercept::vk) panel_is_filled: AtomicBool,
 }
 
 impl ViewTarget {
@@ -68,7 +71,13 @@ impl ViewTarget {
             kept: vk::ImageLayout::UNDEFINED,
             nothing: None,
             missed: 0.into(),
+            panel_is_filled: false.into(),
         }
+    }
+
+    /// A pass begins; whether it has to clear the panel, which a command outside of passes filled.
+    pub fn takes_filled_panel(&self) -> bool {
+        self.panel_is_filled.swap(false, Ordering::Relaxed)
     }
 
     /// True if compute shaders may write its view copies.
