@@ -3,6 +3,7 @@
 
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::own_image::{barrier_of, left_in, ready_in};
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
@@ -81,8 +82,8 @@ pub unsafe fn clear(
 
 /// A barrier for an image.
 trait Barrier: Copy {
-    /// The image, and the layout that it gets.
-    fn target(&self) -> (vk::Image, vk::ImageLayout);
+    /// The image, the layout that it has, and the one that it gets.
+    fn target(&self) -> (vk::Image, vk::ImageLayout, vk::ImageLayout);
     /// The same for another image.
     fn of(self, image: vk::Image) -> Self;
     /// The same from any layout.
@@ -92,8 +93,8 @@ trait Barrier: Copy {
 /// Barriers of either kind.
 macro_rules! barriers {
     ($($kind:ty),+) => { $( impl Barrier for $kind {
-        fn target(&self) -> (vk::Image, vk::ImageLayout) {
-            (self.image, self.new_layout)
+        fn target(&self) -> (vk::Image, vk::ImageLayout, vk::ImageLayout) {
+            (self.image, self.old_layout, self.new_layout)
         }
         fn of(self, image: vk::Image) -> Self {
             self.image(image)
@@ -116,13 +117,58 @@ pub fn moved(device: &Device, buffer: vk::CommandBuffer, image: vk::Image, layou
 fn with_atlas_copies<B: Barrier>(device: &Device, buffer: vk::CommandBuffer, given: &[B]) -> Vec<B> {
     let mut all = given.to_vec();
     for barrier in given {
-        let (image, layout) = barrier.target();
+        let (image, found, layout) = barrier.target();
+        device.recordings.with(buffer, |recording| recording.finds(image, found));
         moved(device, buffer, image, layout);
         // Passes of a program that is flat do not take them along.
         let followed = if device.draws_views() { *barrier } else { barrier.of_anything() };
         all.extend(device.images.atlas_copies(image).into_iter().map(|atlas_copy| followed.of(atlas_copy)));
     }
     all
+}
+
+/// Returns those images of views that barriers of this command buffer moved and that have no atlas
+/// copy for `layout` yet, with the layout in which the first barrier of each found it.
+pub fn moved_before(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    views: &[vk::ImageView],
+    layout: &AtlasLayout,
+) -> Vec<(vk::Image, vk::ImageLayout)> {
+    let found = device.recordings.with(buffer, |recording| recording.found.clone()).unwrap_or_default();
+    if found.is_empty() {
+        return found;
+    }
+    let images: Vec<_> = views.iter().filter_map(|view| device.images.of(*view)).collect();
+    let late = |image: &vk::Image| {
+        images.contains(image)
+            && device.images.target_of_image(*image).is_none()
+            && device.images.atlas_copy_of_size(*image, layout.atlas).is_none()
+    };
+    found.into_iter().filter(|(image, _)| late(image)).collect()
+}
+
+/// Atlas copies that were made since [`moved_before`] follow the barriers that were recorded before:
+/// a command buffer that is submitted again finds them as the program's images are.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+pub unsafe fn follow(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    moved: &[(vk::Image, vk::ImageLayout)],
+    layout: &AtlasLayout,
+) {
+    for (image, found) in moved {
+        let atlas_copy = device.images.atlas_copy_of_size(*image, layout.atlas);
+        let Some((atlas_copy, aspects, now)) = atlas_copy.and_then(|copy| device.images.begins_in(copy, *found)) else {
+            continue;
+        };
+        // SAFETY: as promised; it will be in this layout when the buffer runs.
+        unsafe {
+            barrier_of(&device.driver, buffer, (atlas_copy, aspects), left_in(*found), ready_in(now));
+        }
+    }
 }
 
 /// # Safety

@@ -118,11 +118,13 @@ pub unsafe fn begin(
         return next(info);
     };
     let layout = &target.layout;
+    let attached = [&views[..], &deep].concat();
+    let moved = barriers_and_clears::moved_before(device, buffer, &attached, layout);
     let (all, clears) = match replace(device, &given, layout) {
         Ok(replaced) => replaced,
         Err(why) => {
             device.show_flat(why);
-            plain(device, buffer, Some(Arc::clone(&target)), &[views, deep].concat());
+            plain(device, buffer, Some(Arc::clone(&target)), &attached);
             return next(info);
         }
     };
@@ -141,6 +143,7 @@ pub unsafe fn begin(
     // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
     // attachments.
     unsafe {
+        barriers_and_clears::follow(device, buffer, &moved, layout);
         conditional_render::begin_pass(device, buffer, || {
             next(&changed);
             served(device, buffer, pass);

@@ -296,6 +296,23 @@ impl Images {
         std::mem::take(&mut self.pending.locked())
     }
 
+    /// An image of ours that was to be brought into a layout before the next submission will be in
+    /// the layout `found` then. Returns the image, its aspects, and the layout that it was to have.
+    pub fn begins_in(
+        &self,
+        image: vk::Image,
+        found: vk::ImageLayout,
+    ) -> Option<(vk::Image, vk::ImageAspectFlags, vk::ImageLayout)> {
+        let mut pending = self.pending.locked();
+        let index = pending.iter().position(|pending| pending.image == image)?;
+        let PendingLayout { aspects, layout, .. } = pending[index];
+        match found == vk::ImageLayout::UNDEFINED {
+            true => drop(pending.swap_remove(index)),
+            false => pending[index].layout = found,
+        }
+        Some((image, aspects, layout))
+    }
+
     /// True if some image may hold a scene.
     pub fn has_candidates(&self) -> bool {
         self.candidates.load(Ordering::Relaxed)
