@@ -1,7 +1,8 @@
 //! The rig while the program runs: read again when its file changes.
 //!
-//! The file's time and length are asked twenty times a second, between two frames: other frames
-//! read the clock and no more. A file with a mistake changes nothing, and the log says once what is
+//! The file's time and length are asked up to a hundred times a second, between two frames, but for
+//! no more than a hundredth of the time where the file lies far away: other frames read the clock
+//! and no more. A file with a mistake changes nothing, and the log says once what is
 //! wrong with it.
 
 use super::file_stamp::FileStamp;
@@ -15,8 +16,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Interval at which the file is checked.
-const INTERVAL: Duration = Duration::from_millis(50);
+/// Least interval at which the file is checked.
+const INTERVAL: Duration = Duration::from_millis(10);
+/// A check of the file is followed by a pause of at least so many times its own time.
+const PAUSE: u32 = 100;
 
 /// The rig of the moment.
 #[derive(Clone)]
@@ -30,6 +33,8 @@ pub struct Live {
 struct Watch {
     live: Live,
     looked: Instant,
+    /// Time from the last check to the next.
+    pause: Duration,
     seen: Option<FileStamp>,
 }
 
@@ -39,7 +44,7 @@ fn watch(settings: &Settings) -> &'static Mutex<Watch> {
     static WATCH: OnceLock<Mutex<Watch>> = OnceLock::new();
     WATCH.get_or_init(|| {
         let live = Live { rig: Arc::new(settings.rig.clone()), version: 0 };
-        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp })
+        Mutex::new(Watch { live, looked: Instant::now(), pause: INTERVAL, seen: settings.rig_stamp })
     })
 }
 
@@ -49,23 +54,29 @@ pub fn rig() -> Option<Live> {
     Some(watch(settings).locked().live.clone())
 }
 
+/// The rig's version as it was found last. For any place and time.
+pub fn known_version() -> u64 {
+    VERSION.load(Ordering::Acquire)
+}
+
 /// The rig's version, after a look at its file if the last one was a while ago. For the end of a
 /// frame.
 pub fn version() -> u64 {
     if let Some((settings, path)) = settings::settings().and_then(|s| Some((s, s.rig_file.as_deref()?))) {
         // A frame does not wait for another window's look.
         if let Ok(mut watch) = watch(settings).try_lock()
-            && watch.looked.elapsed() >= INTERVAL
+            && watch.looked.elapsed() >= watch.pause
         {
             look(&mut watch, settings, path);
         }
     }
-    VERSION.load(Ordering::Acquire)
+    known_version()
 }
 
 fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
     watch.looked = Instant::now();
     let found = FileStamp::of(path);
+    watch.pause = INTERVAL.max(watch.looked.elapsed() * PAUSE);
     // A file that is gone for a moment is being replaced.
     if found.is_none() || found == watch.seen {
         return;

@@ -4,7 +4,7 @@
 //! One window is published: the first one. Another one takes its place when it alone has been
 //! presented for a while.
 
-use super::{clock, log, settings};
+use super::{clock, live, log, settings};
 use crate::lock::Lock;
 use crate::ring::{Pictures, Shape, Writer};
 use crate::runtime::run_results::Published;
@@ -30,17 +30,18 @@ struct Publishing {
 /// Time of the last published frame. It decides which frame is next, if not all are published.
 #[derive(Debug, Default)]
 struct Pace {
-    /// The last frame that was, in nanoseconds.
-    last: Option<u64>,
+    /// The last frame that was: its time in nanoseconds, and the version of its rig.
+    last: Option<(u64, u64)>,
 }
 
 impl Pace {
-    /// True if a frame of this time is published; `least`: nanoseconds from one to the next.
-    fn takes(&mut self, now: u64, least: u64) -> bool {
-        if self.last.is_some_and(|last| now < last + least) {
+    /// True if a frame of this time is published; `least`: nanoseconds from one to the next. The
+    /// first frame with another `version` of the rig is, because somebody waits for it.
+    fn takes(&mut self, now: u64, least: u64, version: u64) -> bool {
+        if self.last.is_some_and(|(last, shown)| now < last + least && shown == version) {
             return false;
         }
-        self.last = Some(now);
+        self.last = Some((now, version));
         true
     }
 }
@@ -84,7 +85,8 @@ pub fn wants(window: u64) -> bool {
         }
     }
     (publishing.window, publishing.of_others) = (Some(window), 0);
-    settings.publish_interval == 0 || publishing.pace.takes(crate::system::monotonic(), settings.publish_interval)
+    let (now, least) = (crate::system::monotonic(), settings.publish_interval);
+    least == 0 || publishing.pace.takes(now, least, live::known_version())
 }
 
 /// True if the program waits for its readers.
@@ -169,10 +171,13 @@ mod tests {
     #[test]
     fn frames_between_two_published_ones_are_left_out() {
         let mut pace = Pace::default();
-        let taken: Vec<u64> = (0..100).map(|frame| frame * 7).filter(|now| pace.takes(*now, 30)).collect();
+        let taken: Vec<u64> = (0..100).map(|frame| frame * 7).filter(|now| pace.takes(*now, 30, 0)).collect();
         assert_eq!(taken[..4], [0, 35, 70, 105]);
+        // The first frame of a changed rig does not wait, and those after it do.
+        let taken: Vec<bool> = [(700, 0), (701, 1), (702, 1), (731, 1)].map(|(now, v)| pace.takes(now, 30, v)).into();
+        assert_eq!(taken, [true, true, false, true]);
         // A program that is slower than the pace publishes each frame.
         let mut pace = Pace::default();
-        assert!((0..10).all(|frame| pace.takes(frame * 40, 30)));
+        assert!((0..10).all(|frame| pace.takes(frame * 40, 30, 0)));
     }
 }

@@ -27,7 +27,13 @@ window.probe = (() => {
     probe.pictures.push({ ...pending, painted: performance.now() });
     pending = null;
     const last = probe.pictures[probe.pictures.length - 1], wanted = probe.waitsFor;
-    if (wanted && probe.input && wanted.test(last.mean)) { probe.waitsFor = null; wanted.done(last.painted - probe.input); }
+    if (!wanted || !probe.input || !wanted.test(last.mean)) return;
+    probe.waitsFor = null;
+    // It is painted when the browser's graphics say so.
+    probe.painted = last.painted - probe.input; const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED ? wanted.done(performance.now() - probe.input) : setTimeout(look, 1);
+    look();
   };
   addEventListener('input', () => { probe.input ||= performance.now(); }, true);
 

@@ -131,6 +131,12 @@ impl GlBackend {
         self
     }
 
+    /// Takes over the programs of another backend of the same context, so that
+    /// [`GlBackend::prepare`] links only those that are new. The other one has none afterwards.
+    pub fn inherit(&mut self, other: &mut Self) {
+        self.names.programs.extend(other.names.programs.drain());
+    }
+
     /// Returns the number of errors that our own calls have caused. None of them is left for the
     /// program to find.
     pub fn errors(&self) -> u64 {

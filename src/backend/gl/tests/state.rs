@@ -332,3 +332,30 @@ fn preparing_again_compiles_only_what_is_new() {
     assert_eq!(backend.programs(), former);
     backend.destroy(gl);
 }
+
+/// A backend that takes the place of another one, as after a change of the rig.
+#[test]
+fn programs_are_inherited_and_given_back_where_preparing_fails() {
+    let context = headless(Api::Core);
+    let gl = &context.gl;
+    let plan = fisheye_plan((256, 256), 3.0, DVec3::ZERO);
+    let mut old = GlBackend::new(gl, false).expect("a backend");
+    old.prepare(gl, &plan, false).expect("shaders");
+    let programs = old.programs();
+    let mut broken = plan.clone();
+    broken.passes[0].batches[0].views = vec![99];
+    let mut failing = GlBackend::new(gl, false).expect("a backend");
+    failing.inherit(&mut old);
+    assert!(failing.prepare(gl, &broken, false).is_err());
+    old.inherit(&mut failing);
+    failing.destroy(gl);
+    assert_eq!(old.programs(), programs);
+    let mut new = GlBackend::new(gl, false).expect("a backend");
+    new.inherit(&mut old);
+    new.prepare(gl, &plan, false).expect("shaders");
+    old.destroy(gl);
+    assert_eq!((new.programs(), new.linked()), (programs.clone(), 0));
+    // SAFETY: a context is current.
+    assert!(programs.iter().all(|program| unsafe { gl.is_program(*program) } != 0));
+    new.destroy(gl);
+}

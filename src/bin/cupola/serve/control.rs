@@ -2,11 +2,11 @@
 
 use super::marks::{Marks, NewMark};
 use super::pattern::{self, Choice};
-use super::picture::Pictures;
+use super::picture::{Pictures, Seen};
 use super::program::{self, Launch, Program};
 use super::scene::Scene;
 use super::working::Working;
-use cupola::rig;
+use cupola::rig::{self, Rig};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -91,6 +91,8 @@ struct Desk {
     /// Numbers of rigs before this one.
     before: u64,
     scene: Option<(u64, Arc<Scene>)>,
+    /// The version at which places of the light changed last, and the rig that has them.
+    places: (u64, Rig),
 }
 
 /// What all ways of asking share.
@@ -100,6 +102,7 @@ pub struct Server {
     pub program: Program,
     /// Its pictures.
     pub pictures: Mutex<Pictures>,
+    seen: Arc<Mutex<Seen>>,
     launch: Launch,
     programs: Vec<(String, Vec<OsString>)>,
     rigs: Vec<String>,
@@ -122,11 +125,14 @@ impl Server {
         let name = rigs.first().map_or("fisheye", String::as_str);
         let working = Working::open(name, &launch.working_file)?;
         let marks = Marks::open(marks, working.rig())?;
-        let desk = Desk { working, pattern: Choice::default(), marks, patterns: 0, before: 0, scene: None };
+        let places = (0, working.rig().clone());
+        let desk = Desk { working, pattern: Choice::default(), marks, patterns: 0, before: 0, scene: None, places };
+        let pictures = Pictures::new(&launch.ring);
         Ok(Self {
             desk: Mutex::new(desk),
             program,
-            pictures: Mutex::new(Pictures::new(&launch.ring)),
+            seen: pictures.seen(),
+            pictures: Mutex::new(pictures),
             launch,
             programs,
             rigs,
@@ -173,7 +179,7 @@ impl Server {
                 let (changes, words) = desk.marks.solve(desk.working.rig(), desk.working.text(), &parts)?;
                 desk.working.set(&changes, None)?;
                 self.draw_again(&mut desk)?;
-                let mut state = self.state(&desk);
+                let mut state = self.state(&mut desk);
                 state["solved"] = words.into();
                 return Ok(state);
             }
@@ -182,7 +188,7 @@ impl Server {
             Command::Quit {} if is_trusted => self.program.leave(),
             Command::Quit {} => return Err("only cupola ctl on the same machine ends the server".to_owned()),
         }
-        Ok(self.state(&desk))
+        Ok(self.state(&mut desk))
     }
 
     fn open(&self, desk: &mut Desk, name: &str, replace: bool) -> Result<(), String> {
@@ -244,17 +250,17 @@ impl Server {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn pictures(&self) -> MutexGuard<'_, Pictures> {
-        self.pictures.lock().unwrap_or_else(PoisonError::into_inner)
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Sizes of the outputs: those of the program's pictures, else those of the rig.
     fn sizes(&self, rig: &rig::Rig) -> Vec<(u32, u32)> {
-        let pictures = self.pictures();
+        let seen = self.seen();
         let size = |(index, output): (usize, &rig::Output)| {
             output
                 .size
-                .or_else(|| pictures.size_of(&output.name))
+                .or_else(|| seen.size_of(&output.name))
                 .unwrap_or_else(|| crate::map::native_size(rig, index))
         };
         rig.outputs.iter().enumerate().map(size).collect()
@@ -279,7 +285,8 @@ impl Server {
         (version, scene)
     }
 
-    fn state(&self, desk: &Desk) -> Value {
+    fn state(&self, desk: &mut Desk) -> Value {
+        let places = desk.places();
         let working = &desk.working;
         let (undo, redo) = working.steps();
         let presets = rig::presets().iter().map(|preset| preset.name.to_owned());
@@ -288,6 +295,7 @@ impl Server {
         let status = self.program.status();
         json!({
             "version": desk.version(),
+            "places": places,
             "rig": {
                 "name": working.name(),
                 "title": working.rig().name,
@@ -301,7 +309,7 @@ impl Server {
             "marks": desk.marks.state(working.rig()),
             "program": status,
             "programs": self.programs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
-            "frame_milliseconds": self.pictures().frame_milliseconds(),
+            "frame_milliseconds": self.seen().frame_milliseconds(),
             "memory": { "program": self.program.memory(), "server": program::own_memory() },
             "statistics": statistics.filter(|_| status.runs),
         })
@@ -311,6 +319,22 @@ impl Server {
 impl Desk {
     fn version(&self) -> u64 {
         self.before + self.working.version()
+    }
+
+    /// The version at which what the scene tells changed last: not the program's camera, the views
+    /// and the light of outputs.
+    fn places(&mut self) -> u64 {
+        let rig = self.working.rig();
+        let mut same = rig.clone();
+        let before = &self.places.1;
+        (same.camera, same.views, same.overlay) = (before.camera.clone(), before.views.clone(), before.overlay.clone());
+        for (output, before) in same.outputs.iter_mut().zip(&before.outputs) {
+            output.blend = before.blend.clone();
+        }
+        if same != *before {
+            self.places = (self.version(), rig.clone());
+        }
+        self.places.0
     }
 }
 

@@ -1,17 +1,17 @@
 //! The program's pictures, made small: all outputs of the newest frame in one JPEG.
 
 use super::program::Program;
-use cupola::ring::{Frame, Next, Reader};
+use cupola::ring::{Frame, Next, Picture, Reader};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Sides of the picture that can be asked for, pixels.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=2048;
 /// Quality of the JPEG, 1 to 100.
 const QUALITY: u8 = 82;
-/// Pictures are not made more often than this, whoever asks.
-const SHORTEST: Duration = Duration::from_millis(66);
+/// Pictures are not made more often than this, whoever asks. The page asks when it has painted.
+const SHORTEST: Duration = Duration::from_millis(30);
 /// How often the program's file is looked for.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -48,9 +48,29 @@ impl Small {
     }
 }
 
+/// What was seen in the program's frames, for those who do not wait for the next one.
+#[derive(Default)]
+pub struct Seen {
+    milliseconds: f64,
+    sizes: Vec<(String, (u32, u32))>,
+}
+
+impl Seen {
+    /// Milliseconds from frame to frame, over the last half second or more; 0: not known.
+    pub fn frame_milliseconds(&self) -> f64 {
+        self.milliseconds
+    }
+
+    /// Size of an output's picture, if one was read.
+    pub fn size_of(&self, name: &str) -> Option<(u32, u32)> {
+        self.sizes.iter().find(|(known, _)| known == name).map(|(_, size)| *size)
+    }
+}
+
 /// Reads the frames of the program that runs.
 pub struct Pictures {
     ring: PathBuf,
+    seen: Arc<Mutex<Seen>>,
     reader: Option<Reader>,
     frame: Frame,
     newest: Option<Arc<Small>>,
@@ -85,6 +105,7 @@ impl Pictures {
     pub fn new(ring: &Path) -> Self {
         Self {
             ring: ring.to_owned(),
+            seen: Arc::default(),
             reader: None,
             frame: Frame::default(),
             newest: None,
@@ -94,14 +115,19 @@ impl Pictures {
         }
     }
 
-    /// Milliseconds from frame to frame, over the last half second or more; 0: not known.
-    pub fn frame_milliseconds(&self) -> f64 {
-        self.times.milliseconds
+    /// What was seen in the frames so far.
+    pub fn seen(&self) -> Arc<Mutex<Seen>> {
+        self.seen.clone()
     }
 
-    /// Size of an output's picture, if one was read.
-    pub fn size_of(&self, name: &str) -> Option<(u32, u32)> {
-        self.frame.pictures.iter().find(|picture| picture.name == name).map(|picture| picture.size)
+    fn note(&self) {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.milliseconds = self.times.milliseconds;
+        let pictures = &self.frame.pictures;
+        let is_known = |((name, size), picture): (&(String, _), &Picture)| *name == picture.name && *size == picture.size;
+        if seen.sizes.len() != pictures.len() || !seen.sizes.iter().zip(pictures).all(is_known) {
+            seen.sizes = pictures.iter().map(|picture| (picture.name.clone(), picture.size)).collect();
+        }
     }
 
     /// A frame newer than `after`, `side` pixels wide and high; `None` if none has come within
@@ -141,12 +167,14 @@ impl Pictures {
         match reader.next(limit, &mut self.frame) {
             Ok(Next::Frame) => {
                 self.times.add(self.frame.index, self.frame.time);
+                self.note();
                 true
             }
             Ok(Next::Nothing) => false,
             Ok(Next::Ended) | Err(_) => {
                 self.before += self.frame.number + 1;
                 (self.reader, self.times) = (None, Times::default());
+                self.note();
                 false
             }
         }
@@ -187,11 +215,11 @@ impl Pictures {
 }
 
 /// Waits for a frame newer than `after`. The lock is not held for long, so that others get theirs.
-pub fn wait(pictures: &std::sync::Mutex<Pictures>, program: &Program, after: u64, side: u32) -> Option<Arc<Small>> {
+pub fn wait(pictures: &Mutex<Pictures>, program: &Program, after: u64, side: u32) -> Option<Arc<Small>> {
     let started = Instant::now();
     loop {
         let found = {
-            let mut pictures = pictures.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
             pictures.next(after, side, Duration::from_millis(100))
         };
         let limit = if program.status().runs { Duration::from_secs(5) } else { Duration::from_millis(500) };
@@ -295,8 +323,11 @@ mod tests {
         let small = pictures.next(0, 128, Duration::from_millis(200)).expect("a frame");
         publish(&mut writer, 3);
         let next = pictures.next(small.number, 128, Duration::from_millis(200)).expect("a frame");
-        assert!(next.number > small.number && (pictures.frame_milliseconds() - 1000.0).abs() < 1e-9);
-        assert_eq!(pictures.size_of("left"), Some((200, 100)));
+        let seen = pictures.seen();
+        let seen = seen.lock().expect("no panic");
+        assert!(next.number > small.number && (seen.frame_milliseconds() - 1000.0).abs() < 1e-9);
+        assert_eq!(seen.size_of("left"), Some((200, 100)));
+        drop(seen);
         let (rgb, places) = pictures.composed(128);
         for (place, color) in places.iter().zip(colors) {
             for (x, y) in [(0, 0), (place.width / 2, place.height / 2), (place.width - 1, place.height - 1)] {

@@ -74,6 +74,8 @@ class Dome {
     this.frusta = this.lines = true;
     this.selected = null;
     this.rects = {};
+    // Part of the width that is painted, times of the paints since it was chosen, and the picture to be painted.
+    [this.share, this.paints, this.came, this.told] = [1, [], null, []];
     this.start();
     canvas.addEventListener('webglcontextlost', event => event.preventDefault());
     canvas.addEventListener('webglcontextrestored', () => { this.start(); if (this.data) this.setScene(this.data); });
@@ -113,6 +115,7 @@ class Dome {
     this.light = null;
     this.outputs = [];
     this.stroke = gl.createBuffer();
+    this.grid = { buffer: gl.createBuffer(), count: 0 };
     this.size = 1;
   }
 
@@ -156,6 +159,10 @@ class Dome {
       gl.bindVertexArray(null);
       return { name: output.name, array, buffers, values, count: triangles.length };
     });
+    const ends = data.lines.flatMap(line => { const pairs = []; for (let i = 0; i + 5 < line.length; i += 3) pairs.push(...line.slice(i, i + 6)); return pairs; });
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.grid.buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(ends), gl.STATIC_DRAW);
+    this.grid.count = ends.length / 3;
     this.size = Math.max(data.size, data.radius) || 1;
     this.values = null;
     this.draw();
@@ -173,12 +180,17 @@ class Dome {
   }
 
   setFrame(bitmap, rects) {
-    const gl = this.gl;
+    this.came = { bitmap, rects };
+    this.draw();
+  }
+
+  // The picture that came last goes to the graphics card when it is painted.
+  takeFrame() {
+    if (!this.came) return;
+    const gl = this.gl, { bitmap, rects } = this.came;
     gl.bindTexture(gl.TEXTURE_2D, this.frame);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.SRGB8_ALPHA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
-    this.side = bitmap.width;
-    this.rects = rects;
-    this.draw();
+    [this.side, this.rects, this.came] = [bitmap.width, rects, null];
   }
 
   seatPoint() {
@@ -213,14 +225,56 @@ class Dome {
     return { eye, forward, matrix, rows };
   }
 
+  // Paints soon, and not before the graphics have done what was painted last: pictures in a queue would be old ones.
   draw() {
-    if (!this.waiting) { this.waiting = true; requestAnimationFrame(() => { this.waiting = false; this.paint(); }); }
+    this.wanted = true;
+    if (this.busy) return;
+    this.busy = true;
+    requestAnimationFrame(() => {
+      this.wanted = false;
+      this.paint();
+      const gl = this.gl, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), begun = performance.now();
+      gl.flush();
+      const look = () => {
+        const past = performance.now() - begun;
+        const isDone = past > 1000 || gl.isContextLost() || gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
+        if (!isDone) { setTimeout(look, 2); return; }
+        gl.deleteSync(fence);
+        this.busy = false;
+        this.adapt(past);
+        if (this.wanted) this.draw();
+        else this.told.splice(0).forEach(tell => tell());
+      };
+      setTimeout(look, 0);
+    });
+  }
+
+  // Waits until what was to be painted is, but not for long: a hidden page is not painted.
+  isPainted() {
+    if (!this.busy) return Promise.resolve();
+    return new Promise(done => { this.told.push(done); setTimeout(done, 300); });
+  }
+
+  // Where the graphics are slow, moving pictures have fewer pixels. When nothing moves any more, all are painted.
+  adapt(milliseconds) {
+    clearTimeout(this.rest);
+    if (!this.whole) {
+      this.paints.push(milliseconds);
+      if (this.share < 1) this.rest = setTimeout(() => { this.whole = true; this.draw(); }, 400);
+    }
+    this.whole = false;
+    if (this.paints.length < 3) return;
+    const median = this.paints.sort((a, b) => a - b)[1];
+    this.paints = [];
+    if (median > 40) this.share = Math.max(this.share * 0.7, 0.34);
+    else if (median < 14) this.share = Math.min(this.share / 0.7, 1);
   }
 
   paint() {
-    const gl = this.gl, canvas = this.canvas, dense = Math.min(devicePixelRatio || 1, 2);
+    const gl = this.gl, canvas = this.canvas, dense = Math.min(devicePixelRatio || 1, 2) * (this.whole ? 1 : this.share);
     const width = Math.round(canvas.clientWidth * dense), height = Math.round(canvas.clientHeight * dense);
     if (!this.data || !width || !height || gl.isContextLost()) return;
+    this.takeFrame();
     if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
     const light = this.lightOf(width, height), camera = this.camera();
     gl.bindFramebuffer(gl.FRAMEBUFFER, light.target);
@@ -289,7 +343,14 @@ class Dome {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.stroke);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    if (this.lines) for (const line of this.data.lines) this.strokeAll(line, gl.LINE_STRIP, [0.5, 0.6, 0.75, this.place === 'outside' ? 0.3 : 0.16]);
+    if (this.lines) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.grid.buffer);
+      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+      gl.uniform4fv(this.strokes.at.paint, [0.5, 0.6, 0.75, this.place === 'outside' ? 0.3 : 0.16]);
+      gl.drawArrays(gl.LINES, 0, this.grid.count);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.stroke);
+      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    }
     if (this.frusta) {
       for (const output of this.data.outputs) {
         const on = output.name === this.selected, paint = on ? [0.95, 0.68, 0.2, 0.95] : [0.75, 0.75, 0.75, 0.28];

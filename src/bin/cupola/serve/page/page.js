@@ -51,7 +51,7 @@ function options(select, names, chosen) {
 }
 const short = name => name.length > 34 ? `…${name.slice(-33)}` : name;
 
-let version = -1;
+let version = -1, places = -1, later = 0;
 function take(state) {
   page.state = state;
   const { rig, program } = state;
@@ -69,7 +69,13 @@ function take(state) {
   $('off').classList.toggle('on', state.pattern.parts.length === 0 && state.pattern.at.length === 0 && !state.pattern.cursor);
   showHealth(state);
   showMarks(state);
-  if (state.version !== version) { version = state.version; refresh(); }
+  if (state.places !== places) { places = state.places; fetchScene(); }
+  if (state.version !== version) {
+    version = state.version;
+    // While changes follow each other, the keys have time: what was changed here is known here.
+    clearTimeout(later);
+    later = setTimeout(refresh, page.keys.length ? 250 : 0);
+  }
 }
 
 function showHealth(state) {
@@ -120,16 +126,32 @@ async function refresh() {
   do {
     again = false;
     try {
-      const [keys, scene] = await Promise.all([command({ do: 'keys' }), ask('/scene').then(answer => answer.json())]);
-      page.keys = keys;
-      if (dome) dome.setScene(scene.scene);
-      page.scene = scene.scene;
+      page.keys = await command({ do: 'keys' });
       showKeys();
-      showOutputs();
-      await showOverlay();
+      if (page.scene) { showOutputs(); await showOverlay(); }
     } catch (error) { say(error.message); }
   } while (again);
   refreshing = false;
+}
+
+// The places of the light are fetched at once when they change, one after the other.
+let fetching = false, fetchAgain = false;
+async function fetchScene() {
+  if (fetching) { fetchAgain = true; return; }
+  fetching = true;
+  do {
+    fetchAgain = false;
+    try {
+      const { scene } = await (await ask('/scene')).json();
+      const isFirst = !page.scene;
+      page.scene = scene;
+      if (dome) dome.setScene(scene);
+      showOutputs();
+      if (isFirst) page.keys.forEach(fillKey);
+      if (isFirst || $('overlay').value !== 'picture') await showOverlay();
+    } catch (error) { say(error.message); }
+  } while (fetchAgain);
+  fetching = false;
 }
 
 async function showOverlay() {
@@ -335,6 +357,8 @@ async function send() {
     const found = rows.get(key);
     try {
       take(await command({ do: 'set', changes: [`${key}=${value}`], gesture: gesture || null }));
+      const known = page.keys.find(one => one.key === key);
+      if (known) known.value = JSON.parse(value);
       if (found) { found.wrong.textContent = ''; found.row.classList.remove('bad'); }
     } catch (error) {
       optimistic.delete(key);
@@ -435,6 +459,8 @@ async function pictures() {
       page.firstPicture ||= performance.now();
       if (dome) dome.setFrame(bitmap, rects);
       drawOutputs();
+      // The next one is asked for when this one is painted: a slow browser gets fewer, and new ones.
+      if (dome) await dome.isPainted();
     } catch (error) { await new Promise(done => setTimeout(done, 500)); }
   }
 }

@@ -26,7 +26,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
 
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
     ctx.driver.take_errors();
-    match DefaultFramebuffer::new(ctx, window, settings, extras) {
+    match DefaultFramebuffer::new(ctx, window, settings, extras, None) {
         Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
     }
@@ -58,7 +58,7 @@ pub fn follow_rig(ctx: &mut Context) {
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
     let extras = ctx.frame.draw_count.extras(old.extras());
-    match DefaultFramebuffer::new(ctx, &window, settings, extras) {
+    match DefaultFramebuffer::new(ctx, &window, settings, extras, Some(&mut old)) {
         Ok(new) => {
             view_copies::clear(ctx);
             old.destroy(ctx.driver.gl);

@@ -64,8 +64,15 @@ impl Surfaces {
 }
 
 impl DefaultFramebuffer {
-    /// For a window of the program, with the rig as its file is now.
-    pub fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
+    /// For a window of the program, with the rig as its file is now. It takes the place of `old`,
+    /// whose shaders it takes over where they are the same; on an error `old` keeps them.
+    pub fn new(
+        ctx: &Context,
+        window: &Window,
+        settings: &settings::Settings,
+        extras: Extras,
+        old: Option<&mut Self>,
+    ) -> Result<Self> {
         let gl = ctx.driver.gl;
         let profile = &ctx.driver.profile;
         if let Some(name) = gl.missing_command(profile.es, profile.version) {
@@ -83,17 +90,29 @@ impl DefaultFramebuffer {
             session = session.with(Extras { panel: true, ..extras })?.in_turn();
         }
         let config = Config::of_window(gl, &ctx.driver.profile, window);
-        Self::with_session(&ctx.driver, session, config, live.version)
+        Self::with_session(&ctx.driver, session, config, live.version, old)
     }
 
-    fn with_session(driver: &Driver, session: Session, config: Config, version: u64) -> Result<Self> {
+    fn with_session(
+        driver: &Driver,
+        session: Session,
+        config: Config,
+        version: u64,
+        mut old: Option<&mut Self>,
+    ) -> Result<Self> {
         let gl = driver.gl;
         let mut backend = GlBackend::new(gl, driver.profile.es)?.with_cache(gl, cache::of_process());
+        if let Some(old) = &mut old {
+            backend.inherit(&mut old.backend);
+        }
         let panel = session.panel().is_some();
         let surfaces = backend.prepare(gl, session.plan(), panel).and_then(|()| Surfaces::new(gl, &session, &config));
         let Surfaces { drawn, resolved, collected } = match surfaces {
             Ok(surfaces) => surfaces,
             Err(error) => {
+                if let Some(old) = old {
+                    old.backend.inherit(&mut backend);
+                }
                 backend.destroy(gl);
                 return Err(error);
             }
@@ -128,7 +147,7 @@ impl DefaultFramebuffer {
 
     /// The same with more tiles.
     pub fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
-        let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, self.version)?;
+        let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, self.version, None)?;
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
         Ok(new)
