@@ -30,7 +30,7 @@ window.probe = (() => {
     if (!wanted || !probe.input || !wanted.test(last.mean)) return;
     probe.waitsFor = null;
     // It is painted when the browser's graphics say so.
-    probe.painted = last.painted - probe.input; const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     const look = () => gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED ? wanted.done(performance.now() - probe.input) : setTimeout(look, 1);
     look();

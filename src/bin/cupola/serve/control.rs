@@ -258,10 +258,7 @@ impl Server {
     fn sizes(&self, rig: &rig::Rig) -> Vec<(u32, u32)> {
         let seen = self.seen();
         let size = |(index, output): (usize, &rig::Output)| {
-            output
-                .size
-                .or_else(|| seen.size_of(&output.name))
-                .unwrap_or_else(|| crate::map::native_size(rig, index))
+            output.size.or_else(|| seen.size_of(&output.name)).unwrap_or_else(|| crate::map::native_size(rig, index))
         };
         rig.outputs.iter().enumerate().map(size).collect()
     }

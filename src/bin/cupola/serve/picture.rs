@@ -124,7 +124,8 @@ impl Pictures {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         seen.milliseconds = self.times.milliseconds;
         let pictures = &self.frame.pictures;
-        let is_known = |((name, size), picture): (&(String, _), &Picture)| *name == picture.name && *size == picture.size;
+        let is_known =
+            |((name, size), picture): (&(String, _), &Picture)| *name == picture.name && *size == picture.size;
         if seen.sizes.len() != pictures.len() || !seen.sizes.iter().zip(pictures).all(is_known) {
             seen.sizes = pictures.iter().map(|picture| (picture.name.clone(), picture.size)).collect();
         }
