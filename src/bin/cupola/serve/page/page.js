@@ -358,7 +358,8 @@ async function send() {
     try {
       take(await command({ do: 'set', changes: [`${key}=${value}`], gesture: gesture || null }));
       const known = page.keys.find(one => one.key === key);
-      if (known) known.value = JSON.parse(value);
+      // What TOML writes otherwise than JSON comes with the keys.
+      try { if (known) known.value = JSON.parse(value); } catch { /* The value before is shown until then. */ }
       if (found) { found.wrong.textContent = ''; found.row.classList.remove('bad'); }
     } catch (error) {
       optimistic.delete(key);
