@@ -324,7 +324,7 @@ impl Desk {
         let rig = self.working.rig();
         let mut same = rig.clone();
         let before = &self.places.1;
-        (same.camera, same.views, same.overlay) = (before.camera.clone(), before.views.clone(), before.overlay.clone());
+        (same.camera, same.views, same.overlay) = (before.camera, before.views.clone(), before.overlay);
         for (output, before) in same.outputs.iter_mut().zip(&before.outputs) {
             output.blend = before.blend.clone();
         }
