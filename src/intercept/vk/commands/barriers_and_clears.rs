@@ -9,6 +9,7 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use ash::vk;
+use std::collections::HashSet;
 use std::sync::atomic::Ordering;
 
 /// Tiles that a clear goes to.
@@ -135,17 +136,19 @@ pub fn moved_before(
     views: &[vk::ImageView],
     layout: &AtlasLayout,
 ) -> Vec<(vk::Image, vk::ImageLayout)> {
-    let found = device.recordings.with(buffer, |recording| recording.found.clone()).unwrap_or_default();
-    if found.is_empty() {
-        return found;
-    }
-    let images: Vec<_> = views.iter().filter_map(|view| device.images.of(*view)).collect();
     let late = |image: &vk::Image| {
-        images.contains(image)
-            && device.images.target_of_image(*image).is_none()
+        device.images.target_of_image(*image).is_none()
             && device.images.atlas_copy_of_size(*image, layout.atlas).is_none()
     };
-    found.into_iter().filter(|(image, _)| late(image)).collect()
+    // Depth and stencil are mostly one image.
+    let images: HashSet<_> = views.iter().filter_map(|view| device.images.of(*view)).filter(late).collect();
+    if images.is_empty() {
+        return Vec::new();
+    }
+    let moved = device.recordings.with(buffer, |recording| {
+        images.iter().filter_map(|image| Some((*image, *recording.found.get(image)?))).collect()
+    });
+    moved.unwrap_or_default()
 }
 
 /// Atlas copies that were made since [`moved_before`] follow the barriers that were recorded before:

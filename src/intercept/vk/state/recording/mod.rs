@@ -172,7 +172,7 @@ pub struct Recording {
     pub(in crate::intercept::vk) events: Vec<Event>,
     /// Images that the program's barriers move, with the layout in which the first barrier of each
     /// finds it.
-    pub(in crate::intercept::vk) found: Vec<(vk::Image, vk::ImageLayout)>,
+    pub(in crate::intercept::vk) found: HashMap<vk::Image, vk::ImageLayout>,
     /// Its groups of draws.
     pub(in crate::intercept::vk) draw_groups: Vec<DrawGroup>,
     /// Memory of their view constants.
@@ -199,7 +199,7 @@ impl Recording {
             pass: None,
             plain: None,
             events: Vec::new(),
-            found: Vec::new(),
+            found: HashMap::new(),
             draw_groups: Vec::new(),
             constants: ConstantChunks::default(),
             clearers: Vec::new(),
@@ -222,9 +222,7 @@ impl Recording {
 
     /// A barrier of the program moves an image that is in this layout.
     pub(in crate::intercept::vk) fn finds(&mut self, image: vk::Image, layout: vk::ImageLayout) {
-        if !self.found.iter().any(|(known, _)| *known == image) {
-            self.found.push((image, layout));
-        }
+        self.found.entry(image).or_insert(layout);
     }
 
     /// Draws with these matrices go to images that may hold a scene.
