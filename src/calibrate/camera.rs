@@ -26,15 +26,15 @@ impl CameraLens {
 /// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it is and how it is turned, dome axes.
+    /// Position and rotation in dome axes.
     pub pose: Pose,
     /// Kind of its lens.
     pub lens: CameraLens,
-    /// f, pixels.
+    /// Focal length f, pixels.
     pub focal: f64,
-    /// Where the axis is in the photograph, pixels from the top left.
+    /// Place of the axis in the photograph, pixels from the top left.
     pub center: DVec2,
-    /// k₁, k₂, k₃.
+    /// Coefficients k₁, k₂, k₃.
     pub radial: [f64; 3],
     /// Width and height of the photograph, pixels.
     pub size: (u32, u32),
@@ -45,7 +45,7 @@ pub struct Camera {
 const PLAIN: usize = 9;
 
 impl Camera {
-    /// A camera with an ideal lens, its axis in the middle of the photograph.
+    /// Returns a camera with an ideal lens, whose axis is in the middle of the photograph.
     pub fn new(pose: Pose, lens: CameraLens, focal: f64, size: (u32, u32)) -> Self {
         let center = 0.5 * DVec2::new(f64::from(size.0), f64::from(size.1));
         Self { pose, lens, focal, center, radial: [0.0; 3], size }
@@ -56,7 +56,8 @@ impl Camera {
         PLAIN + self.lens.terms()
     }
 
-    /// The camera with differences from this one, all of them free. Lengths are in `unit` metres.
+    /// Returns the camera with differences from this one, all of them free. Lengths are in `unit`
+    /// metres.
     pub fn moved(&self, parameters: &[f64], unit: f64) -> Self {
         let mut moved = self.clone();
         let Some((&[x, y, z, a, b, c, focal, right, down], radial)) = parameters.split_first_chunk::<PLAIN>() else {
@@ -70,7 +71,7 @@ impl Camera {
         moved
     }
 
-    /// Where a point appears, perhaps beside the photograph; `None` behind the camera.
+    /// Place at which a point appears, perhaps beside the photograph; `None` behind the camera.
     pub fn place(&self, point: DVec3) -> Option<DVec2> {
         let local = self.pose.point_to_local(point);
         let across = DVec2::new(local.x, -local.y);
@@ -88,7 +89,7 @@ impl Camera {
         place.is_finite().then_some(place)
     }
 
-    /// The direction, in camera axes, of a place in the photograph of a lens without coefficients;
+    /// Direction, in camera axes, of a place in the photograph, for a lens without coefficients;
     /// `None` behind the camera.
     pub fn ideal_ray(&self, place: DVec2) -> Option<DVec3> {
         let across = (place - self.center) * DVec2::new(1.0, -1.0) / self.focal;
@@ -102,8 +103,8 @@ impl Camera {
     }
 }
 
-/// The rotation that takes the first of each pair of directions to the second as well as one can,
-/// in least squares: Davenport's method (1968). The eigenvector is found by squaring the matrix.
+/// Returns the rotation that takes the first of each pair of directions to the second with the
+/// least squared error: Davenport's method (1968). The eigenvector is found by squaring the matrix.
 pub fn rotation(pairs: &[(DVec3, DVec3)]) -> DMat3 {
     let mut outer = DMat3::ZERO;
     let mut axis = DVec3::ZERO;
@@ -113,7 +114,7 @@ pub fn rotation(pairs: &[(DVec3, DVec3)]) -> DMat3 {
     }
     let trace = outer.x_axis.x + outer.y_axis.y + outer.z_axis.z;
     let symmetric = outer + outer.transpose() - DMat3::from_diagonal(DVec3::splat(trace));
-    // All eigenvalues become positive.
+    // Makes all eigenvalues positive.
     let shift = DVec4::splat(2.0 * pairs.len().max(1) as f64);
     let mut matrix = DMat4::from_cols(
         symmetric.x_axis.extend(axis.x),

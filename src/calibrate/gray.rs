@@ -6,8 +6,9 @@
 //! At an edge between cells only one bit is uncertain, and each of its values means one of the two
 //! cells.
 //!
-//! One pixel of the photograph is known to half a cell only. The mean of many is much better: of a
-//! window of cells, the mean place in the photograph belongs to the mean place in the output.
+//! One pixel of the photograph gives its place in the output only to half a cell. Means are much
+//! more precise: the mean place of a window of cells in the photograph belongs to the window's mean
+//! place in the output.
 
 use super::Sighting;
 use glam::DVec2;
@@ -95,17 +96,18 @@ pub struct Decoder {
 /// Side of the windows in which places are averaged, cells. In larger ones the mean is off, because
 /// the map is not straight.
 pub const CELLS: u32 = 4;
-/// Contrast of what an output lights, as a part of the contrast of its brightest places.
+/// Least contrast of a pixel that the output lights, as a part of the contrast at its brightest
+/// places.
 const LEAST_CONTRAST: f64 = 0.1;
-/// The least contrast at all, of 65535: noise.
+/// Least contrast of any lit pixel, of 65535. Less is noise.
 const NOISE: u16 = 1000;
-/// Pixels of the photograph beside an unlit one that are left out.
+/// Distance from unlit pixels of the photograph within which pixels are left out.
 const BORDER: usize = 2;
-/// Pixels of the photograph in a window of cells.
+/// Fewest pixels of the photograph in a window of cells.
 const FEWEST: usize = 25;
 
 impl Decoder {
-    /// From the photographs of white and of black; `None` if their sizes differ.
+    /// Makes a decoder from the photographs of white and of black; `None` if their sizes differ.
     pub fn new(codes: Codes, white: &Photograph, black: &Photograph) -> Option<Self> {
         let contrast = |(white, black): (&u16, &u16)| white.saturating_sub(*black);
         let contrasts: Vec<u16> = white.values.iter().zip(&black.values).map(contrast).collect();
@@ -132,7 +134,7 @@ impl Decoder {
         true
     }
 
-    /// What was seen, one place for each window of `window` pixels of the output.
+    /// Sightings of the output, one place for each window of `window` pixels.
     pub fn sightings(&self, output: usize, window: u32) -> Vec<Sighting> {
         let cells = self.cells(window);
         let mut windows: Vec<Vec<(DVec2, DVec2)>> = vec![Vec::new(); self.windows(cells)];
@@ -144,8 +146,8 @@ impl Decoder {
         windows.iter().filter_map(|window| mean(window, output)).collect()
     }
 
-    /// The mean light of another photograph in the places of [`Self::sightings`], in their order;
-    /// `light` is that of each of its values. `None` if its size is another one.
+    /// Mean light of another photograph in the places of [`Self::sightings`], in their order;
+    /// `light` gives the light of each of its values. `None` if the photograph has another size.
     pub fn light(&self, window: u32, photograph: &Photograph, light: &[f32]) -> Option<Vec<f64>> {
         let cells = self.cells(window);
         let mut windows = vec![(0.0, 0usize); self.windows(cells)];
@@ -161,12 +163,12 @@ impl Decoder {
         Some(seen.map(|(sum, count)| sum / count as f64).collect())
     }
 
-    /// The cells in a side of a window.
+    /// Number of cells in a side of a window.
     fn cells(&self, window: u32) -> u32 {
         (window / self.codes.cell).max(1)
     }
 
-    /// The number of windows in a row, and of rows.
+    /// Number of windows in a row, and of rows.
     fn grid(&self, cells: u32) -> [u32; 2] {
         [self.codes.size.0, self.codes.size.1].map(|length| length.div_ceil(self.codes.cell).div_ceil(cells))
     }
@@ -188,8 +190,8 @@ impl Decoder {
     }
 }
 
-/// Only those pixels whose neighbours are lit as well: at the border of a picture, light comes from
-/// a part of a pixel, and its mean place is elsewhere.
+/// Returns only the lit pixels whose neighbours are lit as well. At the border of a picture only a
+/// part of a pixel is lit, which moves its mean place.
 fn eroded(lit: &[bool], width: usize) -> Vec<bool> {
     let all_near = |lit: &[bool], step: usize| -> Vec<bool> {
         let near = |index: usize| (index.saturating_sub(BORDER * step)..=index + BORDER * step).step_by(step);
@@ -198,12 +200,12 @@ fn eroded(lit: &[bool], width: usize) -> Vec<bool> {
     all_near(&all_near(lit, 1), width.max(1))
 }
 
-/// The number of a Gray code.
+/// Number that a Gray code stands for.
 fn plain(code: u16) -> u16 {
     [8, 4, 2, 1].into_iter().fold(code, |code, shift| code ^ (code >> shift))
 }
 
-/// The mean places of a window, without pixels far from the others: those were decoded wrongly.
+/// Mean place of a window, without pixels far from the others: those were decoded wrongly.
 fn mean(window: &[(DVec2, DVec2)], output: usize) -> Option<Sighting> {
     if window.len() < FEWEST {
         return None;
@@ -214,7 +216,7 @@ fn mean(window: &[(DVec2, DVec2)], output: usize) -> Option<Sighting> {
     };
     let middle = DVec2::new(median(|seen| seen.x), median(|seen| seen.y));
     let mut distances: Vec<f64> = window.iter().map(|(seen, _)| seen.distance(middle)).collect();
-    // Of a square the corners are about twice as far away as the median.
+    // In a square the corners are about twice as far from the middle as the median place.
     let reach = 3.0 * super::least_squares::median(&mut distances);
     let near = window.iter().filter(|(seen, _)| seen.distance(middle) <= reach);
     let (sums, count) = near.fold(((DVec2::ZERO, DVec2::ZERO), 0.0), |((seen, pixel), count), place| {
@@ -231,7 +233,7 @@ mod tests {
     const OUTPUT: (u32, u32) = (320, 200);
     const CAMERA: (u32, u32) = (360, 240);
 
-    /// Where a place of the photograph is in the output: turned, and a little in perspective.
+    /// Place in the output of a place in the photograph: turned, and a little in perspective.
     fn pixel(seen: DVec2) -> DVec2 {
         let turned = DVec2::from_angle(0.1).rotate(seen - DVec2::new(180.0, 120.0));
         DVec2::new(160.0, 100.0) + 1.1 * turned / (1.0 + 0.0004 * turned.x)
@@ -276,7 +278,7 @@ mod tests {
         let rms = crate::calibrate::marks::rms(errors.iter().copied());
         assert!(rms < 0.15, "{rms} px");
         assert!(sightings.iter().all(|sighting| sighting.output == 3));
-        // A photograph in another place would be told: codes are not those of other cells.
+        // The check notices a moved photograph: the codes are not those of other cells.
         let shifted = sightings.iter().map(|place| pixel(place.seen + 1.0).distance(place.pixel));
         assert!(crate::calibrate::marks::rms(shifted) > 1.0);
     }

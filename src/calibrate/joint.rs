@@ -1,12 +1,13 @@
-//! All projectors at once, from photographs of one camera whose place and lens are not known.
+//! Solves all projectors at once, from photographs of one camera whose place and lens are not
+//! known.
 //!
 //! Each observation is a place of a projector's picture and the place of the photograph in which it
-//! was seen. Between them lies the screen, whose shape is known: the residual is where the camera
-//! would see what the projector lights there, minus where it was seen.
+//! was seen. Between them lies the screen, whose shape is known. The residual is the place where
+//! the camera would see what the projector lights there, minus the place where it was seen.
 //!
 //! Angles and distances from the dome's centre are relative. A rotation of everything about the
-//! centre of a sphere changes no photograph: it is fixed by marks, or by the aim of the first
-//! output. A factor on all lengths changes none either: it is fixed by the radius of the rig.
+//! centre of a sphere changes no photograph: marks fix it, or the aim of the first output. A factor
+//! on all lengths changes none either: the radius of the rig fixes it.
 
 use super::camera::{self, Camera, CameraLens};
 use super::least_squares::{self, Fit, Model};
@@ -28,7 +29,7 @@ pub struct Sighting {
     pub seen: DVec2,
 }
 
-/// What is known of a dome.
+/// Observations of a dome.
 #[derive(Clone, Debug, Default)]
 pub struct Observed {
     /// Width and height of the photographs, pixels.
@@ -41,7 +42,7 @@ pub struct Observed {
     pub marks: Vec<Mark>,
 }
 
-/// All that was found.
+/// Result of [`solve`].
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The outputs that were seen, by their numbers.
@@ -50,17 +51,18 @@ pub struct Found {
     pub camera: Camera,
     /// Root mean square of the used residuals in the photograph, pixels.
     pub rms: f64,
-    /// The dome's rotation follows from the aim of the first output, because there were no marks.
+    /// True if the dome's rotation follows from the aim of the first output, because there were no
+    /// marks.
     pub aimed_by_first: bool,
 }
 
 /// Fewest sightings of an output.
 const FEWEST: usize = 20;
-/// Sightings of an output that are looked at to find a start.
+/// Number of an output's sightings that are used to find a start.
 const FOR_START: usize = 25;
-/// Starts of each kind of lens that all projectors are fitted from.
+/// Number of starts, for each kind of lens, from which all projectors are fitted.
 const BEST: usize = 2;
-/// A camera is usually within this part of the screen's size from its middle.
+/// Largest usual distance of a camera from the screen's middle, as a part of the screen's size.
 const USUAL: f64 = 0.8;
 /// Fewest marks and landmarks that fix the rotation.
 const FIX: usize = 2;
@@ -71,8 +73,9 @@ const PINHOLE: [f64; 5] = [0.35, 0.5, 0.8, 1.3, 2.2];
 /// Solves all outputs that were seen; `sizes` are the sizes of all pictures of the rig, `parts` are
 /// free.
 ///
-/// # Errors [`ErrorKind::InvalidArgument`] if an output is no projector with such parts, or what
-/// was seen does not determine it.
+/// # Errors
+/// [`ErrorKind::InvalidArgument`] if an output is no projector with such parts, or the observations
+/// do not determine it.
 pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part]) -> Result<Found> {
     let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, why);
     let count = |output: usize| observed.sightings.iter().filter(|sighting| sighting.output == output).count();
@@ -93,12 +96,12 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], observed: &Observed, parts: &[Part
     found(&model, &fit, &seen, aimed_by_first)
 }
 
-/// The least errors that any way to solve the outputs can have from such photographs (Cramér, Rao),
-/// in the order of the outputs that are seen: root mean squares over their pictures, pixels. `None`
-/// if they are not determined.
+/// Least errors that any way to solve the outputs can have with such photographs (Cramér, Rao), in
+/// the order of the outputs that were seen: root mean squares over their pictures, pixels. `None`
+/// if the outputs are not determined.
 ///
-/// `rig` and `camera` are right, what is observed is exact, and `deviation` is the standard
-/// deviation of the errors that all its coordinates will have, pixels.
+/// `rig`, `camera` and `observed` are exact; `deviation` is the standard deviation of the errors
+/// that all observed coordinates will have, pixels.
 ///
 /// # Errors
 /// As [`solve`].
@@ -123,22 +126,22 @@ pub fn limits(
     Ok(information.inverse().map(limits))
 }
 
-/// The numbers of the outputs that were seen.
+/// Numbers of the outputs that were seen.
 fn seen(rig: &Rig, observed: &Observed) -> Vec<usize> {
     let is_seen = |output: &usize| observed.sightings.iter().any(|sighting| sighting.output == *output);
     (0..rig.outputs.len()).filter(is_seen).collect()
 }
 
-/// The camera that all guesses are changes of.
+/// Camera from which all guesses start.
 fn first_camera(screen: &Screen, size: (u32, u32)) -> Camera {
     let pose = Pose { position: screen.pose.position, rotation: glam::DMat3::IDENTITY };
     Camera::new(pose, CameraLens::Fisheye, f64::from(size.0), size)
 }
 
-/// Kinds of observations.
+/// Number of kinds of observations.
 const GROUPS: usize = 3;
 
-/// One observation; `projector` counts those that were seen.
+/// One observation; `projector` is an index into the outputs that were seen.
 #[derive(Clone, Copy, Debug)]
 enum Observation {
     Seen { projector: usize, pixel: DVec2, seen: DVec2 },
@@ -172,12 +175,12 @@ struct Joint<'a> {
     camera: Camera,
     projectors: Vec<Projector>,
     all: Vec<Observation>,
-    /// Parameters that are held; the others beyond its end are free.
+    /// True for each parameter that is held; parameters beyond its end are free.
     held: Vec<bool>,
 }
 
 impl<'a> Joint<'a> {
-    /// The outputs that were seen, as the rig has them.
+    /// Takes the outputs that were seen as they are in the rig.
     fn new(
         rig: &Rig,
         screen: &'a Screen,
@@ -194,12 +197,13 @@ impl<'a> Joint<'a> {
         Ok(Self { screen, camera, projectors, all, held: Vec::new() })
     }
 
-    /// The first parameter of a projector; for their number that of the camera.
+    /// Index of a projector's first parameter. For the number of projectors, that of the camera's
+    /// first one.
     fn first(&self, projector: usize) -> usize {
         self.projectors[..projector].iter().map(Projector::parameters).sum()
     }
 
-    /// The same problem from where a fit has led.
+    /// The same problem, starting from the result of a fit.
     fn moved(&self, fit: &[f64]) -> Self {
         let mut moved = self.clone();
         let state = self.state(fit);
@@ -210,7 +214,7 @@ impl<'a> Joint<'a> {
         moved
     }
 
-    /// The same with fewer sightings.
+    /// The same problem with fewer sightings.
     fn thinned(&self) -> Self {
         let mut left = vec![0usize; self.projectors.len()];
         let mut every = vec![0usize; self.projectors.len()];
@@ -279,7 +283,7 @@ impl Model for Joint<'_> {
         projector.chain(camera).filter(|index| !self.is_held(*index))
     }
 
-    /// Places that are clicked at are less precise than decoded ones.
+    /// Clicked places are less precise than decoded ones.
     fn group(&self, observation: usize) -> usize {
         match self.all[observation] {
             Observation::Seen { .. } => 0,
@@ -297,7 +301,7 @@ impl Model for Joint<'_> {
     }
 }
 
-/// The best of the fits from several guesses of the camera.
+/// Best of the fits from several guesses of the camera.
 fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)> {
     let thin = whole.thinned();
     let held = vec![true; thin.first(thin.projectors.len())];
@@ -312,11 +316,11 @@ fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)>
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut held = Vec::new();
     if aimed_by_first {
-        // Rotations follow the position.
+        // In a projector's pose the rotation follows the position.
         held = [[false; 3], [true; 3]].concat();
     }
-    // From the wall behind it a sphere is seen under half the angles, and looks nearly as from the
-    // middle with half the focal length: both are tried.
+    // From the wall behind it, a sphere is seen under half the angles. It looks nearly as from the
+    // middle with half the focal length, so both are tried.
     let is_inside =
         |camera: &Camera| camera.pose.position.distance(whole.screen.pose.position) < USUAL * whole.screen.size();
     let of = |lens: CameraLens, inside: bool, count: usize| {
@@ -333,7 +337,7 @@ fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)>
     let less = |a: &(f64, Joint), b: &(f64, Joint)| a.0.total_cmp(&b.0);
     let mut best = fisheyes.chain(pinholes).map(fitted).min_by(less)?;
     if !is_inside(&best.1.camera) {
-        // All others are tried before a place on the wall is taken.
+        // A place on the wall is taken only after all others were tried.
         best = starts.iter().map(fitted).chain([best]).min_by(less)?;
     }
     let best = best.1;
@@ -342,8 +346,8 @@ fn best<'a>(whole: &Joint<'a>, aimed_by_first: bool) -> Option<(Joint<'a>, Fit)>
     Some((model, fit))
 }
 
-/// Cameras in the dome's centre with lenses of all kinds, turned so that what they see is about
-/// where the rig says.
+/// Cameras in the dome's centre with lenses of all kinds, turned so that they see each thing about
+/// where the rig has it.
 fn guesses(model: &Joint) -> Vec<Camera> {
     let (optics, _) = model.state(&[]);
     let points: Vec<(DVec2, DVec3)> = model
@@ -373,7 +377,7 @@ fn guesses(model: &Joint) -> Vec<Camera> {
     lenses.map(guess).collect()
 }
 
-/// What a fit says about all outputs.
+/// Result of a fit for all outputs.
 fn found(model: &Joint, fit: &Fit, outputs: &[usize], aimed_by_first: bool) -> Result<Found> {
     let (optics, camera) = model.state(&fit.parameters);
     let mut solved = Vec::new();
@@ -388,7 +392,7 @@ fn found(model: &Joint, fit: &Fit, outputs: &[usize], aimed_by_first: bool) -> R
             let Observation::Seen { pixel: from, .. } = model.all[at] else { return None };
             let (origin, direction) = model.projectors[index].ray(&optics[index], from)?;
             let point = model.screen.unbounded_hit(origin, direction)?.point;
-            // Angles are small: as many times as great as those of a step on the screen.
+            // Angles are small: they are proportional to the steps on the screen.
             let step = 1e-4 * point.length() * point.any_orthonormal_vector();
             let pixels = camera.place(point + step)?.distance(camera.place(point)?);
             Some(1e-4 * fit.residuals[at]?.length() / pixels.max(f64::MIN_POSITIVE))

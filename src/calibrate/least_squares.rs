@@ -11,25 +11,25 @@ use glam::DVec2;
 /// Residuals of observations in two dimensions as functions of parameters. Parameters have natural
 /// units, so that a step of 1e-6 is small and is felt.
 pub trait Model {
-    /// What is computed once for a set of parameters.
+    /// Values that are computed once for a set of parameters.
     type State;
     /// Number of parameters.
     fn parameters(&self) -> usize;
     /// Number of observations.
     fn observations(&self) -> usize;
-    /// What the residuals are computed from.
+    /// Computes the values that the residuals need.
     fn state(&self, parameters: &[f64]) -> Self::State;
-    /// The residual of an observation; `None` where the parameters give none.
+    /// Residual of an observation; `None` where the parameters give none.
     fn residual(&self, state: &Self::State, observation: usize) -> Option<DVec2>;
-    /// The parameters that an observation depends on.
+    /// Parameters on which an observation depends.
     fn depends(&self, observation: usize) -> impl Iterator<Item = usize>;
     /// True if a parameter is held at its value. No observation depends on it then.
     fn is_held(&self, _parameter: usize) -> bool {
         false
     }
-    /// The group of an observation, 0…[`Self::groups`]: those of one group are equally precise.
-    /// Those of group 0 are the most precise: a small group cannot tell by itself that it only
-    /// seems to be more precise, because parameters follow it.
+    /// Group of an observation, 0…[`Self::groups`]. The observations of a group are equally
+    /// precise. No group counts as more precise than group 0: a small group would only seem to be,
+    /// because the parameters follow it.
     fn group(&self, _observation: usize) -> usize {
         0
     }
@@ -39,17 +39,17 @@ pub trait Model {
     }
 }
 
-/// Parameters that fit, and how well.
+/// Parameters of a fit, and their quality.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The parameters.
     pub parameters: Vec<f64>,
     /// The residual of each observation.
     pub residuals: Vec<Option<DVec2>>,
-    /// Whether the observation had an influence.
+    /// True for each observation that had an influence.
     pub used: Vec<bool>,
-    /// Sum of the losses and of the logarithms of the scales: of two fits of the same observations
-    /// the one with less is better.
+    /// Sum of the losses and of the logarithms of the scales. Of two fits of the same observations,
+    /// the better one has the lower cost.
     pub cost: f64,
     /// Standard deviation of a residual's coordinate, for each group.
     pub deviations: Vec<f64>,
@@ -57,25 +57,25 @@ pub struct Fit {
     pub covariance: Option<Symmetric>,
 }
 
-/// Scales beyond which an observation has no influence. Normally distributed errors in two
-/// dimensions are beyond with a probability of e⁻¹⁸.
+/// Number of scales beyond which an observation has no influence. A normally distributed error in
+/// two dimensions is larger with a probability of e⁻¹⁸.
 pub const CUT: f64 = 6.0;
-/// The median length of a normally distributed error in two dimensions, in standard deviations:
-/// √(2 ln 2).
+/// Median length of a normally distributed error in two dimensions, in standard deviations: √(2 ln
+/// 2).
 const MEDIAN_LENGTH: f64 = 1.177_410_022_515_474_7;
-/// Scales are not smaller than this: exact observations have rounding errors.
+/// Smallest scale: exact observations have rounding errors.
 const LEAST_SCALE: f64 = 1e-5;
 /// Step of central differences.
 const STEP: f64 = 1e-6;
-/// Information about what is held.
+/// Information about a parameter that is held.
 const KNOWN: f64 = 1e30;
-/// Minimisations with a new scale.
+/// Greatest number of minimisations, each with a new scale.
 const ROUNDS: usize = 12;
-/// Steps of one of them, and of the last one.
+/// Greatest number of steps of a minimisation, and of the last one.
 const STEPS: usize = 10;
 const LAST_STEPS: usize = 40;
 
-/// How residuals are counted.
+/// Kind of loss.
 enum Loss<'a> {
     Square,
     /// Tukey's biweight with a scale for each group.
@@ -83,7 +83,7 @@ enum Loss<'a> {
 }
 
 impl Loss<'_> {
-    /// The loss of a squared residual, and the weight of its square in the normal equations.
+    /// Loss of a squared residual, and the weight of its square in the normal equations.
     fn of(&self, squared: Option<f64>, group: usize) -> (f64, f64) {
         match (self, squared) {
             (Self::Square, Some(squared)) => (0.5 * squared, 1.0),
@@ -98,17 +98,17 @@ impl Loss<'_> {
     }
 }
 
-/// The parameters from `start` on for which the squares of all residuals are least.
+/// Parameters with the least sum of squared residuals, reached from `start`.
 pub fn squares<M: Model>(model: &M, start: Vec<f64>) -> Vec<f64> {
     minimise(model, start, &Loss::Square, LAST_STEPS)
 }
 
-/// The robust fit that is reached from `start`.
+/// Robust fit, reached from `start`.
 pub fn robust<M: Model>(model: &M, start: Vec<f64>) -> Fit {
     rounds(model, start, ROUNDS)
 }
 
-/// About the same in a shorter time, to compare starts.
+/// A less exact robust fit in a shorter time, to compare starts.
 pub fn roughly<M: Model>(model: &M, start: Vec<f64>) -> Fit {
     rounds(model, start, 3)
 }
@@ -119,7 +119,7 @@ fn rounds<M: Model>(model: &M, start: Vec<f64>, rounds: usize) -> Fit {
     for _ in 0..rounds {
         parameters = minimise(model, parameters, &Loss::Biweight(&scales), STEPS);
         let next = self::scales(model, &residuals(model, &parameters));
-        // A scale that grows again would go round in circles.
+        // Scales only shrink, so that the rounds come to an end.
         let next: Vec<f64> = next.iter().zip(&scales).map(|(next, scale)| next.min(*scale)).collect();
         let settled = next.iter().zip(&scales).all(|(next, scale)| *next > 0.99 * scale);
         scales = next;
@@ -147,7 +147,7 @@ pub fn residuals<M: Model>(model: &M, parameters: &[f64]) -> Vec<Option<DVec2>> 
     (0..model.observations()).map(|observation| model.residual(&state, observation)).collect()
 }
 
-/// The scale of each group, from the median of its residuals.
+/// Scale of each group, from the median of its residuals.
 fn scales<M: Model>(model: &M, residuals: &[Option<DVec2>]) -> Vec<f64> {
     let mut lengths = vec![Vec::new(); model.groups()];
     for (observation, residual) in residuals.iter().enumerate() {
@@ -158,14 +158,14 @@ fn scales<M: Model>(model: &M, residuals: &[Option<DVec2>]) -> Vec<f64> {
     scales.iter().map(|scale| scale.max(scales[0])).collect()
 }
 
-/// The median; 0 of nothing.
+/// Median; 0 if there are no values.
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Standard deviations of the coordinates of used residuals, for each group. The parameters take
-/// their part of each group's freedom.
+/// Standard deviations of the coordinates of used residuals, for each group. The parameters reduce
+/// the degrees of freedom of all groups by the same factor.
 fn deviations<M: Model>(model: &M, residuals: &[Option<DVec2>], used: &[bool]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0usize); model.groups()];
     for (observation, residual) in residuals.iter().enumerate().filter(|(observation, _)| used[*observation]) {
@@ -181,8 +181,8 @@ fn deviations<M: Model>(model: &M, residuals: &[Option<DVec2>], used: &[bool]) -
     deviations.iter().map(|deviation| deviation.max(deviations[0])).collect()
 }
 
-/// Fisher's information about the parameters in observations whose coordinates have these standard
-/// deviations: its inverse is the least covariance that any estimate can have (Cramér, Rao).
+/// Fisher's information about the parameters in observations with these standard deviations of
+/// their coordinates. Its inverse is the least covariance that any estimate can have (Cramér, Rao).
 pub fn information<M: Model>(model: &M, parameters: &[f64], used: &[bool], deviations: &[f64]) -> Symmetric {
     let derivatives = Derivatives::at(model, parameters);
     let mut information = Symmetric::zero(model.parameters());
@@ -274,7 +274,7 @@ fn minimise<M: Model>(model: &M, start: Vec<f64>, loss: &Loss, steps: usize) -> 
     parameters
 }
 
-/// The matrix with its diagonal enlarged. Parameters without influence stay where they are.
+/// Returns the matrix with its diagonal enlarged. Parameters without influence stay where they are.
 fn damped(matrix: &Symmetric, damping: f64) -> Symmetric {
     let mut damped = matrix.clone();
     for index in 0..matrix.size() {

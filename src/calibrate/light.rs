@@ -1,13 +1,13 @@
-//! How bright projectors are: their response, their black, and their light all over their pictures,
-//! from photographs of grey pictures.
+//! Finds the brightness of projectors from photographs of grey pictures: their response, their
+//! black, and their light all over their pictures.
 //!
-//! What the camera gathers of a place is the light of the place times the camera's own falloff
-//! towards its rim. The light of a place is a projector's brightness, times the falloff of its lens,
-//! by the area that its pixel lights there. Areas follow from the geometry, which is known by then;
-//! the logarithms of the rest are linear in what is sought. Both falloffs are even polynomials of
-//! the distance from an axis: because the axes are different ones, one is told from the other.
+//! The camera gathers from a place the light of the place times the camera's own falloff towards
+//! its rim. The light of a place is a projector's brightness, times the falloff of its lens,
+//! divided by the area that its pixel lights there. Areas follow from the geometry, which is known
+//! by then. The logarithms of the rest are linear in the unknowns. Both falloffs are even
+//! polynomials of the distance from an axis; they can be separated because the axes differ.
 //!
-//! The screen is taken as matt, and as equally bright paint all over.
+//! The paint of the screen is assumed to be matt and equally bright everywhere.
 
 use super::least_squares::median;
 use super::{Camera, Projector, Symmetric};
@@ -20,7 +20,7 @@ use glam::{DVec2, DVec3};
 /// Grey pictures that are photographed: values of 8 bits from black to white.
 pub const LEVELS: [u8; 16] = [0, 17, 34, 51, 68, 85, 102, 119, 136, 153, 170, 187, 204, 221, 238, 255];
 
-/// Light that was seen of a place of an output.
+/// Light of a place of an output, as the camera gathered it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Number of the output.
@@ -33,35 +33,36 @@ pub struct Reading {
     pub light: [f64; LEVELS.len()],
 }
 
-/// What was found of an output.
+/// Result for one output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lit {
     /// Number of the output.
     pub output: usize,
     /// Light of values, both 0…1 and growing, from black to white.
     pub response: Vec<[f64; 2]>,
-    /// Light of white by that of black; `None` where black is too dark to be measured.
+    /// Light of white divided by that of black; `None` where black is too dark to be measured.
     pub contrast: Option<f64>,
     /// Logarithm of the brightness in the middle of the lens for an area of 1 m², and the
     /// coefficients of its falloff.
     brightness: [f64; FALLOFF + 1],
 }
 
-/// What was found of all outputs.
+/// Result of [`solve`].
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Each output that was seen.
+    /// Results of the outputs that were seen.
     pub outputs: Vec<Lit>,
-    /// Root mean square difference between readings of white and what was found, as a part of the
+    /// Root mean square difference between readings of white and the result, as a part of the
     /// light.
     pub rms: f64,
-    /// Light that all places can have: that of the darkest one, in the readings' unit.
+    /// Light that all places can have: that of the darkest place, in the readings' unit.
     even: f64,
     /// The light of the brightest place, as a multiple of that of the darkest.
     pub range: f64,
     screen: Screen,
     outlines: Vec<(Projector, Optics)>,
-    /// How much each output asks for where they overlap; `None` if it does not give way.
+    /// Rule for the raw weight of each output where outputs overlap; `None` for an output that is
+    /// not blended.
     edges: Vec<Option<EdgeWeight>>,
 }
 
@@ -71,19 +72,19 @@ const FALLOFF: usize = 2;
 const CAMERA: usize = 3;
 /// Fewest readings of an output.
 const FEWEST: usize = 20;
-/// Readings farther away than so many median distances are left out.
+/// Readings are left out if their distance is more than this number of median distances.
 const FAR: f64 = 5.0;
-/// Light above black, as a part of white, that is told from black.
+/// Least step of the light from one grey picture to the next, as a part of white, that is no noise.
 const LEAST_STEP: f64 = 2e-5;
-/// Contrasts above are not told from a black without any light.
+/// Greatest contrast that is distinguished from a black without any light.
 const GREATEST_CONTRAST: f64 = 1e6;
 
 /// Solves the light of all outputs that were read. `rig` and `camera` are calibrated; `sizes` are
 /// the sizes of all pictures of the rig.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidArgument`] if an output is no projector, or its readings do not tell its
-/// light.
+/// [`ErrorKind::InvalidArgument`] if an output is no projector, or its readings do not determine
+/// its light.
 pub fn solve(rig: &Rig, sizes: &[(u32, u32)], camera: &Camera, readings: &[Reading]) -> Result<Found> {
     let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, why);
     let count = |output: usize| readings.iter().filter(|reading| reading.output == output).count();
@@ -134,8 +135,8 @@ pub fn solve(rig: &Rig, sizes: &[(u32, u32)], camera: &Camera, readings: &[Readi
 }
 
 impl Found {
-    /// The light of white where a pixel of an output is, of all projectors with the weights that
-    /// they have there; `None` where it lights nothing. `index` counts the outputs that were seen.
+    /// Light of white at a pixel of an output: the sum over all projectors with their blend weights
+    /// there. `None` where the pixel lights nothing. `index` counts the outputs that were seen.
     fn light(&self, index: usize, pixel: DVec2) -> Option<f64> {
         let (projector, optics) = &self.outlines[index];
         let (origin, direction) = projector.ray(optics, pixel)?;
@@ -148,7 +149,8 @@ impl Found {
             match edge {
                 Some(edge) => {
                     let size = projector.size();
-                    // In the corner of the only picture it has all, whatever it asks for.
+                    // In its corner the raw weight of a picture is 0; where it is the only one, it
+                    // has all the weight nevertheless.
                     let asked = edge.raw_weight(place / DVec2::new(f64::from(size.0), f64::from(size.1))).max(1e-9);
                     shared[0] += asked * light;
                     shared[1] += asked;
@@ -160,8 +162,8 @@ impl Found {
         (light > 0.0).then_some(light)
     }
 
-    /// What a pixel of an output has to be dimmed to, so that the light of all projectors is that
-    /// of the darkest place: 0…1. `index` counts the outputs that were seen.
+    /// Factor 0…1 that dims a pixel of an output so that the light of all projectors is that of the
+    /// darkest place. `index` counts the outputs that were seen.
     pub fn dimming(&self, index: usize, pixel: DVec2) -> f64 {
         self.light(index, pixel).map_or(1.0, |light| (self.even / light).min(1.0))
     }
@@ -179,7 +181,7 @@ fn light(
     Some((brightness[0] + brightness[1] * sine + brightness[2] * sine * sine).exp() / area)
 }
 
-/// The area of the screen that a pixel lights, square metres. The screen's outline does not count.
+/// Area of the screen that a pixel lights, square metres. The screen's outline does not count.
 fn area(projector: &Projector, optics: &Optics, screen: &Screen, pixel: DVec2) -> Option<f64> {
     let point = |place: DVec2| {
         let (origin, direction) = projector.ray(optics, place)?;
@@ -190,7 +192,7 @@ fn area(projector: &Projector, optics: &Optics, screen: &Screen, pixel: DVec2) -
     (area > 0.0).then_some(area)
 }
 
-/// What is known before the light is solved.
+/// Data that is known before the light is solved.
 struct Model<'a> {
     screen: &'a Screen,
     outlines: &'a [(Projector, Optics)],
@@ -202,7 +204,6 @@ impl Model<'_> {
         self.outlines.len() * (FALLOFF + 1) + CAMERA
     }
 
-    /// The parameters of a projector.
     fn own(&self, parameters: &[f64], index: usize) -> [f64; FALLOFF + 1] {
         std::array::from_fn(|at| parameters[index * (FALLOFF + 1) + at])
     }
@@ -213,14 +214,14 @@ impl Model<'_> {
         [square, square * square, square * square * square]
     }
 
-    /// How much of the light of a place the camera gathers.
+    /// Part of the light of a place that the camera gathers.
     fn gathered(&self, parameters: &[f64], seen: DVec2) -> f64 {
         let own = &parameters[self.parameters() - CAMERA..];
         self.camera_terms(seen).iter().zip(own).map(|(term, own)| term * own).sum::<f64>().exp()
     }
 
-    /// The logarithm of a reading of white with its derivatives: parameter and value. `None` where
-    /// nothing is known of it.
+    /// Logarithm of a reading of white with its derivatives: parameter and value. `None` for a
+    /// reading that says nothing.
     fn row(&self, (index, reading): &(usize, &Reading)) -> Option<(f64, Vec<(usize, f64)>)> {
         let (projector, optics) = &self.outlines[*index];
         let white = reading.light[LEVELS.len() - 1] - reading.light[0];
@@ -233,7 +234,7 @@ impl Model<'_> {
         (white > 0.0).then(|| ((white * area).ln(), own.chain(camera).collect()))
     }
 
-    /// The parameters for white, and the root mean square of the differences that were used.
+    /// Parameters for white, and the root mean square of the differences that were used.
     fn white(&self, places: &[(usize, &Reading)]) -> Option<(Vec<f64>, f64)> {
         let rows: Vec<(f64, Vec<(usize, f64)>)> = places.iter().filter_map(|place| self.row(place)).collect();
         let mut far = f64::INFINITY;
@@ -241,7 +242,7 @@ impl Model<'_> {
         let rest = |solved: &[f64], (value, terms): &(f64, Vec<(usize, f64)>)| {
             value - terms.iter().map(|(at, term)| term * solved[*at]).sum::<f64>()
         };
-        // The first round has all readings.
+        // The first round uses all readings.
         for round in 0..4 {
             let used = rows.iter().filter(|row| round == 0 || rest(&solved, row).abs() <= far);
             solved = linear(self.parameters(), used)?;
@@ -252,8 +253,8 @@ impl Model<'_> {
         Some((solved, super::marks::rms(used.into_iter())))
     }
 
-    /// Light of white by that of black, for each projector. Black photographs show the blacks of
-    /// all projectors together, and the light of the room; where they overlap tells them apart.
+    /// Light of white divided by that of black, for each projector. Black photographs show the sum
+    /// of the blacks of all projectors and the light of the room; the overlaps separate them.
     fn contrasts(&self, places: &[(usize, &Reading)], white: &[f64]) -> Vec<f64> {
         let room = self.outlines.len();
         let row = |(index, reading): &(usize, &Reading)| {
@@ -268,7 +269,7 @@ impl Model<'_> {
         };
         let rows: Vec<(f64, Vec<(usize, f64)>)> = places.iter().filter_map(row).collect();
         let blacks = linear(room + 1, rows.iter()).unwrap_or_default();
-        // White has the light of black as well.
+        // White contains the light of black as well.
         blacks.iter().take(room).map(|black| 1.0 + 1.0 / black.max(f64::MIN_POSITIVE)).collect()
     }
 
@@ -279,7 +280,7 @@ impl Model<'_> {
     }
 }
 
-/// The least squares of rows of a value and its terms.
+/// Least-squares solution of rows, each with a value and its terms.
 fn linear<'a>(parameters: usize, rows: impl Iterator<Item = &'a (f64, Vec<(usize, f64)>)>) -> Option<Vec<f64>> {
     let mut matrix = Symmetric::zero(parameters);
     let mut right = vec![0.0; parameters];
@@ -292,7 +293,7 @@ fn linear<'a>(parameters: usize, rows: impl Iterator<Item = &'a (f64, Vec<(usize
     matrix.solve(&right)
 }
 
-/// The response of an output: the median over its readings, so that no place decides.
+/// Response of an output: the median over its readings, so that no single place decides.
 fn response(readings: &[&Reading]) -> Option<Vec<[f64; 2]>> {
     let mut points = vec![[0.0, 0.0]];
     for (level, value) in LEVELS.iter().enumerate().skip(1) {
@@ -301,7 +302,7 @@ fn response(readings: &[&Reading]) -> Option<Vec<[f64; 2]>> {
             (reading.light[level] - black) / (reading.light[LEVELS.len() - 1] - black)
         };
         let light = median(&mut readings.iter().map(part).filter(|part| part.is_finite()).collect::<Vec<_>>());
-        // Near black noise may be greater than the light.
+        // Near black, noise may be greater than the light.
         if light > points[points.len() - 1][1] + LEAST_STEP {
             points.push([f64::from(*value) / 255.0, light]);
         }

@@ -1,4 +1,4 @@
-//! A projector from marks: places of its picture whose direction in the dome is known.
+//! Solves a projector from marks: places of its picture whose direction in the dome is known.
 
 use super::least_squares::{self, Fit, Model, median};
 use super::{Part, Projector, Symmetric};
@@ -7,7 +7,7 @@ use crate::geom::{Optics, Screen};
 use crate::rig::Rig;
 use glam::{DVec2, DVec3};
 
-/// A place of an output's picture, and where it appears in the dome.
+/// A place of an output's picture, and its direction in the dome.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// Number of the output.
@@ -23,44 +23,45 @@ pub struct Mark {
 pub struct Solved {
     /// The optics.
     pub optics: Optics,
-    /// How well they are known.
+    /// Errors to expect of the optics.
     pub quality: Quality,
 }
 
-/// How well the numbers of a projector are known.
+/// Errors to expect of a solved projector.
 #[derive(Clone, Debug)]
 pub struct Quality {
-    /// Distance of each mark from where it is predicted, pixels; ∞ where none is predicted.
+    /// Distance of each mark from its predicted place, pixels; ∞ where none is predicted.
     pub distances: Vec<f64>,
-    /// Whether the mark had an influence on the result.
+    /// True for each mark that had an influence on the result.
     pub used: Vec<bool>,
     /// Root mean square of the distances of used marks, pixels.
     pub rms: f64,
-    /// Root mean square of the angles between used marks and what their pixels light, as seen from
-    /// the dome's centre, radians.
+    /// Root mean square of the angles between used marks and the points that their pixels light, as
+    /// seen from the dome's centre, radians.
     pub rms_angle: f64,
     /// Standard errors of the position along dome axes, metres.
     pub position: DVec3,
     /// Standard errors of the rotations about the projector's right, up and forward axes, radians.
     pub aim: DVec3,
-    /// The error to expect over the whole picture because the numbers are not exact: root mean
-    /// square, pixels.
+    /// Expected error over the whole picture because the numbers are not exact: root mean square,
+    /// pixels.
     pub expected: f64,
 }
 
-/// Pose samples of a start, and marks in each.
+/// Number of poses that are tried as a start, and of marks in each.
 const SAMPLES: usize = 60;
 const SAMPLE: usize = 4;
 /// Columns and rows of the places at which the expected error is computed.
 const GRID: u32 = 9;
 
-/// Solves the projector of one output: `marks` are its own, `parts` are free.
+/// Solves the projector of one output. `marks` are only those of this output; `parts` are free.
 ///
 /// The start is the rig's pose or a pose that fits four of the marks, whichever has the least
 /// median distance (Rousseeuw 1984), so that neither wrong marks nor a rough rig mislead it.
 ///
-/// # Errors [`ErrorKind::InvalidArgument`] if the output is no projector with such parts, or the
-/// marks do not determine it.
+/// # Errors
+/// [`ErrorKind::InvalidArgument`] if the output is no projector with such parts, or the marks do
+/// not determine it.
 pub fn solve(rig: &Rig, output: usize, size: (u32, u32), marks: &[Mark], parts: &[Part]) -> Result<Solved> {
     let described = &rig.outputs[output];
     let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, format!("output \"{}\" {why}", described.name));
@@ -93,11 +94,11 @@ pub fn solve(rig: &Rig, output: usize, size: (u32, u32), marks: &[Mark], parts: 
     })
 }
 
-/// The least error that any way to solve a projector can have from such marks (Cramér, Rao): root
-/// mean square over the picture, pixels. `None` if they do not determine it.
+/// Least error that any way to solve a projector can have with such marks (Cramér, Rao): root mean
+/// square over the picture, pixels. `None` if the marks do not determine it.
 ///
-/// `rig` is right, `marks` are exact, and `deviation` is the standard deviation of the errors that
-/// their coordinates will have, pixels.
+/// `rig` and `marks` are exact; `deviation` is the standard deviation of the errors that the marks'
+/// coordinates will have, pixels.
 ///
 /// # Errors
 /// As [`solve`].
@@ -118,7 +119,7 @@ pub fn limit(
     Ok(Some(expected(&model.projector, &exact, &covariance, &screen)))
 }
 
-/// The places of marks with the points of the screen that they light.
+/// Places of marks with the points of the screen that they light.
 fn points(screen: &Screen, name: &str, marks: &[Mark]) -> Result<Vec<(DVec2, DVec3)>> {
     let point = |mark: &Mark| {
         let hit = screen.unbounded_hit(DVec3::ZERO, mark.direction);
@@ -148,8 +149,8 @@ fn angles(direction: DVec3) -> [f64; 2] {
     [direction.x.atan2(-direction.z).to_degrees(), direction.y.atan2(direction.x.hypot(direction.z)).to_degrees()]
 }
 
-/// What a fit says of a projector whose parameters begin at `first` of the fit's, from its own
-/// observations; `angle` is the error of one of them on the dome. `None` if the parameters are not
+/// Quality of a fitted projector, from its own observations. Its parameters begin at index `first`
+/// of the fit; `angle` is the error of an observation on the dome. `None` if the parameters are not
 /// determined.
 pub(super) fn quality(
     projector: &Projector,
@@ -175,7 +176,6 @@ pub(super) fn quality(
     })
 }
 
-/// Standard errors of a pose.
 struct StandardErrors {
     position: DVec3,
     aim: DVec3,
@@ -197,8 +197,7 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// The expected error over the picture, pixels, from the covariance of a projector's own
-/// parameters.
+/// Expected error over the picture, pixels, from the covariance of a projector's own parameters.
 pub(super) fn expected(projector: &Projector, parameters: &[f64], covariance: &Symmetric, screen: &Screen) -> f64 {
     let optics = projector.optics(parameters);
     let mut parameters = parameters.to_vec();
@@ -207,7 +206,7 @@ pub(super) fn expected(projector: &Projector, parameters: &[f64], covariance: &S
         Some(screen.hit(origin, direction)?.point)
     };
     let points: Vec<DVec3> = grid(projector.size()).filter_map(shown).collect();
-    // For each point the derivatives of its two coordinates.
+    // Derivatives of the two coordinates of each point.
     let mut slopes = vec![[const { Vec::new() }; 2]; points.len()];
     const STEP: f64 = 1e-6;
     for index in 0..parameters.len() {
@@ -265,7 +264,7 @@ fn next(state: &mut u64) -> usize {
     (*state >> 33) as usize
 }
 
-/// One projector and places of its picture with their points.
+/// One projector, and places of its picture with their points.
 struct MarksModel {
     projector: Projector,
     points: Vec<(DVec2, DVec3)>,

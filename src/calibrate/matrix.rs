@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// A symmetric matrix; its lower triangle counts.
+/// A symmetric matrix; only its lower triangle is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symmetric {
     size: usize,
@@ -32,7 +32,7 @@ impl Symmetric {
         self.values[row * self.size + column] += value;
     }
 
-    /// The rows and columns of a range.
+    /// Submatrix of a range of rows and columns.
     pub fn part(&self, range: Range<usize>) -> Self {
         let mut part = Self::zero(range.len());
         for row in 0..range.len() {
@@ -68,7 +68,7 @@ impl Symmetric {
         Some(lower)
     }
 
-    /// The vector x of A·x = `right`; `None` as for a matrix that is not positive definite.
+    /// Solves A·x = `right`; `None` for a matrix that is not positive definite.
     pub fn solve(&self, right: &[f64]) -> Option<Vec<f64>> {
         Some(substituted(&self.factor()?, right))
     }
@@ -86,7 +86,7 @@ impl Symmetric {
     }
 }
 
-/// The vector x of L·Lᵀ·x = `right`.
+/// Solves L·Lᵀ·x = `right`.
 fn substituted(lower: &[f64], right: &[f64]) -> Vec<f64> {
     let n = right.len();
     let mut x = right.to_vec();

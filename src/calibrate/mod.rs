@@ -1,10 +1,10 @@
-//! Where projectors really stand and how their lenses really are, from what they light.
+//! Finds the real places, lenses and brightness of projectors from marks or photographs.
 //!
 //! `marks` solves each projector for itself, from places of its picture whose direction in the dome
-//! is known. `joint` solves all projectors together with a camera that has seen them, `gray` has
-//! the patterns for that. `light` finds how bright the projectors are. `projector` and `camera` say which numbers are free, `least_squares`
-//! finds the values that fit best although some observations are wrong, `matrix` solves its
-//! equations.
+//! is known. `joint` solves all projectors together with a camera that has seen them; `gray` has
+//! the patterns for that. `light` finds the brightness of the projectors. `projector` and `camera`
+//! define the free numbers. `least_squares` finds the values that fit best although some
+//! observations are wrong; `matrix` solves its equations.
 
 pub mod camera;
 pub mod gray;

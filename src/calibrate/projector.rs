@@ -1,4 +1,4 @@
-//! A projector of which some numbers are free.
+//! A projector with free numbers.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Circle, Lens, Optics, Pose};
@@ -27,7 +27,7 @@ impl Part {
     /// All parts.
     pub const ALL: [Self; 6] = [Self::Pose, Self::Fov, Self::Shift, Self::Radial, Self::Tangential, Self::Mirror];
 
-    /// Number of its parameters.
+    /// Number of parameters of the part.
     pub fn parameters(self) -> usize {
         match self {
             Self::Pose => 6,
@@ -36,7 +36,7 @@ impl Part {
         }
     }
 
-    /// Its word in messages and options.
+    /// Name of the part in messages and options.
     pub fn word(self) -> &'static str {
         match self {
             Self::Pose => "pose",
@@ -49,8 +49,8 @@ impl Part {
     }
 }
 
-/// A projector that starts from what the rig says. Parameters are differences from there; all are 0
-/// at the start.
+/// A projector that starts from the numbers of the rig. Parameters are differences from the start,
+/// where all are 0.
 #[derive(Clone, Debug)]
 pub struct Projector {
     start: Optics,
@@ -62,11 +62,11 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// An output of a rig with a picture of `size` pixels, of which `parts` are free. Lengths are
-    /// counted in `unit` metres: the size of the screen.
+    /// Takes an output of a rig with a picture of `size` pixels, of which `parts` are free. The
+    /// unit of lengths is `unit` metres: the size of the screen.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] if it is no projector, or has no such parts.
+    /// [`ErrorKind::InvalidArgument`] if the output is no projector, or has no such parts.
     pub fn new(output: &Output, size: (u32, u32), parts: &[Part], unit: f64) -> Result<Self> {
         let invalid = |why: String| Error::new(ErrorKind::InvalidArgument, format!("output \"{}\" {why}", output.name));
         let start = match &output.kind {
@@ -89,7 +89,7 @@ impl Projector {
         Ok(Self { start, size, flip: output.flip, parts: parts.to_vec(), unit })
     }
 
-    /// The same with another start and other free parts.
+    /// The same projector with another start and other free parts.
     pub fn with(&self, start: Optics, parts: &[Part]) -> Self {
         Self { start, parts: parts.to_vec(), ..self.clone() }
     }
@@ -99,29 +99,29 @@ impl Projector {
         self.parts.iter().map(|part| part.parameters()).sum()
     }
 
-    /// The free parts, in the order of their parameters.
+    /// Free parts, in the order of their parameters.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// The parameters of a part.
+    /// Indices of the parameters of a part.
     pub fn range(&self, part: Part) -> Option<Range<usize>> {
         let place = self.parts.iter().position(|own| *own == part)?;
         let start = self.parts[..place].iter().map(|part| part.parameters()).sum();
         Some(start..start + part.parameters())
     }
 
-    /// Metres in a unit of length of the parameters.
+    /// Unit of lengths of the parameters, in metres.
     pub fn unit(&self) -> f64 {
         self.unit
     }
 
-    /// Width and height of its picture in pixels.
+    /// Width and height of the picture in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// The optics with these parameters.
+    /// Optics with these parameters.
     pub fn optics(&self, parameters: &[f64]) -> Optics {
         let mut optics = self.start.clone();
         let mut rest = parameters;
@@ -175,7 +175,7 @@ impl Projector {
                     mirror.radius *= 1.0 + radius;
                 }
             }
-            // Refused by `new`, or too few values.
+            // `new` refuses this part, or there are too few values.
             _ => {}
         }
     }
@@ -188,21 +188,20 @@ impl Projector {
         0.5 * DVec2::new(f64::from(self.size.0), f64::from(self.size.1))
     }
 
-    /// The pixel in which a point appears, also beside the picture.
+    /// Pixel in which a point appears, perhaps beside the picture.
     pub fn pixel(&self, optics: &Optics, point: DVec3) -> Option<DVec2> {
         let picture = optics.picture(point, self.aspect())?;
         let pixel = (1.0 + picture * DVec2::new(1.0, -1.0)) * self.half();
         pixel.is_finite().then(|| self.flip.pixel(pixel, self.size))
     }
 
-    /// Where the light of a pixel sets out for the screen, and in which direction.
+    /// Point from which the light of a pixel goes to the screen, and its direction.
     pub fn ray(&self, optics: &Optics, pixel: DVec2) -> Option<(DVec3, DVec3)> {
         let picture = self.flip.pixel(pixel, self.size) / self.half() - 1.0;
         optics.ray(picture * DVec2::new(1.0, -1.0), self.aspect())
     }
 
-    /// The angle between a pixel's ray and the lens' axis, radians; `None` where the lens has no
-    /// ray.
+    /// Angle between a pixel's ray and the lens' axis, radians; `None` where the lens has no ray.
     pub fn off_axis(&self, optics: &Optics, pixel: DVec2) -> Option<f64> {
         let picture = self.flip.pixel(pixel, self.size) / self.half() - 1.0;
         let ray = optics.lens.ray(picture * DVec2::new(1.0, -1.0), self.aspect())?;

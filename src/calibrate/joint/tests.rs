@@ -1,4 +1,4 @@
-//! A closed loop: what a camera sees of a rig that is known, with errors that are known.
+//! A closed loop: observations of a known rig, with known errors.
 
 use super::*;
 use crate::geom::pose;
@@ -30,7 +30,7 @@ fn camera(lens: CameraLens, random: &mut Random) -> Camera {
     camera
 }
 
-/// What it sees: `each` places of each projector, and `landmarks` of known direction.
+/// Observations of the camera: `each` places of each projector, and `landmarks` of known direction.
 fn observed(exact: &Rig, camera: &Camera, each: usize, landmarks: usize, noise: f64, random: &mut Random) -> Observed {
     let screen = exact.surface();
     let inside = |place: &DVec2| place.cmpge(DVec2::ZERO).all() && place.cmple(DVec2::new(4000.0, 3000.0)).all();
@@ -66,7 +66,7 @@ fn exact_photographs_give_the_exact_rig_although_some_places_are_wrong() {
     for lens in [CameraLens::Fisheye, CameraLens::Pinhole] {
         let mut exact = exact.clone();
         if lens == CameraLens::Pinhole {
-            // It sees a part of the dome.
+            // The camera sees a part of the dome.
             exact.outputs.truncate(2);
         }
         let camera = camera(lens, &mut random);
@@ -124,7 +124,7 @@ fn rough_marks_beside_precise_places_are_averaged() {
         marks::difference(&projector, &projector.optics(&[]), &solved.optics, &exact.surface())
     }));
     let told = marks::rms(found.outputs.iter().map(|(_, solved)| solved.quality.expected));
-    // The mean of 60 clicks.
+    // The marks give the mean of 60 clicks.
     assert!(error < 0.25 && error < 2.0 * told, "{error} px, {told} px are told");
 }
 

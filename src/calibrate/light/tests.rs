@@ -1,4 +1,4 @@
-//! A closed loop: light that is known is photographed, found, and evened out.
+//! A closed loop: known light is photographed, found, and evened out.
 
 use super::*;
 use crate::blend::{Weights, code_of};
@@ -9,10 +9,10 @@ use crate::testing::random::Random;
 use std::sync::Arc;
 
 const SIZES: [(u32, u32); 6] = [(1920, 1080); 6];
-/// The light of the room, in the unit of a projector that lights 1 m² with a pixel.
+/// Light of the room, in the unit of a projector that lights 1 m² with a pixel.
 const ROOM: f64 = 20.0;
 
-/// A projector as it is: falloffs and responses are not those of the model.
+/// A real projector: its falloffs and responses are not those of the model.
 struct Truth {
     brightness: f64,
     falloff: f64,
@@ -55,7 +55,7 @@ impl Dome {
         Self { rig, screen, projectors }
     }
 
-    /// The light at a point of the dome, if `value` of an output and of a pixel is shown.
+    /// Light at a point of the dome, if `value` of an output and of a pixel is shown.
     fn light(&self, point: DVec3, value: impl Fn(usize, DVec2) -> f64) -> f64 {
         let own = |(index, (projector, truth)): (usize, &(Projector, Truth))| {
             let pixel = projector.pixel(&projector.optics(&[]), point).filter(|pixel| projector.shows(*pixel))?;
@@ -119,11 +119,11 @@ fn light_becomes_even() {
             let point = 5.0 * random.direction();
             let value = |index: usize, pixel: DVec2| {
                 let part = weights.weight_at(index, point) * dims(index, pixel);
-                // Displays have 8 bits, which are dithered.
+                // Displays have 8 bits, and the values are dithered.
                 code_of(part, &rig.outputs[index].blend, 1)
             };
             let lit = dome.light(point, value);
-            // Nothing else than what some projector lights, and that is screen.
+            // Only points of the screen count that some projector lights.
             if lit > 0.0 && dome.screen.hit(DVec3::ZERO, point).is_some() {
                 light.push(lit);
             }
@@ -134,7 +134,7 @@ fn light_becomes_even() {
     let after = unevenness(&shown(&|index, pixel| found.dimming(index, pixel), &evened));
     assert!(before.0 > 0.1, "it was uneven: {before:?}");
     assert!(after.0 < 0.01 && after.1 < 0.02, "{after:?}");
-    // With another falloff of the camera, what is seen is not what is there.
+    // If the camera had another falloff, its readings would not show the real light.
     let mut blind = readings;
     blind.iter_mut().for_each(|reading| reading.seen.x = camera.center.x);
     let found = solve(&dome.rig, &SIZES, &camera, &blind).expect("bright enough");

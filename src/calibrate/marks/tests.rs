@@ -1,4 +1,4 @@
-//! A closed loop: marks are made from a projector that is known, with errors that are known.
+//! A closed loop: marks are made from a known projector, with known errors.
 
 use super::*;
 use crate::rig::{self, OutputKind};
@@ -8,8 +8,8 @@ use std::path::Path;
 const SIZE: (u32, u32) = (1920, 1080);
 const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
 
-/// The planetarium, and the same with each projector moved by some centimetres and degrees: what a
-/// technician would write down.
+/// The planetarium, and the same with each projector moved by some centimetres and degrees, as a
+/// technician would measure it.
 fn rigs(random: &mut Random) -> (Rig, Rig) {
     let exact = rig::load("planetarium-6").expect("a preset");
     let mut rough = exact.clone();
@@ -119,7 +119,7 @@ fn marks_that_do_not_determine_a_projector_are_refused() {
     assert!(refused.message.contains("is no projector"), "{refused}");
 }
 
-/// Marks of the only output of a rig, a tenth of them wrong, solved from a rig that is rough.
+/// Solves marks of the only output of a rig, a tenth of them wrong, starting from a rough rig.
 fn check_lens(exact: &str, parts: &[Part], off: &[f64]) {
     let exact = rig::parse(exact, "a", Path::new("")).expect("a rig");
     let (mut random, screen) = (Random::new(84), exact.surface());
