@@ -1,33 +1,33 @@
 /* Cupola: finished frames in shared memory.
  *
  * `cupola run --publish[=FILE]` lets a program write the finished pictures of each frame to a file in
- * shared memory, by default /dev/shm/cupola-USER with the number of the user. This header says where
- * everything lies in it. It needs no library; examples/c/ring_reader.c is a reader.
+ * shared memory, by default /dev/shm/cupola-USER with the number of the user. This header defines its
+ * layout. It needs no library; examples/c/ring_reader.c is a reader.
  *
- * The file is an array of 64-bit words in the machine's byte order. Places below count words.
+ * The file is an array of 64-bit words in the machine's byte order. Positions below count words.
  *
  *   header | readers | slot 0 | slot 1 | ... | slot n-1
  *
- * Frame k, counted from 0, lies in slot k modulo n. What processes share is read with acquire and
- * written with release order, unless something else is said.
+ * Frame k, counted from 0, lies in slot k modulo n. Words that processes share are read with acquire
+ * order and written with release order, unless stated otherwise.
  *
  * A reader
  * 1. maps the file for reading and writing. The first two words must be CUPOLA_RING_MAGIC and
- *    CUPOLA_RING_VERSION. All places and sizes have to be checked against the size of the file.
- * 2. looks for a place whose state is not EXPECTED, and takes a lock on the first byte of the place
+ *    CUPOLA_RING_VERSION. All positions and sizes have to be checked against the size of the file.
+ * 2. looks for an entry whose state is not EXPECTED, and takes a lock on the first byte of the entry
  *    (fcntl, F_OFD_SETLK, F_WRLCK, one byte). If another process has the lock, it tries the next one.
  *    It sets LOST to 0, CURSOR to the word PUBLISHED of the header, and STATE to ACTIVE. After a full
  *    fence it sets CURSOR to PUBLISHED once more if that is larger. It adds 1 to TAKEN, and wakes it.
  * 3. waits until CURSOR is less than PUBLISHED. PUBLISHED is a futex: its low 32 bits are woken.
  * 4. reads CURSOR, k. The word SEQUENCE of its slot is 2k+2 if the frame is complete. It copies the
  *    frame, and after an acquire fence replaces CURSOR by k+1 with compare and exchange from k. If that
- *    fails, the writer has moved it on: the copy does not count, and LOST has grown. Otherwise it adds 1
- *    to TAKEN, and wakes it.
+ *    fails, the writer has advanced CURSOR: the reader discards the copy, and LOST has grown. Otherwise
+ *    it adds 1 to TAKEN, and wakes it.
  * 5. looks at STATE of the header when it has read everything. REPLACED: the sizes have changed. A new
- *    file has this file's name, and in it the reader's place has the state EXPECTED: it takes the lock
- *    there and sets the state to ACTIVE, without changing CURSOR. ENDED: the program has ended. Where
- *    nobody has the lock on the first byte of WRITER_LOCK, it has ended without a word.
- * 6. at the end sets its STATE to FREE, gives the lock back, adds 1 to TAKEN, and wakes it.
+ *    file has this file's name, and in it the reader's entry has the state EXPECTED: the reader takes the
+ *    lock there and sets the state to ACTIVE, without changing CURSOR. ENDED: the program has ended. If
+ *    nobody has the lock on the first byte of WRITER_LOCK, it has died without setting STATE.
+ * 6. at the end sets its STATE to FREE, releases the lock, adds 1 to TAKEN, and wakes it.
  *
  * A program that waits for its readers (CUPOLA_PUBLISH_WAIT=1) loses no frame. Otherwise a reader
  * that is slower than the program loses frames, and the program never waits.
@@ -52,9 +52,9 @@
 #define CUPOLA_RING_HEADER_STATE 6
 /* 1: the writer waits for its readers. */
 #define CUPOLA_RING_HEADER_WAITS 7
-/* Grows when a reader has moved its cursor on. A futex. */
+/* Grows when a reader has advanced its cursor. A futex. */
 #define CUPOLA_RING_HEADER_TAKEN 8
-/* Process of the writer. */
+/* Number of the writer's process. */
 #define CUPOLA_RING_HEADER_PROCESS 9
 /* The writer has a lock on the first byte of this word while it lives. */
 #define CUPOLA_RING_HEADER_WRITER_LOCK 10
@@ -70,12 +70,12 @@
 #define CUPOLA_RING_READER_WORDS 8
 /* Words of a reader. */
 #define CUPOLA_RING_READER_STATE 0
-/* Number of the frame that it wants next. */
+/* Number of the frame that it copies next. */
 #define CUPOLA_RING_READER_CURSOR 1
 /* Number of frames that it lost. */
 #define CUPOLA_RING_READER_LOST 2
 
-/* States of a reader's place. */
+/* States of a reader's entry. */
 #define CUPOLA_RING_FREE 0
 #define CUPOLA_RING_ACTIVE 1
 #define CUPOLA_RING_EXPECTED 2

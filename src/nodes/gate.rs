@@ -1,18 +1,18 @@
-//! The side of the program: its wait at the end of each frame.
+//! The program's side: its wait at the end of each frame.
 
 use super::page::{Arrival, Page};
 use crate::system::monotonic;
 use std::time::Duration;
 
-/// The longest wait at each of the first frames: programs load, and drivers compile, for different
-/// times.
+/// Longest wait at each of the first frames: nodes need different times to load and to compile
+/// shaders.
 const START: Duration = Duration::from_secs(60);
-/// So many are the first frames.
+/// Number of frames with that longer wait.
 pub const FIRST_FRAMES: u64 = 10;
-/// So often a waiting program looks whether its command still lives.
+/// Interval at which a waiting program checks whether its command is still alive.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Where a program waits at the end of each of its frames.
+/// Point at which a program waits at the end of each of its frames.
 pub struct Gate {
     page: Page,
     frame: u64,
@@ -22,35 +22,35 @@ pub struct Gate {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// With the others.
+    /// The program waits for the others.
     InStep,
-    /// On its own, since so many frames were let go.
+    /// The program goes on by itself, since this newest frame was released.
     Alone { released: u64 },
-    /// Its command has ended.
+    /// The command of the program has ended.
     Left,
 }
 
-/// What has changed for the program at a frame.
+/// Change of the program's state at a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Said {
-    /// No word has come in the time: the program goes on without the others.
+    /// The command has not answered in time: the program goes on without the others.
     Alone,
-    /// The others are there again.
+    /// The command answers again.
     InStep,
     /// The command beside the program has ended.
     Left,
 }
 
-/// How a program has passed the end of a frame.
+/// Result of passing the end of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passed {
     /// Number of the frame, from 1.
     pub frame: u64,
-    /// The program's time from here on, where the command says one.
+    /// Time of the program from here on, if the command has set one.
     pub time: Option<u64>,
-    /// The others are ahead: the frame is not to be shown.
+    /// True if the others are ahead: the frame is not to be shown.
     pub is_late: bool,
-    /// What has changed.
+    /// Change of state, if there was one.
     pub said: Option<Said>,
 }
 
@@ -109,7 +109,7 @@ impl Gate {
         }
     }
 
-    /// Waits for as long as a frame is shown: alone, a program keeps the rate that all had.
+    /// Waits for as long as a frame is shown: without the others, a program keeps their rate.
     fn keep_pace(&mut self) {
         let since = Duration::from_nanos(monotonic().saturating_sub(self.went));
         std::thread::sleep(self.page.length().saturating_sub(since));

@@ -1,10 +1,9 @@
-//! Programs on several machines that show the same frame at the same time: what a program and the
-//! command `cupola node` beside it tell each other.
+//! Programs on several machines that show the same frame at the same time: the page that a program
+//! shares with the command `cupola node` on its machine.
 //!
-//! Both have a [page] in shared memory. At the end of each frame the program writes down that
-//! it has [arrived](Gate) there, and waits until its command [lets it go](Page::release). The
-//! commands of all nodes agree among themselves on when that is; the program knows nothing of a
-//! network.
+//! Both map a [page] in shared memory. At the end of each frame the program writes there that it
+//! has [arrived](Gate), and waits until its command [releases it](Page::release). The commands of
+//! all nodes agree on the time of release. The program itself does not use the network.
 
 pub mod gate;
 pub mod page;

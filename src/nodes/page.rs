@@ -9,24 +9,24 @@ use std::time::Duration;
 
 /// First word of each page: `CUPONODE`.
 const MAGIC: u64 = u64::from_ne_bytes(*b"CUPONODE");
-/// Second word: both sides are of one release.
+/// Second word. It is equal only in releases whose pages are compatible.
 const VERSION: u64 = 1;
 
 /// Words of the page.
 mod word {
     pub const MAGIC: usize = 0;
     pub const VERSION: usize = 1;
-    /// The longest wait of the program, in nanoseconds.
+    /// Longest wait of the program, in nanoseconds.
     pub const LIMIT: usize = 2;
-    /// Time from one frame to the next of a program on its own, in nanoseconds.
+    /// Time from one frame to the next while the program goes on by itself, in nanoseconds.
     pub const LENGTH: usize = 3;
     /// Number of the frame whose end the program has reached, from 1. Its low half is a futex.
     pub const ARRIVED: usize = 8;
     /// Sum of the calls of that frame.
     pub const DIGEST: usize = 9;
-    /// The program's time after it.
+    /// Time of the program after that frame.
     pub const TIME: usize = 10;
-    /// When the frame before it was let go, on the machine's monotonic clock.
+    /// Time at which the frame before it was released, on the machine's monotonic clock.
     pub const WENT: usize = 11;
     /// Width of the program's window times 2³², plus height.
     pub const SIZE: usize = 12;
@@ -34,26 +34,28 @@ mod word {
     pub const RELEASED: usize = 16;
     /// The command holds a lock on the first byte of this word.
     pub const COMMAND_LOCK: usize = 24;
-    /// The program's times after the newest frames, by their number modulo [`super::TIMES`].
+    /// Times of the program after the newest frames, by their number modulo [`super::TIMES`].
     pub const TIMES: usize = 64;
 }
 
-/// Frames whose time after them is known: those that a late program has yet to draw.
+/// Number of frames for which the time after them is stored: those that a late program has yet to
+/// draw.
 const TIMES: u64 = 4096;
 
-/// Bytes of a page.
+/// Size of a page in bytes.
 const BYTES: usize = (word::TIMES + TIMES as usize) * size_of::<u64>();
 
-/// A program has reached the end of a frame.
+/// Arrival of a program at the end of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Arrival {
     /// Number of the frame, from 1.
     pub frame: u64,
     /// Sum of the program's calls in it.
     pub digest: u64,
-    /// The program's time after it, in nanoseconds.
+    /// Time of the program after it, in nanoseconds.
     pub time: u64,
-    /// When the frame before it was let go, on the machine's monotonic clock in nanoseconds.
+    /// Time at which the frame before it was released, on the machine's monotonic clock, in
+    /// nanoseconds.
     pub went: u64,
     /// Width and height of the program's window in pixels.
     pub size: (u32, u32),
@@ -63,11 +65,11 @@ pub struct Arrival {
 pub struct Page(SharedMemory);
 
 impl Page {
-    /// Makes a page: a program waits at most `limit` for its command, and then shows frames in
-    /// distances of `length`.
+    /// Makes a page. A program waits at most `limit` for its command, and then shows a frame every
+    /// `length`.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     pub fn create(path: &Path, limit: Duration, length: Duration) -> io::Result<Self> {
         let page = Self(SharedMemory::create(path, BYTES)?);
         page.0.lock(word::COMMAND_LOCK * 8);
@@ -82,7 +84,7 @@ impl Page {
     /// Opens the page that a command has made.
     ///
     /// # Errors
-    /// Those of the system, and a file that is no page of this release.
+    /// Errors of the system, or the file is no page of this release.
     pub fn open(path: &Path) -> Result<Self> {
         let failed = |error: io::Error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display()));
         let page = Self(SharedMemory::open(path).map_err(failed)?);
@@ -103,17 +105,17 @@ impl Page {
         self.0.words()[word].store(value, Ordering::Release);
     }
 
-    /// The longest wait of the program.
+    /// Longest wait of the program.
     pub fn limit(&self) -> Duration {
         Duration::from_nanos(self.get(word::LIMIT))
     }
 
-    /// Time from one frame to the next of a program on its own.
+    /// Time from one frame to the next while the program goes on by itself.
     pub fn length(&self) -> Duration {
         Duration::from_nanos(self.get(word::LENGTH))
     }
 
-    /// The program has reached the end of a frame. Called by it alone.
+    /// Announces that the program has reached the end of a frame. Only the program calls it.
     pub fn arrive(&self, arrival: &Arrival) {
         let Arrival { frame, digest, time, went, size: (width, height) } = *arrival;
         self.set(word::DIGEST, digest);
@@ -124,9 +126,9 @@ impl Page {
         self.0.wake(word::ARRIVED);
     }
 
-    /// The program's newest arrival, if it is another one than that at frame `known`; waits for it
-    /// for no longer than `limit`. A program that does not wait may overwrite it meanwhile: its
-    /// numbers are then those of two frames, and it is not told.
+    /// Newest arrival of the program, if its frame is not `known`; waits for it no longer than
+    /// `limit`. A program that does not wait may overwrite the numbers meanwhile. They then mix two
+    /// frames, and `None` is returned.
     pub fn arrival(&self, known: u64, limit: Duration) -> Option<Arrival> {
         let mut frame = self.get(word::ARRIVED);
         if frame == known {
@@ -149,7 +151,7 @@ impl Page {
         self.get(word::RELEASED)
     }
 
-    /// Frames up to this number may be shown; `time`: the program's time after the last of them.
+    /// Releases frames up to this number; `time` is the program's time after the last of them.
     pub fn release(&self, frame: u64, time: u64) {
         if frame > self.released() {
             self.set(word::TIMES + (frame % TIMES) as usize, time);
@@ -158,23 +160,23 @@ impl Page {
         }
     }
 
-    /// The program's time after a frame, where the command has said one.
+    /// Time of the program after a frame, if the command has set one.
     pub fn time_after(&self, frame: u64) -> Option<u64> {
         let time = self.get(word::TIMES + (frame % TIMES) as usize);
         (time != 0 && frame + TIMES > self.released()).then_some(time)
     }
 
-    /// Waits while `released` frames may be shown, for no longer than `limit`.
+    /// Waits until a frame beyond `released` may be shown, for no longer than `limit`.
     pub fn wait_for_more(&self, released: u64, limit: Duration) {
         self.0.wait(word::RELEASED, released as u32, limit);
     }
 
-    /// The command lets the program go for good, as if it had ended.
+    /// Releases the program for good, as if the command had ended.
     pub fn leave(&self) {
         self.0.unlock(word::COMMAND_LOCK * 8);
     }
 
-    /// Whether the command lives.
+    /// True if the command is alive.
     pub fn has_command(&self) -> bool {
         self.0.is_locked(word::COMMAND_LOCK * 8)
     }

@@ -50,11 +50,11 @@ fn a_program_without_an_answer_goes_on_and_comes_back() {
     let begin = Instant::now();
     assert_eq!(passes(&mut gate).said, Some(Said::Alone));
     assert!(begin.elapsed() >= Duration::from_millis(30));
-    // It keeps its rate, and does not wait again.
+    // The program keeps its rate, and does not wait again.
     let begin = Instant::now();
     assert!((0..4).all(|_| passes(&mut gate).said.is_none()));
     assert!(begin.elapsed() >= LENGTH * 3 && begin.elapsed() < LONG);
-    // The others answer: it waits for them.
+    // The others answer, and the program waits for them.
     let next = FIRST_FRAMES + 6;
     command.release(next, 0);
     assert_eq!(passes(&mut gate), Passed { frame: next, time: None, is_late: false, said: Some(Said::InStep) });

@@ -1,4 +1,4 @@
-//! `include/cupola_ring.h` says the numbers of [`layout`].
+//! Compares the numbers of `include/cupola_ring.h` with those of [`layout`].
 
 use super::layout::{self, ReaderWords, header, picture, slot};
 use crate::system::SharedMemory;

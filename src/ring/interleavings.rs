@@ -1,16 +1,16 @@
-//! All orders of the steps of a writer and of a reader that takes the place of one that died.
+//! Tries all orders of the steps of a writer and of a reader that takes the place of a dead one.
 //!
-//! `loom` would need its own atomics in place of those in the mapped file, and knows no locks that
-//! end with a process. So this is a model of one place, a step for each word or lock that is
+//! `loom` would need its own atomics in place of those in the mapped file, and has no locks that
+//! end with a process. So this is a model of one place, with a step for each word or lock that is
 //! touched, in the order of `Writer::move_on`, `Writer::free` and `Reader::begin`.
 
 use super::layout::{ACTIVE, FREE};
 
-/// Frames that were published, and the oldest one that the writer keeps.
+/// Number of frames that were published, and the oldest one that the writer keeps.
 const PUBLISHED: u64 = 5;
 const OLDEST: u64 = 3;
 
-/// What the writer does about a place.
+/// Variant of the writer.
 #[derive(Clone, Copy, PartialEq)]
 enum Rule {
     /// Frees the place of a dead reader without its lock.
@@ -27,12 +27,12 @@ struct World {
     cursor: u64,
     lost: u64,
     locked: bool,
-    /// Next step of each side; `None`: it is ready.
+    /// Next step of each side; `None`: it has finished.
     writer: Option<u8>,
     reader: Option<u8>,
-    /// The reader has this place.
+    /// True if the reader has this place.
     has_place: bool,
-    /// The reader's own number of the next frame.
+    /// Number of the next frame, as the reader counts.
     next: u64,
 }
 
@@ -98,7 +98,7 @@ fn read(world: &mut World) {
     world.reader = (step < 6).then_some(step + 1);
 }
 
-/// How all orders end.
+/// Ends of all orders.
 fn ends(world: &World, rule: Rule, found: &mut Vec<World>) {
     if world.writer.is_none() && world.reader.is_none() {
         found.push(world.clone());
@@ -135,6 +135,6 @@ fn a_reader_does_not_inherit_losses() {
     for rule in [Rule::Locks, Rule::Counts] {
         assert!(all_ends(rule).iter().all(|end| !end.has_place || end.cursor == end.next));
     }
-    // The control: the word in the file may hold those of the reader before.
+    // The control: the word in the file may hold the losses of the dead reader.
     assert!(all_ends(Rule::Counts).iter().any(|end| end.has_place && end.lost != 0));
 }

@@ -1,12 +1,12 @@
-//! Where everything lies in the file. Numbers are words of 64 bits in the machine's order, places
-//! count words.
+//! Layout of the file. Numbers are words of 64 bits in the machine's byte order; positions count
+//! words.
 
 use crate::system::SharedMemory;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// First word of each file: `CUPORING`.
 pub const MAGIC: u64 = u64::from_ne_bytes(*b"CUPORING");
-/// Second word: grows when the layout changes so that older readers fail.
+/// Second word. It grows when the layout changes, so that older readers fail.
 pub const VERSION: u64 = 1;
 
 /// Words of the header.
@@ -23,31 +23,31 @@ pub mod header {
     pub const FIRST_SLOT: usize = 4;
     /// Number of frames that were published. Its low half is a futex.
     pub const PUBLISHED: usize = 5;
-    /// What becomes of the file: [`OPEN`](super::OPEN), [`REPLACED`](super::REPLACED),
+    /// State of the file: [`OPEN`](super::OPEN), [`REPLACED`](super::REPLACED) or
     /// [`ENDED`](super::ENDED).
     pub const STATE: usize = 6;
     /// 1: the writer waits for its readers.
     pub const WAITS: usize = 7;
-    /// Grows when a reader moves its cursor on. Its low half is a futex.
+    /// Grows when a reader advances its cursor. Its low half is a futex.
     pub const TAKEN: usize = 8;
-    /// Process of the writer.
+    /// Number of the writer's process.
     pub const PROCESS: usize = 9;
     /// The writer holds a lock on the first byte of this word.
     pub const WRITER_LOCK: usize = 10;
 }
 
-/// The writer goes on with this file.
+/// The writer publishes in this file.
 pub const OPEN: u64 = 0;
-/// A file of the same name has taken the place of this one: sizes have changed.
+/// The pictures have changed, and another file of the same name has replaced this one.
 pub const REPLACED: u64 = 1;
 /// The program has ended.
 pub const ENDED: u64 = 2;
 
-/// No reader uses this place.
+/// No reader uses this entry.
 pub const FREE: u64 = 0;
-/// A reader uses this place.
+/// A reader uses this entry.
 pub const ACTIVE: u64 = 1;
-/// A reader of the file before this one will come to this place.
+/// A reader of the file before this one will use this entry.
 pub const EXPECTED: u64 = 2;
 
 /// Readers that one file can have.
@@ -109,12 +109,12 @@ pub const SLOT_HEAD: usize = (slot::TABLE + PICTURES * picture::WORDS).next_mult
 /// First word of the first slot.
 pub const FIRST_SLOT: usize = (FIRST_READER + READERS * READER_WORDS).next_multiple_of(PAGE_WORDS);
 
-/// Words of the pixels of a picture; `None` beyond what fits into memory.
+/// Number of words of a picture's pixels; `None` if they do not fit into memory.
 pub fn pixel_words(width: u32, height: u32) -> Option<usize> {
     Some((width as usize).checked_mul(height as usize)?.checked_mul(4)?.div_ceil(8).next_multiple_of(8))
 }
 
-/// The words of a reader in the file.
+/// Words of a reader in the file.
 #[derive(Clone, Copy)]
 pub struct ReaderWords<'a> {
     memory: &'a SharedMemory,
@@ -122,12 +122,12 @@ pub struct ReaderWords<'a> {
 }
 
 impl<'a> ReaderWords<'a> {
-    /// Those of the reader with this number, below [`READERS`].
+    /// Words of the reader with this number, below [`READERS`].
     pub fn new(memory: &'a SharedMemory, number: usize) -> Self {
         Self { memory, first: FIRST_READER + number * READER_WORDS }
     }
 
-    /// The byte of the file on which it holds a lock.
+    /// Byte of the file on which the reader holds a lock.
     pub fn lock_byte(self) -> usize {
         self.first * size_of::<u64>()
     }
@@ -137,12 +137,12 @@ impl<'a> ReaderWords<'a> {
         &self.memory.words()[self.first + reader::IS_ACTIVE]
     }
 
-    /// Number of the frame that it wants next.
+    /// Number of the frame that the reader copies next.
     pub fn cursor(self) -> &'a AtomicU64 {
         &self.memory.words()[self.first + reader::CURSOR]
     }
 
-    /// Number of frames that it lost.
+    /// Number of frames that the reader lost.
     pub fn lost(self) -> &'a AtomicU64 {
         &self.memory.words()[self.first + reader::LOST]
     }

@@ -5,16 +5,16 @@
 //!                                               a frame: numbers, table of pictures, pixels
 //! ```
 //!
-//! The program is the one [`Writer`]. Frame k lies in slot k modulo n. A [`Reader`] has a cursor,
-//! the number of the frame that it wants next. Before the writer uses a slot again, it moves the
-//! cursors that point to the slot's old frame on, and counts the frame as lost for these readers;
-//! or it waits until they have moved on by themselves, if that was asked for. A reader moves its
-//! cursor on when it has copied a frame; if the writer moved it first, the copy does not count. So
-//! both sides count the same losses, and no copy is of two frames. A reader counts by its cursor
-//! alone, for its place may be that of one that died.
+//! The program has the only [`Writer`]. Frame k lies in slot k modulo n. A [`Reader`] has a cursor,
+//! the number of the frame that it copies next. Before the writer uses a slot again, it advances
+//! the cursors that point to the slot's old frame, and counts the frame as lost for these readers.
+//! If so configured, it waits instead until they have advanced by themselves. A reader advances its
+//! cursor after copying a frame; if the writer advanced it first, the copy is discarded. So both
+//! sides count the same losses, and no copy mixes two frames. A reader counts by its cursor alone,
+//! because the words of its entry may be those of a dead reader.
 //!
-//! Reader and writer hold a lock on a byte of the file while they live. The system gives it back
-//! however they end. [`layout`] says where everything lies.
+//! Reader and writer hold a lock on a byte of the file while they live. The system releases it
+//! however they end. [`layout`] defines the positions.
 
 pub mod layout;
 pub mod place;

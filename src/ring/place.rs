@@ -1,10 +1,10 @@
-//! Where the file is.
+//! Path of the file.
 
 use super::layout::{self, header, value};
 use crate::system::{self, SharedMemory};
 use std::path::{Path, PathBuf};
 
-/// The file that is used where none is named: one for each user.
+/// Path of the file where none is named: one for each user.
 pub fn default_path() -> PathBuf {
     let memory = Path::new("/dev/shm");
     let folder = std::iter::once(memory.to_owned()).chain(system::variable("XDG_RUNTIME_DIR").map(PathBuf::from));
@@ -12,7 +12,7 @@ pub fn default_path() -> PathBuf {
     folder.join(format!("cupola-{}", system::user()))
 }
 
-/// Removes the file of a writer that has ended without a word. Any other file stays.
+/// Removes the file of a writer that ended without removing it. Any other file stays.
 pub fn remove_if_ended(path: &Path) {
     let ended = SharedMemory::open(path).is_ok_and(|memory| {
         memory.words().len() >= layout::FIRST_SLOT
@@ -20,7 +20,7 @@ pub fn remove_if_ended(path: &Path) {
             && !memory.is_locked(header::WRITER_LOCK * 8)
     });
     if ended {
-        // It may be gone meanwhile.
+        // Another process may have removed it meanwhile.
         let _ = std::fs::remove_file(path);
     }
 }

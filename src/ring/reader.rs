@@ -1,4 +1,4 @@
-//! The side of those who take frames: `cupola record` and others.
+//! The side of readers: `cupola record` and others.
 
 use super::layout::{
     self, ACTIVE, ENDED, EXPECTED, FREE, OPEN, READERS, REPLACED, ReaderWords, header, picture, set, slot, value,
@@ -9,20 +9,20 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{Ordering, fence};
 use std::time::{Duration, Instant};
 
-/// How often a waiting reader looks whether the writer still lives.
+/// Interval at which a waiting reader checks whether the writer is still alive.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Reads the frames that a program publishes.
 pub struct Reader {
     memory: SharedMemory,
     path: PathBuf,
-    /// Entry of this reader.
+    /// Number of this reader's entry in the file.
     entry: usize,
     shape: FileShape,
-    /// Number of the frame after the last one that was taken or left out. Those between it and the
+    /// Number of the frame after the last one that was copied or skipped. Those between it and the
     /// cursor are lost.
     next: u64,
-    /// Frames that were lost before it.
+    /// Number of frames that were lost before it.
     lost: u64,
 }
 
@@ -50,7 +50,7 @@ pub struct Picture {
 pub struct Frame {
     /// Number in the ring, from 0, without gaps.
     pub number: u64,
-    /// The program's own number, from 1.
+    /// Number that the program gave it, from 1.
     pub index: u64,
     /// Time on the monotonic clock, in nanoseconds.
     pub time: u64,
@@ -58,28 +58,28 @@ pub struct Frame {
     pub pictures: Vec<Picture>,
 }
 
-/// What a reader found.
+/// Result of waiting for a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
-    /// A frame, which was copied.
+    /// A frame was copied.
     Frame,
-    /// None came in time.
+    /// No frame came in time.
     Nothing,
-    /// The program has ended, and everything was read.
+    /// The program has ended, and every frame was read.
     Ended,
 }
 
 impl Reader {
-    /// Opens the file of a program that publishes its frames; the first frame is the oldest one
-    /// that comes from now on.
+    /// Opens the file of a program that publishes its frames. The first frame will be the next one
+    /// that is published.
     ///
     /// # Errors
-    /// There is no such file, it is none of published frames, or it has 16 readers already.
+    /// There is no such file, it is no file of published frames, or it has 16 readers already.
     pub fn open(path: &Path) -> Result<Self> {
         Self::begin(path, None)
     }
 
-    /// `before`: place in the file before this one, and number of the next frame.
+    /// `before`: entry in the previous file, and number of the next frame.
     fn begin(path: &Path, before: Option<(usize, u64)>) -> Result<Self> {
         let failed = |text: String| Error::new(ErrorKind::Io, format!("{}: {text}", path.display()));
         let memory = SharedMemory::open(path).map_err(|error| failed(error.to_string()))?;
@@ -99,8 +99,8 @@ impl Reader {
         }
         words.is_active().store(ACTIVE, Ordering::Release);
         if own.is_none() {
-            // Frames that came meanwhile did not count for this reader. The writer has the same
-            // fence: either it sees that the place is used, or its frame is seen here.
+            // Frames that came meanwhile were not counted for this reader. The writer has the same
+            // fence: either the writer sees that the entry is used, or its frame is seen here.
             fence(Ordering::SeqCst);
             words.cursor().fetch_max(value(&memory, header::PUBLISHED), Ordering::AcqRel);
         }
@@ -120,7 +120,7 @@ impl Reader {
         self.lost + self.words().cursor().load(Ordering::Acquire).saturating_sub(self.next)
     }
 
-    /// Copies the next frame to `frame`, after waiting for it for no longer than `limit`.
+    /// Waits for the next frame, no longer than `limit`, and copies it to `frame`.
     ///
     /// # Errors
     /// The file is damaged, or its successor cannot be opened.
@@ -137,7 +137,7 @@ impl Reader {
                 continue;
             }
             match value(&self.memory, header::STATE) {
-                // What was published before the end was announced is still read.
+                // Frames that were published before the end are still read.
                 _ if value(&self.memory, header::PUBLISHED) > cursor => continue,
                 OPEN => {}
                 REPLACED => {
@@ -153,7 +153,7 @@ impl Reader {
             self.memory.wait(header::PUBLISHED, published as u32, left.min(LOOK));
             let is_unchanged = value(&self.memory, header::PUBLISHED) == published;
             if is_unchanged && !self.memory.is_locked(header::WRITER_LOCK * 8) {
-                // It ended without a word.
+                // The writer died without announcing the end.
                 if value(&self.memory, header::STATE) == OPEN {
                     set(&self.memory, header::STATE, ENDED);
                 }
@@ -161,21 +161,21 @@ impl Reader {
         }
     }
 
-    /// Leaves out what came before the newest frame; these are not counted as lost.
+    /// Skips all frames before the newest one, without counting them as lost.
     pub fn skip_to_newest(&mut self) {
         let newest = value(&self.memory, header::PUBLISHED).saturating_sub(1);
-        // The writer alone may have moved it meanwhile, and only on.
+        // Meanwhile only the writer may have moved the cursor, and only forward.
         let cursor = self.words().cursor().fetch_max(newest, Ordering::AcqRel);
         self.go_on(cursor, cursor.max(newest));
     }
 
-    /// The cursor stood at `cursor`, and stands at `next` now.
+    /// Updates the counts after the cursor moved from `cursor` to `next`.
     fn go_on(&mut self, cursor: u64, next: u64) {
         self.lost += cursor.saturating_sub(self.next);
         self.next = next;
     }
 
-    /// Goes on with the file that took the place of this one.
+    /// Continues with the file that replaced this one.
     fn follow(&mut self) -> Result<()> {
         let mut next = Self::begin(&self.path, Some((self.entry, self.next)))?;
         next.lost = self.lost;
@@ -183,7 +183,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Copies frame `number`; whether it was still there.
+    /// Copies frame `number`. Returns whether it was still there.
     fn copy(&self, number: u64, frame: &mut Frame) -> Result<bool> {
         let slot = self.shape.first_slot + (number % self.shape.slots) as usize * self.shape.slot_words;
         let word = |word: usize| self.memory.words()[slot + word].load(Ordering::Relaxed);
@@ -193,7 +193,7 @@ impl Reader {
             (frame.number, frame.index, frame.time) = (number, word(slot::INDEX), word(slot::TIME));
             self.copy_pictures(slot, frame)?;
         }
-        // All is copied before the cursor is moved.
+        // The copy is complete before the cursor moves.
         fence(Ordering::Acquire);
         let moved =
             self.words().cursor().compare_exchange(number, number + 1, Ordering::AcqRel, Ordering::Relaxed).is_ok();

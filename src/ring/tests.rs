@@ -52,7 +52,7 @@ fn a_reader_gets_each_frame_with_all_its_pixels() {
         assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame);
         assert!(frame.index == index && frame.number == index - 1 && is_right(&frame));
     }
-    // The comparer sees a pixel that is wrong.
+    // The comparison notices a wrong pixel.
     frame.pictures[1].rgba[7] ^= 1;
     assert!(!is_right(&frame));
     publish(&mut writer, 11);
@@ -176,8 +176,7 @@ fn whoever_ends_without_a_word_blocks_nobody() {
     let mut writer = Writer::create(&path, &shapes(&[(2, 2)]), 3, true).expect("a ring");
     let memory = SharedMemory::open(&path).expect("the file");
     let words = ReaderWords::new(&memory, 0);
-    // A reader that took its place, and then lost its life: its lock is gone, its words are still
-    // there.
+    // A reader that took its entry and then died: its lock is gone, its words are still there.
     words.is_active().store(ACTIVE, std::sync::atomic::Ordering::Release);
     let started = Instant::now();
     (1..=9).for_each(|index| publish(&mut writer, index));

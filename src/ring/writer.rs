@@ -1,4 +1,4 @@
-//! The side of the program.
+//! The program's side.
 
 use super::layout::{
     self, ENDED, EXPECTED, FREE, OPEN, READERS, REPLACED, RGBA8, ReaderWords, header, picture, set, slot, value,
@@ -10,19 +10,20 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 use std::time::{Duration, Instant};
 
-/// Fewer slots than this would make readers lose frames that they have just begun to copy.
+/// Smallest number of slots. With fewer, readers would lose frames that they have just begun to
+/// copy.
 pub const LEAST_SLOTS: usize = 3;
 
-/// The alpha of two pixels.
+/// Alpha 255 of two pixels, as a word.
 const OPAQUE: u64 = u64::from_ne_bytes([0, 0, 0, 255, 0, 0, 0, 255]);
 
-/// How often a waiting writer looks whether its readers still live.
+/// Interval at which a waiting writer checks whether its readers are still alive.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Name and size of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Name of the output; of a longer one only the first 64 bytes are written.
+    /// Name of the output; only its first 64 bytes are written.
     pub name: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -39,9 +40,9 @@ pub struct Writer {
     slot_words: usize,
     waits: bool,
     number: u64,
-    /// Frames that readers lost.
+    /// Number of frames that readers lost.
     lost: u64,
-    /// The file before this one, while readers of it have not come to this one.
+    /// The file before this one, while some of its readers have not come to this one.
     before: Option<SharedMemory>,
 }
 
@@ -51,8 +52,8 @@ impl Writer {
     /// have copied what it overwrites.
     ///
     /// # Errors
-    /// A file of this name exists that is not Cupola's, or whose writer lives; too many pictures;
-    /// what the system says.
+    /// A file of this name exists that is not Cupola's, or whose writer is alive; there are too
+    /// many pictures; or an error of the system.
     pub fn create(path: &Path, shapes: &[Shape], slots: usize, waits: bool) -> Result<Self> {
         let failed = |error: io::Error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display()));
         match SharedMemory::open(path) {
@@ -69,8 +70,8 @@ impl Writer {
         Self::make(path, shapes, slots.max(LEAST_SLOTS), waits, None).map_err(failed)
     }
 
-    /// Makes the file under another name, and then gives it its name: readers never see half of it.
-    /// Those of `old` have a place in it.
+    /// Makes the file under another name and then renames it, so that readers never see half of it.
+    /// Readers of `old` have an entry in it.
     fn make(path: &Path, shapes: &[Shape], slots: usize, waits: bool, old: Option<&Self>) -> io::Result<Self> {
         let number = old.map_or(0, |old| old.number);
         if shapes.len() > layout::PICTURES {
@@ -87,7 +88,7 @@ impl Writer {
         let bytes = words.and_then(|words| words.checked_mul(8)).ok_or_else(too_large)?;
         let mut name = path.as_os_str().to_owned();
         name.push(format!(".{}", std::process::id()));
-        // What a process of this number left behind.
+        // A process of the same number may have left a file behind.
         let _ = std::fs::remove_file(&name);
         let memory = SharedMemory::create(name.as_ref(), bytes)?;
         memory.lock(header::WRITER_LOCK * 8);
@@ -124,8 +125,8 @@ impl Writer {
         Ok(writer)
     }
 
-    /// Gives a reader its place in the next file. Number of frames that it loses: if it never opened
-    /// this file, all that lie in it.
+    /// Gives a reader its entry in the next file. Returns the number of frames that it loses: if it
+    /// never opened this file, all that lie in it.
     fn hand_over(&self, next: &SharedMemory, number: usize) -> u64 {
         let (from, to) = (ReaderWords::new(&self.memory, number), ReaderWords::new(next, number));
         let state = from.is_active().load(Ordering::Acquire);
@@ -169,11 +170,11 @@ impl Writer {
         self.number
     }
 
-    /// Goes on with pictures of other names and sizes, in a new file of the same name. Readers of
-    /// the old one find it.
+    /// Publishes pictures of other names and sizes from now on, in a new file of the same name.
+    /// Readers of the old file find it.
     ///
     /// # Errors
-    /// What the system says; the old file stays then.
+    /// Errors of the system; the old file stays then.
     pub fn reshape(&mut self, shapes: &[Shape]) -> Result<()> {
         if self.waits {
             // A reader opens the newest file: those of the file before have to come to this one
@@ -188,7 +189,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Publishes a frame with the program's number `index`, of this time on the monotonic clock in
+    /// Publishes a frame with the program's number `index` and its time on the monotonic clock in
     /// nanoseconds; `fill` writes its pictures. Allocates nothing.
     pub fn publish(&mut self, index: u64, time: u64, fill: impl FnOnce(&mut Pictures<'_>)) {
         let (number, slot) = (self.number, self.slot(self.number));
@@ -198,7 +199,7 @@ impl Writer {
         }
         let word = |word: usize| &self.memory.words()[slot + word];
         word(slot::SEQUENCE).store(2 * number + 1, Ordering::Relaxed);
-        // What follows is not seen before the number above.
+        // The following writes are not seen before the number above.
         fence(Ordering::Release);
         word(slot::INDEX).store(index, Ordering::Relaxed);
         word(slot::TIME).store(time, Ordering::Relaxed);
@@ -209,9 +210,10 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// Lets no cursor of a reader point to a frame before `oldest`: waits for the reader, or moves
-    /// its cursor. Number of frames that it loses. The word for them may be another reader's when
-    /// it is written, if this one ends meanwhile: readers of ours count by their cursor alone.
+    /// Keeps a reader's cursor from pointing to a frame before `oldest`: waits for the reader, or
+    /// moves its cursor. Returns the number of frames that it loses. If the reader ends meanwhile,
+    /// the losses may be written to another reader's word. Cupola's readers therefore count by
+    /// their cursor alone.
     fn move_on(&self, number: usize, oldest: u64) -> u64 {
         let reader = ReaderWords::new(&self.memory, number);
         loop {
@@ -231,8 +233,8 @@ impl Writer {
         }
     }
 
-    /// Frees the place of a reader that ended without a word. The lock keeps out those who would
-    /// take it meanwhile; whoever has taken it already keeps it.
+    /// Frees the entry of a dead reader. The lock keeps out a reader that would take the entry
+    /// meanwhile; one that has taken it already keeps it.
     fn free(&self, reader: ReaderWords<'_>) {
         if self.memory.lock(reader.lock_byte()) {
             reader.is_active().store(FREE, Ordering::Release);
@@ -240,16 +242,17 @@ impl Writer {
         }
     }
 
-    /// True if the process of a reader that uses its place, or is expected there, lives. A reader
-    /// locks its next place before it leaves the last one: asked in this order, one is found.
+    /// True if the process of a reader that uses its entry, or is expected there, is alive. A
+    /// reader locks its next entry before it leaves the last one, so that in this order one of the
+    /// locks is found.
     fn is_alive(&self, reader: ReaderWords<'_>) -> bool {
         let is_locked = |memory: &SharedMemory| memory.is_locked(reader.lock_byte());
         let is_expected = reader.is_active().load(Ordering::Acquire) == EXPECTED;
         (is_expected && self.before.as_ref().is_some_and(is_locked)) || is_locked(&self.memory)
     }
 
-    /// Waits for the first reader, for about a minute; whether it came. The time is counted in
-    /// waits of the system, for the program's clock may stand still.
+    /// Waits for the first reader, for about a minute. Returns whether it came. The limit is a
+    /// number of waits of the system, because the program's clock may stand still.
     pub fn wait_for_a_reader(&self) -> bool {
         for _ in 0..600 {
             let taken = value(&self.memory, header::TAKEN);
@@ -284,7 +287,7 @@ impl Writer {
         }
     }
 
-    /// Number of living readers, and of frames that all readers lost so far.
+    /// Number of living readers, and number of frames that all readers lost so far.
     pub fn readers(&self) -> (usize, u64) {
         let readers = (0..READERS).map(|number| ReaderWords::new(&self.memory, number));
         (readers.filter(|reader| self.memory.is_locked(reader.lock_byte())).count(), self.lost)
@@ -295,19 +298,19 @@ impl Writer {
         self.memory.wake(header::PUBLISHED);
     }
 
-    /// The program ends: readers are told, and the file is removed. In a copy of the process that
-    /// `fork` made nothing is done: the file is not its own.
+    /// Announces to readers that the program ends, and removes the file. Does nothing in a copy of
+    /// the process that `fork` made: the file is not its own.
     pub fn end(self) {
         if value(&self.memory, header::PROCESS) != u64::from(std::process::id()) {
             return;
         }
         self.finish(ENDED);
-        // A reader has it open; a file that is gone already needs no removal.
+        // The file may be gone already, which is no error.
         let _ = std::fs::remove_file(&self.path);
     }
 }
 
-/// Replaces `old` by `new`, if it is still there.
+/// Replaces `old` by `new` if the word is still `old`.
 fn replace(word: &AtomicU64, old: u64, new: u64) -> bool {
     word.compare_exchange(old, new, Ordering::AcqRel, Ordering::Relaxed).is_ok()
 }
@@ -322,9 +325,8 @@ pub struct Pictures<'a> {
 
 impl Pictures<'_> {
     /// Writes row `y`, counted from the top, of picture `number`: 4 bytes for each pixel, of which
-    /// the last is written as
-    /// 255. Rows that are not written stay as they were in an earlier frame. What lies outside of
-    ///      the picture is left out.
+    /// the last is written as 255. Rows that are not written stay as they were in an earlier frame.
+    /// Pixels outside the picture are left out.
     pub fn row(&mut self, number: usize, y: u32, row: &[u8]) {
         let (Some(shape), Some(pixels)) = (self.shapes.get(number), self.pixels.get(number)) else { return };
         let (width, height) = (shape.size.0 as usize, shape.size.1);
@@ -332,7 +334,7 @@ impl Pictures<'_> {
         if y >= height {
             return;
         }
-        // Two pixels are a word, so that a row may begin in the middle of one.
+        // Two pixels are one word, so that a row may begin in the middle of a word.
         let first = y as usize * width;
         let (half, rest) = row.split_at(if first % 2 == 1 { 4.min(row.len()) } else { 0 });
         let word = self.slot + pixels + first / 2;
