@@ -1,11 +1,11 @@
-//! Who calls: the program and its libraries, which get the virtual clock, or a part of the system
-//! that waits for real devices.
+//! The caller of a function: the program and its libraries, which get virtual time, or a part of
+//! the system that waits for real devices.
 
 use super::settings;
 use std::ffi::{CStr, c_void};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Beginnings of the names of libraries that get real time: Cupola, graphics drivers and their
+/// Prefixes of the names of libraries that get real time: Cupola, graphics drivers and their
 /// loaders, connections to the display, sound and the system's services.
 const REAL: [&str; 37] = [
     "libcupola",
@@ -47,8 +47,8 @@ const REAL: [&str; 37] = [
     "libusb",
 ];
 
-/// Verdicts so far: twice the address of a call, and 1 for the program. A call of another library
-/// at the same place would replace it; one that was loaded where another was unloaded gets the
+/// Verdicts so far: twice the address of a call, plus 1 for the program. Two addresses with the
+/// same slot replace each other. A library that is loaded where another was unloaded gets the
 /// verdict about that one.
 static SEEN: [AtomicUsize; 1024] = [const { AtomicUsize::new(0) }; 1024];
 
@@ -67,7 +67,7 @@ pub fn is_served(address: usize) -> bool {
     served
 }
 
-/// True if the library at `address` gets real time. Code without a library is the program's.
+/// True if the library at `address` gets real time. Code outside of libraries is the program's.
 fn is_real(address: usize) -> bool {
     // SAFETY: asks the dynamic linker about an address; the answer's text is its own.
     let path = unsafe {
@@ -83,8 +83,8 @@ fn is_real(address: usize) -> bool {
     is_library && (is_driver || REAL.iter().any(|begin| name.starts_with(begin.as_bytes())))
 }
 
-/// Exports functions of libc. Each goes on to a function here that gets one argument more: the
-/// address that the call returns to. The number in front of a name is that of its arguments.
+/// Exports functions of libc. Each jumps to a function here that has one argument more: the address
+/// to which the call returns. The number in front of a name is its number of arguments.
 macro_rules! interpose {
     ($($arguments:tt $name:ident => $to:path;)*) => {$(
         /// As in libc.
@@ -99,7 +99,7 @@ macro_rules! interpose {
     )*};
 }
 
-/// The code that adds the caller's address to the arguments.
+/// Code that adds the caller's address to the arguments.
 #[cfg(target_arch = "x86_64")]
 macro_rules! with_caller {
     (0) => {

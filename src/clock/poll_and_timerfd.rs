@@ -1,4 +1,4 @@
-//! Waits for files and connections, with limits in the program's time; timers that are files.
+//! Waits for files and connections, with limits in the program's time, and timers that are files.
 
 use super::caller::{interpose, is_served};
 use super::real;
@@ -22,7 +22,8 @@ interpose! {
     2 timerfd_gettime => timerfd_gettime_for;
 }
 
-/// The drawing thread waits so long in real time for what may come from outside, before it is late.
+/// Longest real time for which the drawing thread waits for input from outside. Then its time
+/// advances to the limit.
 const PATIENCE: Duration = Duration::from_millis(250);
 
 /// Waits until `attempt` returns a number other than 0, or until `deadline`.
@@ -48,17 +49,17 @@ fn wait_for_files(deadline: Option<u64>, mut attempt: impl FnMut(Option<Duration
     }
 }
 
-/// A limit in milliseconds: negative is none.
+/// A limit in milliseconds, converted to nanoseconds; `None` if it is negative: without a limit.
 fn milliseconds(limit: c_int) -> Option<u64> {
     u64::try_from(limit).ok().map(|limit| limit * 1_000_000)
 }
 
-/// The pointer of a limit, as calls of the system want it.
+/// Pointer to a limit, as system calls take it.
 fn pointer(limit: &Option<libc::timespec>) -> *const libc::timespec {
     limit.as_ref().map_or(std::ptr::null(), std::ptr::from_ref)
 }
 
-/// A real limit for libc.
+/// Converts a real limit for libc.
 fn real_limit(limit: Option<Duration>) -> Option<libc::timespec> {
     limit.map(|limit| timespec(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)))
 }
@@ -120,21 +121,21 @@ unsafe extern "C-unwind" fn ppoll_checked(
     unsafe { ppoll_for(files, count, limit, mask, caller) }
 }
 
-/// The sets of `select`, which each attempt changes.
+/// Sets of `select`, which each attempt changes.
 struct Sets {
     at: [*mut libc::fd_set; 3],
     before: [Option<libc::fd_set>; 3],
 }
 
 impl Sets {
-    /// Those of the program. `None` if they are longer than libc's own.
+    /// Copies the sets of the program. `None` if they are longer than libc's type.
     unsafe fn new(count: c_int, at: [*mut libc::fd_set; 3]) -> Option<Self> {
         // SAFETY: the program's sets, or null.
         let before = at.map(|set| unsafe { set.as_ref().copied() });
         usize::try_from(count).is_ok_and(|count| count <= libc::FD_SETSIZE).then_some(Self { at, before })
     }
 
-    /// As they were.
+    /// Writes the sets back as they were.
     unsafe fn restore(&self) {
         for (at, before) in self.at.iter().zip(&self.before) {
             if let Some(before) = before {
@@ -263,7 +264,7 @@ struct Timer {
     file: c_int,
     /// Next time at which it fires, in nanoseconds since the start; 0: it is not set.
     deadline: u64,
-    /// Time between its later ones; 0: it fires once.
+    /// Time between later firings; 0: it fires once.
     interval: u64,
 }
 
@@ -273,12 +274,12 @@ fn timers() -> MutexGuard<'static, Vec<Timer>> {
     TIMERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// When the next timer fires.
+/// Time at which the next timer fires.
 fn next_timer() -> Option<u64> {
     timers().iter().map(|timer| timer.deadline).filter(|deadline| *deadline > 0).min()
 }
 
-/// It is `time`: timers whose time has come become readable.
+/// Makes timers readable whose time has come at `time`.
 pub fn fire(time: u64) {
     for timer in timers().iter_mut().filter(|timer| timer.deadline > 0 && timer.deadline <= time) {
         let late = time - timer.deadline;
@@ -290,7 +291,7 @@ pub fn fire(time: u64) {
     }
 }
 
-/// Lets the system's timer fire once after so many nanoseconds; 0: never.
+/// Makes the system's timer fire once after this number of nanoseconds; 0: never.
 fn set(file: c_int, after: c_long) {
     let zero = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     let new = libc::itimerspec { it_interval: zero, it_value: libc::timespec { tv_sec: 0, tv_nsec: after } };
@@ -337,7 +338,7 @@ unsafe extern "C" fn timerfd_settime_for(
         value if is_absolute => moment(value).max(1),
         value => after(value),
     };
-    // What fired before and was not read is gone.
+    // An earlier firing that was not read is forgotten.
     set(file, 0);
     drop(timers);
     fire(now());

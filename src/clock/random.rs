@@ -25,28 +25,28 @@ interpose! {
     2 fopen64 => fopen_for;
 }
 
-/// Bytes that a device of random numbers has, each time that it is opened.
+/// Number of bytes that a device of random numbers gives each time it is opened.
 const DEVICE: usize = 1 << 20;
 
 thread_local! {
-    /// Number of this thread, from 1, in the order in which threads ask for random numbers; 0
+    /// Number of this thread, from 1, in the order in which threads first ask for random numbers; 0
     /// before.
     static THREAD: Cell<u64> = const { Cell::new(0) };
-    /// Numbers that it got: threads do not take them from each other.
+    /// Number of values that this thread got. Each thread has its own sequence.
     static TAKEN: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The distance of the states of Steele, Lea and Flood's SplitMix64.
+/// Step between the states of Steele, Lea and Flood's SplitMix64.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// Its output function.
+/// Output function of SplitMix64.
 fn mix(state: u64) -> u64 {
     let state = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let state = (state ^ (state >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     state ^ (state >> 31)
 }
 
-/// The next number of this thread.
+/// Next number of this thread.
 fn next() -> u64 {
     static THREADS: AtomicU64 = AtomicU64::new(0);
     if THREAD.get() == 0 {
@@ -113,7 +113,7 @@ unsafe extern "C" fn arc4random_uniform_for(bound: u32, caller: usize) -> u32 {
     }
 }
 
-/// A file of random numbers in the place of a device for them; `None` for other paths.
+/// Opens a file of random numbers in place of a random device; `None` for other paths.
 unsafe fn device(path: *const c_char, caller: usize) -> Option<c_int> {
     if path.is_null() {
         return None;

@@ -18,11 +18,11 @@ interpose! {
     2 kill => kill_for;
 }
 
-/// The process's number as the program reads it, since programs make seeds of it. No process has
-/// this number.
+/// Process number that the program reads, because programs make seeds of it. No process has this
+/// number.
 const PROCESS: libc::pid_t = (1 << 22) + 1;
 
-/// The time of a clock, for a program that reads it; `None` where libc answers.
+/// Time of a clock for a program that reads it; `None` if libc answers.
 fn time_of(clock: libc::clockid_t, caller: usize) -> Option<libc::timespec> {
     let start = start_of(clock).filter(|_| is_served(caller))?;
     Some(timespec(start + read()))
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn time_for(time: *mut libc::time_t, caller: usize) -> lib
     now.tv_sec
 }
 
-/// `struct timeb`, which the crate of libc's types lacks.
+/// `struct timeb`, which the crate `libc` lacks.
 #[repr(C)]
 pub struct TimeB {
     time: libc::time_t,
@@ -118,7 +118,7 @@ unsafe extern "C" fn times_for(times: *mut libc::tms, caller: usize) -> libc::cl
     ticks
 }
 
-/// The process in which the program began; a copy that `fork` makes reads its own number.
+/// True for the process in which the program began. A copy that `fork` made reads its own number.
 fn is_first(process: libc::pid_t) -> bool {
     use std::sync::atomic::{AtomicI32, Ordering};
     static FIRST: AtomicI32 = AtomicI32::new(0);

@@ -1,10 +1,10 @@
-//! What the environment asks for.
+//! Settings from the environment.
 
 use std::sync::OnceLock;
 
 /// The clock of this process.
 pub struct Settings {
-    /// Frames in so many seconds: `CUPOLA_CLOCK=FRAMES/SECONDS`.
+    /// Frames and the number of seconds that they last: `CUPOLA_CLOCK=FRAMES/SECONDS`.
     pub rate: (u64, u64),
     /// Start of the program's time, in nanoseconds since 1970: `CUPOLA_CLOCK_START`.
     pub start: u64,
@@ -12,10 +12,10 @@ pub struct Settings {
     pub seed: u64,
 }
 
-/// Start where nothing else is asked for: noon of 2000-01-01 UTC.
+/// Start if the environment names none: noon of 2000-01-01 UTC.
 const START: u64 = 946_728_000_000_000_000;
 
-/// The settings; `None` without a clock.
+/// Settings of this process; `None` without a virtual clock.
 pub fn settings() -> Option<&'static Settings> {
     static SETTINGS: OnceLock<Option<Settings>> = OnceLock::new();
     SETTINGS

@@ -14,11 +14,10 @@ interpose! {
     2 thrd_sleep => nanosleep_for;
 }
 
-/// A sleep of the drawing thread takes no longer than this in real time: other threads get on
-/// meanwhile.
+/// Longest real time that a sleep of the drawing thread takes. Other threads can work meanwhile.
 const NAP: Duration = Duration::from_millis(1);
 
-/// Sleeps until the program's time is `moment`; whether a signal ended it before.
+/// Sleeps until the program's time is `moment`. Returns whether a signal ended the sleep.
 unsafe fn sleep_until(moment: u64) -> bool {
     let nap = |limit: Option<Duration>| {
         let time = timespec(limit.map_or(0, |limit| u64::try_from(limit.as_nanos()).unwrap_or(0)));

@@ -1,7 +1,7 @@
 //! Waits of threads for each other, with limits in the program's time.
 //!
-//! A wait of the drawing thread without a limit is seen too: meanwhile the others' sleeps last
-//! their real time, for it may wait for them.
+//! A wait of the drawing thread without a limit counts too: until it ends, sleeps of other threads
+//! last their real time, because it may wait for them.
 
 use super::caller::{interpose, is_served};
 use super::timeline::{self, moment, nanoseconds, seen, timespec, wait};
@@ -31,24 +31,25 @@ interpose! {
     7 syscall => syscall_for;
 }
 
-/// The drawing thread waits so long in real time for another thread, before it is late.
+/// Longest real time for which the drawing thread waits for another thread. Then its time advances
+/// to the limit.
 const PATIENCE: Duration = Duration::from_millis(250);
 
 type Time = *const libc::timespec;
 
-/// The moment that a call's last argument names, if the call is served.
+/// Moment in the last argument of a call, if the call gets virtual time.
 unsafe fn limit(time: Time, caller: usize) -> Option<u64> {
     // SAFETY: the program's structure, or null.
     unsafe { time.as_ref() }.and_then(nanoseconds).filter(|_| is_served(caller)).map(moment)
 }
 
-/// A moment of the real monotonic clock, so long from now.
+/// Moment of the real monotonic clock at which `limit` from now ends.
 fn real_end(limit: Duration) -> libc::timespec {
     timespec(real::now().saturating_add(u64::try_from(limit.as_nanos()).unwrap_or(u64::MAX)))
 }
 
-/// Waits until `deadline`. `attempt` waits until a real moment; it returns ETIMEDOUT if nothing
-/// came.
+/// Waits until `deadline`. `attempt` waits until a moment of the real clock; it returns ETIMEDOUT
+/// if nothing came.
 fn wait_for_thread(deadline: u64, attempt: impl Fn(Time) -> c_int) -> c_int {
     let attempt = |limit: Option<Duration>| {
         Some(attempt(&real_end(limit.unwrap_or(PATIENCE)))).filter(|answer| *answer != libc::ETIMEDOUT)
@@ -65,7 +66,7 @@ struct Waiting {
 
 static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
 
-/// It is `time`: threads that wait for a condition no longer than that wake up.
+/// Wakes threads that wait for a condition until `time` or earlier.
 pub fn wake(time: u64) {
     for waiting in WAITING.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         if waiting.deadline <= time {
@@ -76,10 +77,9 @@ pub fn wake(time: u64) {
     }
 }
 
-/// Waits for a condition until `deadline`. Several short waits would miss signals between them, so
-/// that other threads than the drawing one wait once: the drawing one wakes them. If it does not
-/// for long, they look by themselves, as after a wake-up without a reason, which the standard
-/// permits.
+/// Waits for a condition until `deadline`. Several short waits would miss signals between them.
+/// Threads other than the drawing one therefore wait once, and the drawing thread wakes them. If it
+/// takes long, they return by themselves, as after a spurious wake-up, which the standard permits.
 unsafe fn wait_for_condition(
     condition: *mut libc::pthread_cond_t,
     mutex: *mut libc::pthread_mutex_t,
@@ -144,7 +144,7 @@ unsafe extern "C-unwind" fn cond_clockwait_for(
     }
 }
 
-/// An answer of C11's threads for one of POSIX's.
+/// Converts an answer of POSIX's threads to one of C11's.
 fn of_c11(answer: c_int) -> c_int {
     match answer {
         0 => 0,
@@ -163,7 +163,7 @@ unsafe extern "C-unwind" fn mtx_timedlock_for(mutex: Lock, time: Time, caller: u
     of_c11(unsafe { mutex_timedlock_for(mutex, time, caller) })
 }
 
-/// The number of a call that sets `errno`.
+/// Error number of a call that sets `errno`; 0 if it succeeded.
 fn errno(answer: c_int) -> c_int {
     // SAFETY: the thread's own number.
     if answer == 0 { 0 } else { unsafe { *libc::__errno_location() } }
@@ -195,7 +195,7 @@ unsafe extern "C-unwind" fn sem_clockwait_for(
     }
 }
 
-/// Locks with a limit: the name of the function without and with a clock, and libc's with one.
+/// Defines locks with a limit: the function's name without and with a clock, and libc's with one.
 macro_rules! locks {
     ($($kind:ty: $timed:ident, $clocked:ident => $real:ident;)*) => {$(
         unsafe extern "C-unwind" fn $timed(lock: *mut $kind, time: Time, caller: usize) -> c_int {
@@ -239,7 +239,7 @@ unsafe extern "C-unwind" fn timedjoin_for(
     }
 }
 
-/// `syscall`, by which libraries of other languages make calls that they could make by libc.
+/// `syscall`, with which libraries of other languages make calls that libc also offers.
 #[allow(clippy::too_many_arguments)]
 unsafe extern "C-unwind" fn syscall_for(
     number: c_long,

@@ -1,8 +1,8 @@
 //! The program's time.
 //!
 //! It is the time of a program whose work takes no time, on a display that shows `rate` frames in a
-//! second: it grows when a frame ends and when the thread that draws the frames waits, and stands
-//! still otherwise.
+//! second. It advances when a frame ends and when the thread that draws the frames waits, and
+//! stands still otherwise.
 
 use super::settings::settings;
 use super::{poll_and_timerfd, real, threads};
@@ -14,40 +14,41 @@ use std::time::Duration;
 const SECOND: u64 = 1_000_000_000;
 /// The monotonic clock at the program's start.
 const MONOTONIC_START: u64 = 1000 * SECOND;
-/// Reads of a clock in one frame, without a wait between them, after which each read lets the time
-/// grow.
+/// Number of reads of a clock in one frame, without a wait between them, after which each read
+/// advances the time.
 const READS: u32 = 1000;
-/// By so many nanoseconds.
+/// Nanoseconds by which such a read advances it.
 const CREEP: u64 = 1000;
-/// Another thread looks so often whether the time that it waits for has come.
+/// Interval at which another thread checks whether the time that it waits for has come.
 const SLICE: Duration = Duration::from_millis(5);
-/// So long without a frame and without a wait of the drawing thread, and other threads wait in real
-/// time.
+/// Nanoseconds without a frame and without a wait of the drawing thread, after which other threads
+/// wait in real time.
 const STALLED: u64 = 5 * SECOND;
-/// Swaps of other windows, without one of the leading window, after which another window leads.
+/// Number of swaps of other windows, without one of the leading window, after which another window
+/// leads.
 const GONE: u32 = 30;
 
 /// Nanoseconds since the start.
 static NOW: AtomicU64 = AtomicU64::new(0);
-/// Number of the display's frame, as counted by the clock: time × rate at the begin of the frame.
+/// Number of the display's frame: time × rate at the beginning of the frame.
 static FRAME: AtomicU64 = AtomicU64::new(0);
-/// The thread that draws the frames; 0 before the first one: the process's first thread.
+/// Number of the drawing thread. 0 before the first frame: then the process's first thread counts.
 static THREAD: AtomicI32 = AtomicI32::new(0);
-/// Real time since when that thread waits for others without a limit; 0 if it does not.
+/// Real time at which that thread began to wait for others without a limit; 0 if it does not.
 static BLOCKED: AtomicU64 = AtomicU64::new(0);
-/// Real time of the last growth.
+/// Real time at which the program's time last advanced.
 static GROWN: AtomicU64 = AtomicU64::new(0);
-/// Reads since then.
+/// Number of reads since then.
 static READ: AtomicU32 = AtomicU32::new(0);
-/// The window whose swaps count.
+/// Handle of the leading window, whose swaps count.
 static WINDOW: AtomicU64 = AtomicU64::new(0);
-/// Swaps of others since its last one.
+/// Number of swaps of other windows since its last one.
 static OTHERS: AtomicU32 = AtomicU32::new(0);
 
 thread_local! {
-    /// This thread's number.
+    /// Number of this thread.
     static ID: Cell<libc::pid_t> = const { Cell::new(0) };
-    /// What this thread read last: time does not run back.
+    /// Last time that this thread read: its time never goes back.
     static LAST: Cell<u64> = const { Cell::new(0) };
 }
 
@@ -81,7 +82,7 @@ pub fn monotonic() -> u64 {
     MONOTONIC_START + now()
 }
 
-/// The time as this thread sees it.
+/// Time as this thread sees it.
 pub fn seen() -> u64 {
     if draws() {
         return now();
@@ -98,7 +99,7 @@ pub fn seen() -> u64 {
     })
 }
 
-/// The time for a program that reads a clock.
+/// Time for a program that reads a clock.
 pub fn read() -> u64 {
     if draws() && READ.fetch_add(1, Ordering::Relaxed) >= READS {
         NOW.fetch_add(CREEP, Ordering::AcqRel);
@@ -106,7 +107,7 @@ pub fn read() -> u64 {
     seen()
 }
 
-/// Where a clock stands at the program's start; `None` for clocks that are not served.
+/// Value of a clock at the program's start; `None` for clocks that are not virtual.
 pub fn start_of(clock: libc::clockid_t) -> Option<u64> {
     match clock {
         libc::CLOCK_REALTIME | libc::CLOCK_REALTIME_COARSE | libc::CLOCK_TAI => Some(settings()?.start),
@@ -118,25 +119,25 @@ pub fn start_of(clock: libc::clockid_t) -> Option<u64> {
     }
 }
 
-/// A moment of one of the two kinds of clocks, in nanoseconds since the start. Which kind is seen
-/// by the number: none runs for decades before 1986.
+/// Converts a moment of either kind of clock to nanoseconds since the start. The number tells the
+/// kind: no monotonic clock runs for decades before 1986.
 pub fn moment(time: u64) -> u64 {
     let is_date = time > 500_000_000 * SECOND;
     time.saturating_sub(if is_date { settings().map_or(0, |settings| settings.start) } else { MONOTONIC_START })
 }
 
-/// A time in nanoseconds; `None` for one that libc refuses.
+/// Converts a time to nanoseconds; `None` for one that libc refuses.
 pub fn nanoseconds(time: &libc::timespec) -> Option<u64> {
     let (seconds, rest) = (u64::try_from(time.tv_sec).ok()?, u64::try_from(time.tv_nsec).ok()?);
     (rest < SECOND).then(|| seconds.saturating_mul(SECOND).saturating_add(rest))
 }
 
-/// The same for libc.
+/// Converts nanoseconds to a time for libc.
 pub fn timespec(time: u64) -> libc::timespec {
     libc::timespec { tv_sec: (time / SECOND) as libc::time_t, tv_nsec: (time % SECOND) as libc::c_long }
 }
 
-/// Lets the time grow to `time`.
+/// Advances the time to `time`.
 fn grow(time: u64) {
     NOW.fetch_max(time, Ordering::AcqRel);
     READ.store(0, Ordering::Relaxed);
@@ -145,7 +146,7 @@ fn grow(time: u64) {
     threads::wake(time);
 }
 
-/// The monotonic clock goes on to `time`, unless it is later already.
+/// Advances the monotonic clock to `time`, unless it is later already.
 pub fn advance(time: u64) {
     let time = time.saturating_sub(MONOTONIC_START);
     if time > now() {
@@ -153,8 +154,8 @@ pub fn advance(time: u64) {
     }
 }
 
-/// A frame of this window is complete: the time goes on to the next one. `false`: another window
-/// leads.
+/// Announces that a frame of this window is complete, and advances the time to the next one.
+/// Returns false if another window leads.
 pub fn frame(window: u64) -> bool {
     let Some(settings) = settings() else { return false };
     if !leads(window) {
@@ -163,8 +164,8 @@ pub fn frame(window: u64) -> bool {
     THREAD.store(thread(), Ordering::Relaxed);
     let (frames, seconds) = settings.rate;
     let (length, frames) = (u128::from(seconds) * u128::from(SECOND), u128::from(frames));
-    // A program that waited longer than a frame lasts has let frames of the display pass: the
-    // nearest is the next.
+    // If a program waited longer than a frame lasts, frames of the display have passed: the nearest
+    // frame is the next.
     let nearest = (u128::from(now()) * frames + length / 2) / length;
     let next = u64::try_from(nearest).unwrap_or(u64::MAX).max(FRAME.load(Ordering::Relaxed) + 1);
     FRAME.store(next, Ordering::Relaxed);
@@ -172,7 +173,7 @@ pub fn frame(window: u64) -> bool {
     true
 }
 
-/// True if the swaps of this window count: those of the first one, until only others are swapped.
+/// True if the swaps of this window count. The first window leads until only others are swapped.
 fn leads(window: u64) -> bool {
     let leading = WINDOW.load(Ordering::Relaxed);
     if leading != window && leading != 0 && OTHERS.fetch_add(1, Ordering::Relaxed) < GONE {
@@ -183,7 +184,8 @@ fn leads(window: u64) -> bool {
     true
 }
 
-/// The drawing thread waits for others without a limit. They may need time for what it waits for.
+/// Wait of the drawing thread for others without a limit. They may need the time to advance before
+/// they end its wait.
 struct Blocked;
 
 impl Blocked {
@@ -193,7 +195,7 @@ impl Blocked {
     }
 }
 
-/// True if the drawing thread waits so.
+/// True if the drawing thread waits for others without a limit.
 pub fn is_blocked() -> bool {
     BLOCKED.load(Ordering::Acquire) != 0
 }
@@ -205,9 +207,9 @@ impl Drop for Blocked {
 }
 
 /// Waits until the time is `deadline` (`None`: without a limit), or until something comes.
-/// `attempt` waits for it in real time, for no longer than its argument, and returns `None` if
-/// nothing came. The drawing thread makes one attempt, no longer than `patience`, and lets the time
-/// grow; on others it stands still meanwhile.
+/// `attempt` waits in real time, for no longer than its argument, and returns `None` if nothing
+/// came. The drawing thread makes one attempt, no longer than `patience`, and then advances the
+/// time. Other threads do not advance it.
 pub fn wait<R>(
     deadline: Option<u64>,
     patience: Duration,
@@ -235,7 +237,7 @@ pub fn wait<R>(
     }
 }
 
-/// The moment `time` nanoseconds from now.
+/// Moment `time` nanoseconds from now.
 pub fn after(time: u64) -> u64 {
     seen().saturating_add(time)
 }
