@@ -14,7 +14,7 @@ pub(super) fn check_pointer<T>(pointer: *const T, name: &str) -> Result<()> {
         return Err(null(name));
     }
     if !pointer.is_aligned() {
-        let message = format!("`{name}` is {pointer:p}; right would be an address that {} divides", align_of::<T>());
+        let message = format!("`{name}` is {pointer:p}; expected an address that is a multiple of {}", align_of::<T>());
         return Err(Error::new(ErrorKind::InvalidArgument, message));
     }
     Ok(())

@@ -45,7 +45,7 @@ pub unsafe extern "C" fn cupola_map_direction(
         if output as usize >= rig.outputs.len() || width == 0 || height == 0 || !column.is_finite() || !row.is_finite()
         {
             let message = format!(
-                "output {output} at {width} × {height} pixels, point ({column}, {row}): right would be an output below {}, a size of at least 1 × 1 and a finite point",
+                "output {output} at {width} × {height} pixels, point ({column}, {row}); expected an output below {}, a size of at least 1 × 1 and a finite point",
                 rig.outputs.len()
             );
             return Err(Error::new(ErrorKind::InvalidArgument, message));

@@ -119,7 +119,7 @@ unsafe fn given_size<T: Growing>(pointer: *const T, name: &str) -> Result<usize>
     }
     let (known, step) = (size_of::<T>(), align_of::<T>());
     let message = format!(
-        "`{name}.struct_size` is {size}; right would be sizeof(*{name}): {known} in this version, at least {least}, at most {LARGEST}, a multiple of {step}"
+        "`{name}.struct_size` is {size}; expected sizeof(*{name}): {known} in this version, at least {least}, at most {LARGEST}, a multiple of {step}"
     );
     Err(Error::new(ErrorKind::InvalidArgument, message))
 }
@@ -135,7 +135,7 @@ unsafe fn read_sized<T: Growing>(from: *const T, size: usize, name: &str) -> Res
     let beyond = unsafe { std::slice::from_raw_parts(bytes.add(known), size - known) };
     if let Some(index) = beyond.iter().position(|byte| *byte != 0) {
         let message = format!(
-            "`{name}` sets a field that this version does not know: byte {} is not 0, and `struct_size` is {known} in this version; right would be a newer library, or 0 in that field",
+            "`{name}` sets a field that this version does not know: byte {} is not 0, and `struct_size` is {known} in this version; use a newer library, or set that field to 0",
             known + index
         );
         return Err(Error::new(ErrorKind::InvalidArgument, message));

@@ -46,7 +46,7 @@ thread_local! {
 /// Runs the body of a C function: errors and panics become a status and the last error.
 pub(super) fn call(body: impl FnOnce() -> Result<()>) -> cupola_status {
     let result = crate::fence::guard(body)
-        .unwrap_or_else(|| Err(Error::new(ErrorKind::Internal, "a defect of Cupola; please report how to repeat it")));
+        .unwrap_or_else(|| Err(Error::new(ErrorKind::Internal, "a defect of Cupola; please report how to trigger it")));
     match result {
         Ok(()) => cupola_status::CUPOLA_OK,
         Err(error) => {

@@ -252,7 +252,7 @@ fn loaded(
 fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
     crate::Error::new(
         crate::ErrorKind::InvalidArgument,
-        format!("{name}={value}: not understood; right would be, for example, {name}={example}"),
+        format!("{name}={value}: not understood; expected, for example, {name}={example}"),
     )
 }
 

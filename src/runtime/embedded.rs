@@ -189,7 +189,7 @@ impl Embedded {
         let mut rig = self.rig.clone();
         let Some(described) = rig.outputs.get_mut(output) else { return Err(self.no_output(output)) };
         if blend.overlap && !described.kind.is_projector() {
-            let message = format!("output {output} is no projector; right would be overlap = 0, and `ramps`");
+            let message = format!("output {output} is no projector; expected overlap = 0 (use `ramps` instead)");
             return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
         described.blend = blend;
@@ -386,7 +386,7 @@ const NO_CONTEXT: &str = "no OpenGL context is current in this thread";
 /// Rows and lens of a view for a program with this matrix.
 fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<(ReprojectionMatrix, LensConstants)> {
     let MatrixClass::Perspective(lens) = classify(matrix) else {
-        let message = "the matrix is no perspective one: right would be that of glFrustum or gluPerspective";
+        let message = "the matrix is not a perspective matrix; expected one like that of glFrustum or gluPerspective";
         return Err(Error::new(ErrorKind::InvalidArgument, message));
     };
     let rows = session.rows(&lens).nth(index).ok_or_else(|| no_view(index, session.views().len()))?;
@@ -419,7 +419,7 @@ fn check_planes(near: f64, far: f64) -> Result<()> {
     if near > 0.0 && near.is_finite() && far > near {
         return Ok(());
     }
-    let message = format!("near = {near}, far = {far}: right would be 0 < near < far");
+    let message = format!("near = {near}, far = {far}; expected 0 < near < far");
     Err(Error::new(ErrorKind::InvalidArgument, message))
 }
 
@@ -429,7 +429,7 @@ fn check_request(rig: &Rig, size: (u32, u32)) -> Result<()> {
         format!("the rig `{}` corrects nothing; without Cupola the program shows the same", rig.name)
     } else if [size.0, size.1].iter().any(|length| !(1..=LARGEST_PICTURE).contains(length)) {
         let (width, height) = size;
-        format!("a picture of {width} × {height} pixels; right would be 1 × 1 to {LARGEST_PICTURE} × {LARGEST_PICTURE}")
+        format!("a picture of {width} × {height} pixels; expected 1 × 1 to {LARGEST_PICTURE} × {LARGEST_PICTURE}")
     } else {
         return Ok(());
     };

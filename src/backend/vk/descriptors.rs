@@ -47,7 +47,7 @@ impl Descriptors {
         images: &[SourceImage],
     ) -> Result<Self> {
         if sizes.is_empty() || !images.len().is_multiple_of(sizes.len()) {
-            let message = format!("{} images; right would be {} for each set of views", images.len(), sizes.len());
+            let message = format!("{} images; expected {} for each set of views", images.len(), sizes.len());
             return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
         for pictures in images.chunks_exact(sizes.len()) {

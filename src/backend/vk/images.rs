@@ -76,8 +76,7 @@ impl SourceImage {
         check_source_format(api, self.format)?;
         if self.extent != (size.width, size.height) {
             let (width, height) = self.extent;
-            let message =
-                format!("{what} is {width} × {height} pixels; right would be {} × {}", size.width, size.height);
+            let message = format!("{what} is {width} × {height} pixels; expected {} × {}", size.width, size.height);
             return Err(wrong(message));
         }
         if matches!(self.layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED) {
@@ -128,7 +127,7 @@ impl TargetImage {
             return Err(wrong(format!("{what}, or its view, is VK_NULL_HANDLE")));
         }
         if self.format != format {
-            return Err(wrong(format!("{what} has the format {:?}; right would be {format:?}", self.format)));
+            return Err(wrong(format!("{what} has the format {:?}; expected {format:?}", self.format)));
         }
         if matches!(self.final_layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED) {
             return Err(wrong(format!("{what} cannot be left in the layout {:?}", self.final_layout)));
@@ -137,7 +136,7 @@ impl TargetImage {
         let (widest, highest) = (limits.max_framebuffer_width, limits.max_framebuffer_height);
         if !(1..=widest).contains(&width) || !(1..=highest).contains(&height) {
             let right = format!("1 × 1 to {widest} × {highest}");
-            return Err(wrong(format!("{what} is {width} × {height} pixels; right would be {right}")));
+            return Err(wrong(format!("{what} is {width} × {height} pixels; expected {right}")));
         }
         Ok(())
     }

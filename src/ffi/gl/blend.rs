@@ -175,7 +175,7 @@ fn described(blend: &Blend) -> cupola_blend {
 
 fn wanted(given: &cupola_blend, now: &Blend) -> Result<Blend> {
     let ramps = given.ramps.get(..given.ramp_count).ok_or_else(|| {
-        let message = format!("blend.ramp_count = {}; right would be 0 to {CUPOLA_MOST_RAMPS}", given.ramp_count);
+        let message = format!("blend.ramp_count = {}; expected 0 to {CUPOLA_MOST_RAMPS}", given.ramp_count);
         Error::new(ErrorKind::InvalidArgument, message)
     })?;
     Ok(Blend {

@@ -50,7 +50,7 @@ fn options_of(options: &cupola_vk_options) -> Result<VulkanOptions> {
         CUPOLA_VK_LAYERS => Arrangement::Layers,
         CUPOLA_VK_IMAGES => Arrangement::Images,
         other => {
-            let message = format!("`options.arrangement` is {other}; right would be one of CUPOLA_VK_ATLAS, …");
+            let message = format!("`options.arrangement` is {other}; expected one of CUPOLA_VK_ATLAS, …");
             return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
     };

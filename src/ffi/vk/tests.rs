@@ -151,7 +151,7 @@ fn views_images_and_what_is_wrong_with_them() {
             };
             refused(set(&|s| s.struct_size -= 8), wrong, "sources.struct_size");
             refused(set(&|s| s.view = VkImageView::null()), wrong, "VK_NULL_HANDLE");
-            refused(set(&|s| s.width += 1), wrong, "right would be");
+            refused(set(&|s| s.width += 1), wrong, "expected");
             refused(set(&|s| s.format = VkFormat::B8G8R8A8_SRGB), wrong, "_UNORM");
             refused(set(&|s| s.format = VkFormat::D16_UNORM_S8_UINT), CUPOLA_GRAPHICS, "D16");
             refused(set(&|s| s.layout = VkImageLayout::UNDEFINED), wrong, "layout");

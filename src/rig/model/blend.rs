@@ -75,7 +75,7 @@ impl Blend {
             ("dither", bits, 6.0, 16.0),
         ] {
             if !(least..=greatest).contains(&value) {
-                let message = format!("{name} = {value}; right would be {least} to {greatest}");
+                let message = format!("{name} = {value}; expected {least} to {greatest}");
                 return Err(Error::new(ErrorKind::InvalidArgument, message));
             }
         }

@@ -92,7 +92,7 @@ impl EmbeddedVulkan {
     fn planned(api: Api, rig: &Rig, options: VulkanOptions, planner: Planner) -> Result<Self> {
         api.check_queue_family(options.queue_family)?;
         if !(1..=MOST_FRAMES).contains(&options.frames) {
-            let message = format!("{} frames in flight; right would be 1 to {MOST_FRAMES}", options.frames);
+            let message = format!("{} frames in flight; expected 1 to {MOST_FRAMES}", options.frames);
             return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
         let (session, plan) = prepare(&api, rig, &options, planner)?;
@@ -202,7 +202,7 @@ impl EmbeddedVulkan {
     pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
         let needed = self.image_sizes().len() * self.options.frames;
         if images.len() != needed {
-            let message = format!("{} images; right would be {needed}, those of all frames in flight", images.len());
+            let message = format!("{} images; expected {needed}, those of all frames in flight", images.len());
             return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
         self.backend.set_sources(images)?;

@@ -34,7 +34,7 @@ fn check_format(api: &Api, what: &str, format: vk::Format, needed: vk::FormatFea
         return Err(Error::new(
             ErrorKind::InvalidArgument,
             format!(
-                "{what} has the format {format:?}, which converts; right would be a view of the same image with the \
+                "{what} has the format {format:?}, which converts; expected a view of the same image with the \
              _UNORM format (VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT)"
             ),
         ));
