@@ -1,4 +1,4 @@
-// The views' pictures are tiles of one.
+// Arrangement in which the views' pictures are tiles of one image.
 
 @group(0) @binding(1) var atlas: texture_2d<f32>;
 

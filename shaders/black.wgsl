@@ -1,4 +1,4 @@
-// Where an output shows nothing.
+// Draws the places where an output shows nothing.
 
 @vertex
 fn rectangle(@location(0) clip: vec2<f32>) -> @builtin(position) vec4<f32> {

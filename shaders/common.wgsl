@@ -1,44 +1,45 @@
-// What every correction pass shares: which view answers for a direction, how its picture is
-// sampled, the flat panel, weights in linear light, black level.
+// Parts that all correction passes share: choice of the view for a direction, sampling of its
+// picture, the flat panel, weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
-// program text, so that each `if` on its counts and switches is decided by the compiler and no
-// uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
-// `shared_part: Shared`), `Source`, what it interpolates over the output, and `trace`; a file of an
-// arrangement of the views' pictures gives `atlas`, `texel` and `picture_size`; and either
-// `content.wgsl` or `views.wgsl` gives `locate_content` and `content_texel`. What a shader does not
-// need costs time to compile, even where it is never run.
+// program text, so that the compiler decides each `if` on its counts and switches, and no uniform
+// is loaded per pixel. The file of a pass gives `Constants` (its first member is `shared_part:
+// Shared`), `Source`, which is interpolated over the output, and `trace`. The file of an
+// arrangement of the views' pictures gives `atlas`, `texel` and `picture_size`. Either
+// `content.wgsl` or `views.wgsl` gives `locate_content` and `content_texel`. Code that a shader
+// does not need costs time to compile, even where it is never run.
 
 // A perspective view in the atlas (or the flat panel).
 struct View {
-    // base → (x, y, z); the view answers for max(|x|, |y|) ≤ z, which also means: in front of it.
+    // base → (x, y, z). The view shows the directions with max(|x|, |y|) ≤ z, which are in front of
+    // it.
     transform: mat3x3<f32>,
     // Atlas coordinates = scale·(x, y)/z + offset.
     scale: vec2<f32>,
     offset: vec2<f32>,
-    // Its index in the plan plus one.
+    // Index of the view in the plan, plus one.
     number: f32,
-    // Answers for everything that no earlier view answers for.
+    // The view takes all directions that no earlier view takes.
     last_resort: u32,
 }
 
 // A picture that the program has projected itself.
 struct Content {
-    // 0: there is none. 1 a fisheye, 2 unrolled with latitude upwards, 3 with heights, 4 the faces
-    // of a cube, 5 a plane.
+    // 0: none. 1: a fisheye. 2: unrolled with latitude upwards. 3: unrolled with heights. 4: the
+    // faces of a cube. 5: a plane.
     kind: u32,
-    // Of a fisheye: the radius over the angle is 0 a polynomial of its square, 1 its part of
-    // sin(angle/2), 2 of tan(angle/2), 3 of sin(angle).
+    // Curve of a fisheye. 0: the radius divided by the angle is a polynomial of the angle's square.
+    // Otherwise the radius is a factor times 1: sin(angle/2), 2: tan(angle/2), 3: sin(angle).
     curve: u32,
-    // The polynomial, the constant first, or a factor.
+    // The polynomial, constant first; otherwise the factor.
     radius: vec4<f32>,
-    // Place in the picture, −1…1, = (longitude, latitude or height − middle)·scale; of a plane,
+    // Position in the picture, −1…1, = (longitude, latitude or height − middle)·scale; of a plane,
     // tangents·scale.
     middle: f32,
     scale: vec2<f32>,
-    // Left and right side show the same.
+    // The left and right sides adjoin.
     wraps: u32,
-    // Atlas coordinates = offset + half_size·place.
+    // Atlas coordinates = offset + half_size·position.
     offset: vec2<f32>,
     half_size: vec2<f32>,
     // One texel in atlas coordinates.
@@ -46,15 +47,16 @@ struct Content {
 }
 
 struct Shared {
-    // In order of precedence. None: base already is (scale·x, scale·y, z) of the only one.
+    // In order of precedence. With no views, base already is (scale·x, scale·y, z) of the only one.
     views: array<View, 8>,
     view_count: u32,
-    // The view is the output's own picture: atlas coordinates = own_scale·source + sole_offset.
+    // The only view is the output's own picture: atlas coordinates = own_scale·source +
+    // sole_offset.
     one_to_one: u32,
     own_scale: vec2<f32>,
-    // In place of views.
+    // Takes the place of the views.
     content: Content,
-    // `offset` and `number` of the view where `view_count` is 0.
+    // `offset` and `number` of the only view where `view_count` is 0.
     sole_offset: vec2<f32>,
     sole_number: f32,
     // Some pixels show nothing.
@@ -62,46 +64,47 @@ struct Shared {
     panel: View,
     with_panel: u32,
     with_mask: u32,
-    // Any weight differs from 1.
+    // Some weight differs from 1.
     weighted: u32,
     // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero), shape.
     ramps: array<vec4<f32>, 8>,
     ramp_count: u32,
     // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
     encoding: array<vec4<f32>, 2>,
-    // There is a picture of what black is raised to, in place of the level.
+    // A picture of the raised black replaces the level.
     with_black: u32,
     // Black level, encoded.
     black: vec3<f32>,
-    // Values are weighted as light, not as codes.
+    // Weights multiply light, not codes.
     in_light: u32,
-    // The display's response: 0 powers, 1 that of sRGB, 2 measured.
+    // The display's response. 0: powers. 1: sRGB. 2: measured.
     response: u32,
     gamma: vec3<f32>,
-    // Of a measured one: the values at which the fourth root of the light is 1/32, 2/32 … 1, for
+    // Measured response: the values at which the fourth root of the light is 1/32, 2/32 … 1, for
     // red, green and blue.
     codes: array<vec4<f32>, 32>,
-    // The most light of all projectors' blacks at a point; 0: it is not evened out.
+    // Greatest light of all projectors' blacks at any point; 0: black is not evened out.
     lift: f32,
-    // A step of the display's codes, if it is to be dithered.
+    // A step of the display's codes if it is dithered, otherwise 0.
     dither: f32,
-    // The kernel is Catmull-Rom's, not bilinear.
+    // The filter is Catmull and Rom's cubic one, not the bilinear one.
     cubic: u32,
-    // Four places of a pixel are sampled, not its middle.
+    // Four places of a pixel are sampled instead of its middle.
     four_places: u32,
 }
 
-// What a pass knows of a pixel.
+// Result of tracing a pixel.
 struct Ray {
-    // Homogeneous direction that the views' transforms take, positive scale.
+    // Homogeneous direction, of positive scale, that the views' transforms take.
     base: vec3<f32>,
     // The pixel shows a part of the screen.
     on_screen: bool,
-    // Direction of the screen's point from the dome's centre, pole +y, front −z, positive scale.
+    // Direction from the dome's centre to the point of the screen, pole +y, front −z, positive
+    // scale.
     dome: vec3<f32>,
     // Weight from the overlap with other outputs, linear light.
     weight: f32,
-    // Light of all outputs' blacks there.
+    // Light of all outputs' blacks at the point.
     dark: f32,
 }
 
@@ -109,7 +112,7 @@ struct Ray {
 @group(0) @binding(2) var atlas_sampler: sampler;
 @group(0) @binding(3) var mask: texture_2d<f32>;
 @group(0) @binding(4) var mask_sampler: sampler;
-// Displayed values. After the images of views.
+// Displayed values. The binding stands after the images of views.
 @group(0) @binding(13) var black_picture: texture_2d<f32>;
 
 struct Corner {
@@ -135,8 +138,8 @@ fn rectangle_down(@location(0) clip: vec2<f32>, @location(1) source: Source) -> 
     return corner_at(vec2<f32>(clip.x, -clip.y), clip, source);
 }
 
-// Where a view shows a direction. The offset is added after the division: before, it would be
-// rounded several times.
+// Place in a view that shows a direction. The offset is added after the division: before it, it
+// would be rounded several times.
 struct Place {
     // (scale·x, scale·y, z, number of the view or 0)
     scaled: vec4<f32>,
@@ -162,12 +165,12 @@ fn prefer(view: View, base: vec3<f32>, found: Place) -> Place {
     return Place(select(found.scaled, here.scaled, answers), select(found.offset, here.offset, answers));
 }
 
-// (atlas x, atlas y, number of the view, or of content's part, or 0)
+// Returns (atlas x, atlas y, number of the view, or of content's part, or 0).
 fn locate(ray: Ray, source: Source) -> vec3<f32> {
     if constants.shared_part.content.kind != 0u {
         return locate_content(ray);
     }
-    // Written out, not looped: constant indices let the compiler see the coefficients.
+    // Written out instead of a loop: constant indices let the compiler see the coefficients.
     let nowhere = vec4<f32>(0.0, 0.0, 1.0, 0.0);
     var found = Place(nowhere, vec2<f32>(0.0));
     if constants.shared_part.view_count == 0u {
@@ -208,13 +211,13 @@ fn locate(ray: Ray, source: Source) -> vec3<f32> {
 
 // Eight coefficients, lowest power first.
 fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
-    // Paired off, not nested: processors wait for the longest chain.
+    // Paired instead of nested: processors wait for the longest chain.
     let s2 = s * s;
     return ((low.x + low.y * s) + s2 * (low.z + low.w * s))
         + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
 }
 
-// What a fisheye sees at a point of its disc, s = |disc|², any length: two polynomials and a root.
+// Direction of a point of a fisheye's disc, s = |disc|², any length: two polynomials and a root.
 fn radial(
     disc: vec2<f32>,
     s: f32,
@@ -237,10 +240,10 @@ fn smooth_step(t: f32) -> f32 {
     return (t * t) * (3.0 - 2.0 * t);
 }
 
-// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ − ½·cos πt = sin² ½πt, by a polynomial. Else
-// the power of two halves that are turned about the middle. The first two are right to a part of
-// 4e-7 of themselves, near 0 too: where all claims on a point are small, its shares are quotients
-// of such values.
+// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ − ½·cos πt = sin² ½πt, by a polynomial.
+// Otherwise the power of two halves, the second turned about the middle. The first two have a
+// relative error of 4e-7, near 0 too: where all raw weights of a point are small, the blend weights
+// are quotients of such values.
 fn ramp_at(t: f32, shape: f32) -> f32 {
     if shape == 0.0 {
         return smooth_step(t);
@@ -254,8 +257,8 @@ fn ramp_at(t: f32, shape: f32) -> f32 {
     return select(1.0 - half_part, half_part, t < 0.5);
 }
 
-// The angle of (x, y) from the x axis, −π…π; 0 at the origin. Error 1.7e-8 of the angle plus
-// rounding: drivers' own atan is allowed 4096 units in the last place.
+// The angle of (x, y) from the x axis, −π…π; 0 at the origin. The error is 1.7e-8 of the angle plus
+// rounding. Drivers' own atan may be wrong by 4096 units in the last place.
 fn angle_of(y: f32, x: f32) -> f32 {
     let ax = abs(x);
     let ay = abs(y);
@@ -301,7 +304,7 @@ fn ramps_weight(dome: vec3<f32>) -> f32 {
     return weight;
 }
 
-// All weights of a pixel, linear light.
+// Product of all weights of a pixel, linear light.
 fn weight_of(ray: Ray, place: vec2<f32>) -> f32 {
     var weight = ray.weight;
     if constants.shared_part.ramp_count > 0u {
@@ -313,19 +316,19 @@ fn weight_of(ray: Ray, place: vec2<f32>) -> f32 {
     return weight;
 }
 
-// The factor on encoded values that multiplies light by `weight`, 0…1; exact at both ends.
+// Factor on encoded values that multiplies light by `weight`, 0…1; exact at both ends.
 fn encode(weight: f32) -> f32 {
     let t = sqrt(sqrt(weight));
     let h = polynomial(constants.shared_part.encoding[0], constants.shared_part.encoding[1], t);
     return t * (1.0 + (t - 1.0) * h);
 }
 
-// How far `code` is on the way from one place of a measured response to the next.
+// Position of `code` between two points of a measured response, 0…1.
 fn between_codes(code: vec3<f32>, before: vec4<f32>, after: vec4<f32>) -> vec3<f32> {
     return clamp((code - before.xyz) / (after.xyz - before.xyz), vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
-// The fourth root of the light of a measured response: straight lines between its places.
+// Fourth root of the light of a measured response: straight lines between its points.
 fn measured_root(code: vec3<f32>) -> vec3<f32> {
     var sum = between_codes(code, vec4<f32>(0.0), constants.shared_part.codes[0]);
     sum += between_codes(code, constants.shared_part.codes[0], constants.shared_part.codes[1]);
@@ -362,12 +365,12 @@ fn measured_root(code: vec3<f32>) -> vec3<f32> {
     return sum * 0.03125;
 }
 
-// A place's part of the code, `place` being 32 times the fourth root of the light.
+// One point's part of the code; `place` is 32 times the fourth root of the light.
 fn part_of_code(place: vec3<f32>, step: f32, before: vec4<f32>, after: vec4<f32>) -> vec3<f32> {
     return (after.xyz - before.xyz) * clamp(place - step, vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
-// The same lines the other way.
+// Inverse of `measured_root`.
 fn measured_code(root: vec3<f32>) -> vec3<f32> {
     let place = 32.0 * root;
     var code = part_of_code(place, 0.0, vec4<f32>(0.0), constants.shared_part.codes[0]);
@@ -405,7 +408,7 @@ fn measured_code(root: vec3<f32>) -> vec3<f32> {
     return code;
 }
 
-// The light that the display makes of codes.
+// Light that the display makes of codes.
 fn to_light(code: vec3<f32>) -> vec3<f32> {
     if constants.shared_part.response == 2u {
         let root = measured_root(code);
@@ -418,7 +421,7 @@ fn to_light(code: vec3<f32>) -> vec3<f32> {
     return pow(code, constants.shared_part.gamma);
 }
 
-// The codes that the display makes light of.
+// Codes of which the display makes this light.
 fn to_code(light: vec3<f32>) -> vec3<f32> {
     if constants.shared_part.response == 2u {
         return measured_code(sqrt(sqrt(light)));
@@ -430,7 +433,7 @@ fn to_code(light: vec3<f32>) -> vec3<f32> {
     return pow(light, 1.0 / constants.shared_part.gamma);
 }
 
-// The picture's share, and of what this point's black has less than the brightest.
+// Light of the picture, plus the light that this point's black lacks to the brightest, weighted.
 fn weighted_light(code: vec3<f32>, weight: f32, dark: f32) -> vec3<f32> {
     let share = (1.0 - constants.shared_part.lift) * to_light(code) + max(constants.shared_part.lift - dark, 0.0);
     return to_code(weight * share);

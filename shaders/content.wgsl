@@ -1,13 +1,13 @@
-// Content: the only view is no perspective one but the program's window, in a part of which is a
+// Content: the only view is not a perspective one but a part of the program's window, which shows a
 // picture of directions. Directions are in the picture's axes: x right, y up, −z its middle.
 
-// Where the picture shows a direction: its place, and the number of the cube's face plus one, or 1;
-// 0: nowhere.
+// Place in the picture that shows a direction, and the number of the cube's face plus one, or 1; 0:
+// no place shows it.
 fn content_place(d: vec3<f32>) -> vec3<f32> {
     let across = sqrt(d.x * d.x + d.y * d.y);
     if constants.shared_part.content.kind == 1u {
         let radius = content_radius(across, -d.z);
-        // On the axis every way is right, and behind it one.
+        // On the axis any way is right, and behind it one of them is.
         let way = select(d.xy / max(across, 1e-30), vec2<f32>(1.0, 0.0), across == 0.0);
         return vec3<f32>(way * radius, select(0.0, 1.0, radius <= 1.0));
     }
@@ -27,12 +27,12 @@ fn content_place(d: vec3<f32>) -> vec3<f32> {
         shown = true;
     }
     let place = (value - vec2<f32>(0.0, constants.shared_part.content.middle)) * constants.shared_part.content.scale;
-    // The sides belong to it, however they are rounded.
+    // The sides count as inside, however they are rounded.
     shown = shown & all(abs(place) <= vec2<f32>(1.000001));
     return vec3<f32>(place, select(0.0, 1.0, shown));
 }
 
-// The radius of a fisheye for a direction that is so far from the axis, and so far along it.
+// Radius in a fisheye of a direction with these distances from the axis and along it.
 fn content_radius(across: f32, along: f32) -> f32 {
     let factors = constants.shared_part.content.radius;
     if constants.shared_part.content.curve == 0u {
@@ -45,14 +45,14 @@ fn content_radius(across: f32, along: f32) -> f32 {
     if constants.shared_part.content.curve == 3u {
         return select(2.0, factors.x * sine, cosine >= 0.0);
     }
-    // Of the two forms that which subtracts nothing.
+    // Takes the one of the two forms that subtracts nothing.
     if constants.shared_part.content.curve == 1u {
         return factors.x * select(sqrt(0.5 - 0.5 * cosine), sine / sqrt(2.0 + 2.0 * max(cosine, 0.0)), cosine >= 0.0);
     }
     return factors.x * select((1.0 - cosine) / max(sine, 1e-30), sine / (1.0 + max(cosine, 0.0)), cosine >= 0.0);
 }
 
-// The place on a face, −1…1, and the face's number plus one: right, left, up, down, front, back.
+// Place on a face, −1…1, and the face's number plus one: right, left, up, down, front, back.
 fn cube_face(d: vec3<f32>) -> vec3<f32> {
     let a = abs(d);
     if a.x >= a.y && a.x >= a.z {
@@ -64,7 +64,7 @@ fn cube_face(d: vec3<f32>) -> vec3<f32> {
     return select(vec3<f32>(d.x / a.z, d.y / a.z, 5.0), vec3<f32>(-d.x / a.z, d.y / a.z, 6.0), d.z > 0.0);
 }
 
-// The direction of a place on a face.
+// Direction of a place on a face.
 fn cube_direction(p: vec2<f32>, face: f32) -> vec3<f32> {
     if face < 1.5 {
         return vec3<f32>(1.0, p.y, p.x);
@@ -84,7 +84,7 @@ fn cube_direction(p: vec2<f32>, face: f32) -> vec3<f32> {
     return vec3<f32>(-p.x, p.y, 1.0);
 }
 
-// The same place in the strip of all faces.
+// Place in the strip of all faces.
 fn strip_place(on_face: vec3<f32>) -> vec3<f32> {
     return vec3<f32>((on_face.z + 0.5 * on_face.x - 0.5) / 3.0 - 1.0, on_face.y, on_face.z);
 }
@@ -93,7 +93,7 @@ fn cube_place(d: vec3<f32>) -> vec3<f32> {
     return strip_place(cube_face(d));
 }
 
-// Atlas coordinates of a direction, and 1 and above where it is shown.
+// Atlas coordinates of a direction, and a number of at least 1 if it is shown.
 fn locate_content(ray: Ray) -> vec3<f32> {
     let place = content_place(ray.base);
     let at = constants.shared_part.content.offset + constants.shared_part.content.half_size * place.xy;
@@ -104,15 +104,15 @@ fn locate_content(ray: Ray) -> vec3<f32> {
     return vec3<f32>(select(constants.shared_part.content.offset, at, shown > 0.0), shown);
 }
 
-// A place that is kept a half texel away from the sides of what has the middle `middle` and half
+// Keeps a place half a texel away from the sides of the rectangle with the middle `middle` and half
 // the size `half_size`.
 fn kept_inside(at: vec2<f32>, middle: vec2<f32>, half_size: vec2<f32>) -> vec2<f32> {
     let reach = max(abs(half_size) - 0.5 * constants.shared_part.content.step, vec2<f32>(0.0));
     return clamp(at, middle - reach, middle + reach);
 }
 
-// A sample of the picture at atlas coordinates on the face `at.z`; nothing beside the picture is
-// looked at, and where it goes on at another side, that side is.
+// Sample of the picture at atlas coordinates on the face `at.z`. It reads nothing outside the
+// picture; beyond a side it reads the side at which the picture goes on.
 fn content_texel(at: vec3<f32>) -> vec4<f32> {
     let content = constants.shared_part.content;
     if content.kind == 4u {
@@ -123,8 +123,8 @@ fn content_texel(at: vec3<f32>) -> vec4<f32> {
     if content.wraps == 0u {
         return here;
     }
-    // How far beyond the middle of the last column, in texels; the other side's last one is the
-    // next.
+    // Distance beyond the middle of the last column, in texels. The next column is the last one of
+    // the other side.
     let beyond = (at.x - kept.x) / content.step.x;
     let other = vec2<f32>(content.offset.x - sign(beyond) * (abs(content.half_size.x) - 0.5 * content.step.x), kept.y);
     return mix(here, texel(vec3<f32>(other, 1.0)), clamp(abs(beyond), 0.0, 1.0));
@@ -141,7 +141,7 @@ fn cube_texel(at: vec3<f32>) -> vec4<f32> {
     if farther == 0.0 {
         return here;
     }
-    // The first texel beyond the side that is farther away is on another face.
+    // Beyond the farther one of the two sides, the first texel is on another face.
     let sideways = abs(beyond.x) >= abs(beyond.y);
     let next = kept + select(vec2<f32>(0.0, sign(beyond.y)), vec2<f32>(sign(beyond.x), 0.0), sideways) * content.step;
     let there = cube_face(cube_direction((next - middle) / half_face, at.z));

@@ -6,15 +6,15 @@ alias Source = vec2<f32>;
 
 struct Constants {
     shared_part: Shared,
-    // The parts across and along the axis as polynomials in r², r = 1 at the rim, lowest power
+    // Components across and along the axis as polynomials in r², r = 1 at the rim, lowest power
     // first.
     sine: array<vec4<f32>, 2>,
     cosine: array<vec4<f32>, 2>,
     // √(1 − x·r²) times y is added across, times z along the axis.
     root: vec3<f32>,
-    // The screen is seen from another place than the lens: directions need unit length.
+    // The viewer is not at the lens: directions need unit length.
     off_centre: u32,
-    // Lens axes → base, and what the viewer's place adds.
+    // Lens axes → base, and the shift by the viewer's position.
     rotation: mat3x3<f32>,
     shift: vec3<f32>,
     // Lens axes → dome axes, for ramps.

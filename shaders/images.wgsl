@@ -1,5 +1,5 @@
-// Each view's picture is an image; they are bound in the order of the batch's views, the first as
-// `atlas`.
+// Arrangement in which each view's picture is an image. They are bound in the order of the batch's
+// views, the first as `atlas`.
 
 @group(0) @binding(1) var atlas: texture_2d<f32>;
 @group(0) @binding(6) var image_1: texture_2d<f32>;
@@ -10,7 +10,7 @@
 @group(0) @binding(11) var image_6: texture_2d<f32>;
 @group(0) @binding(12) var image_7: texture_2d<f32>;
 
-// `at`: coordinates in the view's image, number of the view; where there is none, any does.
+// `at`: coordinates in the view's image, number of the view. Without a view any image is read.
 fn texel(at: vec3<f32>) -> vec4<f32> {
     if constants.shared_part.view_count > 1u {
         if at.z == constants.shared_part.views[1].number {

@@ -1,8 +1,8 @@
-// The views' pictures are layers of an image, in the views' order.
+// Arrangement in which the views' pictures are layers of one image, in the views' order.
 
 @group(0) @binding(1) var atlas: texture_2d_array<f32>;
 
-// `at`: coordinates in the layer, number of the view; where there is none, the first does.
+// `at`: coordinates in the layer, number of the view. Without a view the first layer is read.
 fn texel(at: vec3<f32>) -> vec4<f32> {
     return textureSampleLevel(atlas, atlas_sampler, at.xy, i32(max(at.z - 0.5, 0.0)), 0.0);
 }

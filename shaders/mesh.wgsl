@@ -1,5 +1,4 @@
-// Directions and weights that were computed at the corners of triangles: what is left is to
-// interpolate them.
+// Directions and weights that were computed at the corners of triangles, and are interpolated here.
 
 // Direction in base, weight: linear over the triangle.
 alias Source = vec4<f32>;

@@ -10,31 +10,31 @@ struct Constants {
     fisheye: u32,
     // A fisheye's disc = source·scale + offset: xy, zw.
     disc: vec4<f32>,
-    // As for a fisheye picture.
+    // As in fisheye.wgsl.
     sine: array<vec4<f32>, 2>,
     cosine: array<vec4<f32>, 2>,
     root: vec3<f32>,
-    // The fisheye's direction, or a pinhole's (x, y, 1), → ray in the surface's axes.
+    // Direction of the fisheye, or (x, y, 1) of a pinhole → ray in the surface's axes.
     rays: mat3x3<f32>,
     with_mirror: u32,
     // The mirror's radius.
     radius: f32,
     // (x, y, 1) → the moment of the pinhole's ray around the mirror's centre, in radii.
     moment: mat3x3<f32>,
-    // The lens, or the mirror's centre.
+    // Position of the lens, or of the mirror's centre.
     origin: vec3<f32>,
-    // Inside the quadric Σ weights·p² is less than its level. Without a mirror: by how much at the
-    // lens.
+    // Inside the quadric Σ weights·p² is less than its level. Without a mirror, `level` is the
+    // difference at the lens.
     weights: vec3<f32>,
     level: f32,
-    // Point of the screen → what the views' transforms take.
+    // Point of the screen → base.
     to_base: mat3x3<f32>,
     shift: vec3<f32>,
     // Point of the screen → dome axes, for ramps.
     dome: mat3x3<f32>,
     dome_shift: vec3<f32>,
-    // Half-spaces normal·p + w ≥ 0. 0: all of the surface is screen. Otherwise what is in all of
-    // `limits`. 2: and in both `sides`. 3: or in one of them.
+    // Half-spaces normal·p + w ≥ 0. 0: the whole surface is screen. Otherwise the screen is inside
+    // all `limits`; with 2 also inside both `sides`, with 3 inside one of them.
     edge_test: u32,
     limits: array<vec4<f32>, 3>,
     sides: array<vec4<f32>, 2>,
@@ -57,7 +57,8 @@ fn trace(source: Source) -> Ray {
     var start = constants.origin;
     var depth = constants.level;
     if constants.with_mirror != 0u {
-        // By the moment: it is smaller than the distance to the mirror, and so are the roundings.
+        // Uses the moment, because it and its rounding errors are smaller than the distance to the
+        // mirror.
         let length = sqrt(dot(ray, ray));
         ray = ray / length;
         let foot = cross(ray, constants.moment * lens) / length;

@@ -6,18 +6,18 @@ alias Source = vec2<f32>;
 
 struct Constants {
     shared_part: Shared,
-    // 0 equirectangular, 1 cylindrical, 2 cube.
+    // 0: equirectangular. 1: cylindrical. 2: cube.
     kind: u32,
     // sin and cos of the longitude over x, as in fisheye.wgsl.
     sine: array<vec4<f32>, 2>,
     cosine: array<vec4<f32>, 2>,
-    // The same of the latitude over y, from the middle one.
+    // The same for the latitude over y, from the middle latitude.
     up_sine: array<vec4<f32>, 2>,
     up_cosine: array<vec4<f32>, 2>,
-    // Equirectangular: sin and cos of the middle latitude. Cylindrical: height of the middle and
-    // half of the height.
+    // Equirectangular: sin and cos of the middle latitude. Cylindrical: middle height and half of
+    // the height.
     middle: vec2<f32>,
-    // Picture axes → base, and what the viewer's place adds.
+    // Picture axes → base, and the shift by the viewer's position.
     rotation: mat3x3<f32>,
     shift: vec3<f32>,
     // Picture axes → dome axes, for ramps.

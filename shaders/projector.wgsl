@@ -1,6 +1,5 @@
-// A pinhole projector that lights a sphere, another quadric or a plane: pixel → what the viewer
-// sees there, in closed form: a quadratic form, and a linear one times the root of the
-// discriminant.
+// A pinhole projector that lights a sphere, another quadric or a plane: pixel → direction from the
+// viewer, in closed form: a quadratic form, plus a linear one times the root of the discriminant.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
@@ -15,12 +14,12 @@ struct Form {
     l_x: vec3<f32>,
     l_y: vec3<f32>,
     l_one: vec3<f32>,
-    // With evaluations 2 and 3 there is no quadratic part: offset·reach + linear.
+    // With evaluations 2 and 3 there is no quadratic part: the form is offset·reach + linear.
     offset: vec3<f32>,
 }
 
 struct Neighbour {
-    // → its picture coordinates, homogeneous.
+    // Pixel of this output → picture coordinates of the neighbour, homogeneous.
     picture: Form,
     border: vec4<f32>,
 }
@@ -31,16 +30,16 @@ struct Constants {
     dome: Form,
     // Discriminant over x², y², xy, x; y, 1.
     discriminant: array<vec4<f32>, 2>,
-    // How forms are computed. 0: as they are. 1: before a plane they are linear. Otherwise the
-    // projector stands inside. With a ray o + t·d, a = d·d and b = o·d, all forms are then
-    // offset·reach + linear, times a positive factor. 2: reach is the root of the discriminant. 3:
-    // it stands too near to the surface for that, and reach is 1/t.
+    // Evaluation of forms. 0: as they are. 1: for a plane they are linear. Otherwise the projector
+    // stands inside. With a ray o + t·d, a = d·d and b = o·d, all forms are then offset·reach +
+    // linear, times a positive factor. 2: reach is the root of the discriminant. 3: the projector
+    // stands too near to the surface for that, and reach is 1/t.
     evaluation: u32,
     // a over x², y², xy, x; y, 1. b over x, y, 1.
     squared: array<vec4<f32>, 2>,
     along: vec3<f32>,
-    // 0: all of the surface is screen. Otherwise only where all of `limits` is ≥ 0. 2: and `sides`'
-    // x and y. 3: or one of them.
+    // 0: the whole surface is screen. Otherwise the screen is where all of `limits` is ≥ 0; with 2
+    // also x and y of `sides`, with 3 one of them.
     edge_test: u32,
     limits: Form,
     sides: Form,
@@ -49,7 +48,7 @@ struct Constants {
     border: vec4<f32>,
 }
 
-// Sums of monomials, which all forms of a pixel share, paired off: Horner's scheme needs as many
+// Sums of monomials, which all forms of a pixel share, in pairs. Horner's scheme needs as many
 // operations, but each would wait for the one before it.
 fn quadratic(low: vec4<f32>, high: vec4<f32>, p: vec2<f32>) -> f32 {
     return ((low.x * (p.x * p.x) + low.y * (p.y * p.y)) + (low.z * (p.x * p.y) + low.w * p.x))
@@ -69,8 +68,8 @@ fn evaluate(form: Form, p: vec2<f32>, reach: f32) -> vec3<f32> {
     return rest + linear * reach;
 }
 
-// A picture's claim on a point, whose ramps are at `steps` (0…1). A border is 1/(2·width of the
-// ramp), its shape, the claim's exponent, the light of black.
+// Raw weight of a point in a picture whose ramps are at `steps` (0…1). A border is 1/(2·width of
+// the ramp), the ramp's shape, the raw weight's exponent, the light of black.
 fn claim(steps: vec2<f32>, border: vec4<f32>) -> f32 {
     let product = ramp_at(steps.x, border.y) * ramp_at(steps.y, border.y);
     if border.z == 1.0 {
@@ -79,18 +78,19 @@ fn claim(steps: vec2<f32>, border: vec4<f32>) -> f32 {
     return pow(product, border.z);
 }
 
-// Its claim on a pixel's point, and the light of its black there.
+// Raw weight of a pixel's point in a neighbour's picture, and the light of the neighbour's black
+// there.
 fn of_neighbour(neighbour: Neighbour, p: vec2<f32>, reach: f32) -> vec2<f32> {
     let s = evaluate(neighbour.picture, p, reach);
     let inside = 1.0 - abs(s.xy * (1.0 / s.z));
     let steps = clamp(inside * neighbour.border.x, vec2<f32>(0.0), vec2<f32>(1.0));
     let black = select(0.0, neighbour.border.w, min(inside.x, inside.y) >= 0.0);
-    // Behind it the quotient means nothing, and is not taken.
+    // Behind the neighbour the quotient has no meaning, and is not used.
     return select(vec2<f32>(0.0), vec2<f32>(claim(steps, neighbour.border), black), s.z > 0.0);
 }
 
-// This projector's share of the light of a point (all shares of a point add up to 1), and the light
-// of all blacks there.
+// Blend weight of this projector at a point (all blend weights of a point add up to 1), and the
+// light of all blacks there.
 fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
     var others = of_neighbour(constants.neighbours[0], p, reach);
     if constants.neighbour_count > 1u {
@@ -126,9 +126,9 @@ fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
     if constants.neighbour_count > 11u {
         others += of_neighbour(constants.neighbours[11], p, reach);
     }
-    // Our own pixels are inside our picture: only the upper bound is needed.
+    // This output's pixels are inside its picture: only the upper bound is needed.
     let own = claim(min((1.0 - abs(p)) * constants.border.x, vec2<f32>(1.0)), constants.border);
-    // Nobody else lights the point: all of it is ours, at our very border too.
+    // If no other projector lights the point, the weight is 1, also at the very border.
     return vec2<f32>(select(1.0, own / (own + others.x), others.x > 0.0), constants.border.w + others.y);
 }
 

@@ -1,15 +1,15 @@
-// Counts of queries as the program is told them: each times its factor, in the four forms in which
-// a program may want results, one after another: 64 bits, 64 bits with the availability behind a
-// query's numbers, and both with 32 bits.
+// Results of queries as the program gets them: each count times its factor. They are written in the
+// four forms in which a program may want them, one after another: 64 bits, 64 bits with the
+// availability after a query's numbers, and both with 32 bits.
 
-// Of each query: its numbers and whether they are available, 64 bits each.
+// For each query: its numbers and whether they are available, 64 bits each.
 @group(0) @binding(0) var<storage, read> counted: array<u32>;
-// Numbers of a query, queries; then the factors of each query's numbers, 64 bits each, of which 32
-// are behind the point.
+// Number of numbers of a query, number of queries; then the factors of each query's numbers, 64
+// bits each, of which 32 are behind the binary point.
 @group(0) @binding(1) var<storage, read> factors: array<u32>;
 @group(0) @binding(2) var<storage, read_write> told: array<u32>;
 
-// The product of two numbers: its lower and its upper half.
+// Product of two numbers: its lower and its upper half.
 fn product(a: u32, b: u32) -> vec2<u32> {
     let low = (a & 0xffffu) * (b & 0xffffu);
     let left = (a >> 16u) * (b & 0xffffu);

@@ -1,5 +1,5 @@
-// Directions, weights and the light of black computed beforehand: for each pixel, or (without
-// black) for every so many, and interpolated.
+// Directions, weights and the light of black that were computed beforehand: for each pixel, or
+// (without black) at a larger step, and interpolated.
 
 // Pixels from the output's middle, y up.
 alias Source = vec2<f32>;
@@ -10,15 +10,15 @@ struct Constants {
     rotation: mat3x3<f32>,
     // Half of the output's width and height in pixels.
     half_size: vec2<f32>,
-    // An entry for each pixel's middle: 1. Otherwise the entries are so many pixels apart, the
-    // first one at the output's corner, and what lies between them is interpolated.
+    // 1: an entry for the middle of each pixel. Otherwise the distance of entries in pixels; the
+    // first entry is at the output's corner, and values in between are interpolated.
     step: f32,
 }
 
 @group(0) @binding(5) var table: texture_2d<f32>;
 
-// The table at a place of pixel `own`, interpolated between the centres of the four nearest pixels;
-// one that shows nothing is taken to go on as `own` does.
+// The table at a place of pixel `own`, interpolated between the centres of the four nearest pixels.
+// A pixel that shows nothing counts as `own`.
 fn between(place: vec2<f32>, own: vec4<f32>) -> vec4<f32> {
     let first = floor(place - 0.5);
     let part = place - 0.5 - first;
@@ -35,7 +35,7 @@ fn known(at: vec2<i32>, own: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(found.xyz / sqrt(max(dot(found.xyz, found.xyz), 0.5)), found.w);
 }
 
-// Between the four entries around a place; only pixels that show something are drawn.
+// Interpolates between the four entries around a place; only pixels that show something are drawn.
 fn among(place: vec2<f32>) -> vec4<f32> {
     let at = max(place, vec2<f32>(0.0)) * (1.0 / constants.step);
     let first = min(floor(at), vec2<f32>(textureDimensions(table)) - 2.0);
@@ -63,7 +63,7 @@ fn trace(source: Source) -> Ray {
         texel = between(place, texel);
     }
     let shows = dot(texel.xyz, texel.xyz) > 0.5;
-    // Where nothing is shown any direction does; it is not looked at.
+    // Where nothing is shown, the direction is not used.
     let direction = select(vec3<f32>(0.0, 0.0, -1.0), texel.xyz, shows);
     return Ray(constants.rotation * direction, shows, vec3<f32>(0.0, 1.0, 0.0), texel.w, dark);
 }

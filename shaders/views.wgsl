@@ -1,4 +1,4 @@
-// Pictures are those of views: there is no content.
+// The pictures are those of views: there is no content.
 
 fn locate_content(ray: Ray) -> vec3<f32> {
     return vec3<f32>(0.0);
