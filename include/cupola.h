@@ -11,7 +11,8 @@
  * - Ownership: what a _create, _load or _parse function returns belongs to the caller, who passes
  *   it to _destroy or _free once. These accept null. Other pointers are not kept after the call.
  * - Threads: functions with different handles may be called at the same time from several threads,
- *   those with the same handle only where it says so. A handle may move from one thread to another.
+ *   those with the same handle only where their comments say so. A handle may move from one thread
+ *   to another.
  * - Structs that begin with struct_size may grow at their end in later versions. The caller sets
  *   struct_size to sizeof of its own struct and, in parameters, unused fields to 0. A library of
  *   another version serves it: missing fields count as 0; unknown fields of parameters have to be
@@ -111,7 +112,7 @@ typedef enum cupola_status {
    */
   CUPOLA_GRAPHICS = 4,
   /*
-   The call is not allowed now, a frame's end without its begin for example.
+   The call is not allowed now, for example the end of a frame without its begin.
    */
   CUPOLA_INVALID_STATE = 5,
   /*
@@ -133,7 +134,7 @@ typedef enum cupola_log_level {
    */
   CUPOLA_LOG_WARNING = 2,
   /*
-   What the library does, at creation and when sizes change.
+   Actions of the library, at creation and when sizes change.
    */
   CUPOLA_LOG_INFO = 3,
   /*
@@ -146,8 +147,8 @@ typedef enum cupola_log_level {
  A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`,
  destroyed by `cupola_gl_destroy`.
 
- One thread at a time may use it. Functions that say "context current" need the context current
- in the calling thread on which the object was created.
+ One thread at a time may use it. Functions that say "context current" need the context on which
+ the object was created, current in the calling thread.
  */
 typedef struct cupola_gl cupola_gl;
 
@@ -327,7 +328,7 @@ typedef struct cupola_blend {
    */
   size_t struct_size;
   /*
-   Other than 0: the light is shared where projectors overlap. For projectors only.
+   Other than 0: projectors share the light where they overlap. For projectors only.
    */
   uint32_t overlap;
   /*
@@ -357,7 +358,8 @@ typedef struct cupola_blend {
    */
   double black_level;
   /*
-   White over black, at least 10; 0 where overlaps of black are not evened out.
+   Light of white divided by that of black, at least 10; 0: overlaps of black are not evened
+   out.
    */
   double contrast;
   /*
@@ -393,7 +395,7 @@ extern "C" {
 
 /*
  Returns the `CUPOLA_ABI_VERSION` of the library. The macro is that of the header with which the
- program was compiled; where the two differ, the program must not use the library.
+ program was compiled. If the two differ, the program must not use the library.
 
  # Threads
  Any thread.
@@ -401,8 +403,8 @@ extern "C" {
 uint32_t cupola_abi_version(void);
 
 /*
- Returns the `CUPOLA_API_VERSION` of the library. Functions and fields of later versions are
- missing in it.
+ Returns the `CUPOLA_API_VERSION` of the library. The library lacks functions and fields of later
+ versions.
 
  # Threads
  Any thread.
@@ -545,7 +547,7 @@ enum cupola_status cupola_rig_free(struct cupola_rig *rig);
  of them instead.
 
  # Parameters
- - `callback`: the function, or null to remove the one before.
+ - `callback`: the function, or null to remove the current one.
  - `user`: passed to the callback; may be null.
 
  # Returns
@@ -554,12 +556,12 @@ enum cupola_status cupola_rig_free(struct cupola_rig *rig);
 
  # Ownership
  `user` belongs to the program. It has to live until this function has returned from setting
- another callback or from the removal: then the callback before is not running and will not be
- called again.
+ another callback or from the removal: from then on the earlier callback is not running and will
+ not be called again.
 
  # Threads
- Any thread. The function waits for calls of the callback before; so the caller must not hold a
- lock that this callback needs.
+ Any thread. The function waits until calls of the earlier callback have returned; so the caller
+ must not hold a lock that this callback needs.
 
  # Safety
  `callback` can be called from any thread with `user`.
@@ -779,7 +781,7 @@ enum cupola_status cupola_gl_get_blend(struct cupola_gl *gl,
                                        struct cupola_blend *blend);
 
 /*
- Changes the blending of an output from the next frame on. Views stay; shaders are compiled
+ Changes the blending of an output from the next frame on. The views stay. Shaders are compiled
  again, which takes milliseconds. On an error everything stays.
 
  To change single values, read all with `cupola_gl_get_blend` first.

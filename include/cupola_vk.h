@@ -346,7 +346,7 @@ cupola_status cupola_vk_create(const cupola_rig *rig,
 
 /*
  Plans the views again for a picture of another size. Number and sizes of views and images may
- change. Sources and targets that the program set are forgotten, and images of the library's are
+ change. Sources and targets that the program set are forgotten, and the library's own images are
  created again.
 
  # Parameters
@@ -430,7 +430,7 @@ cupola_status cupola_vk_get_view(struct cupola_vk *vk,
  - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, or a frame or target that was not set.
 
  # Threads
- Any thread; that of the command buffer's pool.
+ Any thread that may use the command buffer's pool.
 
  # Safety
  `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are
@@ -554,7 +554,7 @@ cupola_status cupola_vk_get_source(struct cupola_vk *vk,
                                    struct cupola_vk_source *source);
 
 /*
- Sets the images into which the program draws the views. Images of the library's are destroyed.
+ Sets the images into which the program draws the views. The library's own images are destroyed.
 
  # Parameters
  - `vk`: the object, idle.

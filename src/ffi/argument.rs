@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorKind, Result};
 use std::ffi::{CStr, c_char};
 
-/// The error for an argument that must not be null.
+/// Error for an argument that must not be null.
 pub(super) fn null(name: &str) -> Error {
     Error::new(ErrorKind::InvalidArgument, format!("`{name}` is null"))
 }
@@ -20,7 +20,7 @@ pub(super) fn check_pointer<T>(pointer: *const T, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// Place of the caller's for one result. Nothing is read from it.
+/// Memory of the caller for one result. It is only written.
 pub(super) struct Place<T>(*mut T);
 
 impl<T> Place<T> {
@@ -63,14 +63,14 @@ pub(super) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str
         .map_err(|_| Error::new(ErrorKind::InvalidArgument, format!("`{name}` is not UTF-8")))
 }
 
-/// Copies a text into the caller's buffer, cut to `size` bytes with its NUL, and writes its whole
-/// length.
+/// Copies a text into the caller's buffer, cut to `size` bytes with its NUL, and writes the length
+/// of the whole text.
 ///
 /// # Safety
 /// `buffer` is null or has room for `size` bytes; `length` is null or writable.
 pub(super) unsafe fn copy_text(text: &str, buffer: *mut c_char, size: usize, length: *mut usize) {
     if !buffer.is_null() && size > 0 {
-        // The cut keeps whole characters.
+        // The text is cut between characters.
         let mut count = text.len().min(size - 1);
         while !text.is_char_boundary(count) {
             count -= 1;

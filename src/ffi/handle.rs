@@ -3,8 +3,8 @@
 use super::argument::{Place, check_pointer};
 use crate::error::Result;
 
-/// Type that C knows by its pointer only. A [`Box`] is behind the pointer, so that the type of the
-/// pointer says how it is freed.
+/// A type that C knows only by its pointer. The pointer is that of a [`Box`], so that its type
+/// determines how it is freed.
 pub(super) trait Handle: Sized {
     /// Name of the parameter, for messages.
     const NAME: &'static str;

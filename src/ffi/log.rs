@@ -13,7 +13,7 @@ pub enum cupola_log_level {
     CUPOLA_LOG_ERROR = 1,
     /// The picture may be wrong or worse than expected.
     CUPOLA_LOG_WARNING = 2,
-    /// What the library does, at creation and when sizes change.
+    /// Actions of the library, at creation and when sizes change.
     CUPOLA_LOG_INFO = 3,
     /// Details for developers.
     CUPOLA_LOG_DEBUG = 4,
@@ -31,7 +31,7 @@ pub enum cupola_log_level {
 pub type cupola_log_callback =
     Option<unsafe extern "C" fn(level: cupola_log_level, message: *const c_char, user: *mut c_void)>;
 
-/// Pointer of the program's, which the library passes on and does not use.
+/// Pointer of the program, which the library passes on and does not use.
 struct User(*mut c_void);
 
 // SAFETY: the caller of `cupola_set_log_callback` promises that the callback may be called from any
@@ -54,7 +54,7 @@ impl User {
 /// of them instead.
 ///
 /// # Parameters
-/// - `callback`: the function, or null to remove the one before.
+/// - `callback`: the function, or null to remove the current one.
 /// - `user`: passed to the callback; may be null.
 ///
 /// # Returns
@@ -63,12 +63,12 @@ impl User {
 ///
 /// # Ownership
 /// `user` belongs to the program. It has to live until this function has returned from setting
-/// another callback or from the removal: then the callback before is not running and will not be
-/// called again.
+/// another callback or from the removal: from then on the earlier callback is not running and will
+/// not be called again.
 ///
 /// # Threads
-/// Any thread. The function waits for calls of the callback before; so the caller must not hold a
-/// lock that this callback needs.
+/// Any thread. The function waits until calls of the earlier callback have returned; so the caller
+/// must not hold a lock that this callback needs.
 ///
 /// # Safety
 /// `callback` can be called from any thread with `user`.

@@ -1,7 +1,7 @@
 //! The C ABI, over the public Rust API.
 //!
-//! The conventions are those at the top of `include/cupola.h`, which is generated from these files.
-//! Here:
+//! The conventions are at the top of `include/cupola.h`, which is generated from these files. In
+//! addition:
 //!
 //! - Each function is written out, so that the generator and readers see it; its body is a closure
 //!   for `status::call`, through which no panic passes.

@@ -1,7 +1,7 @@
 //! Structs that grow at their end from version to version.
 //!
 //! Such a struct begins with `struct_size`, which the caller sets to its own `sizeof`. So the
-//! library knows which fields the caller has:
+//! library knows the caller's fields:
 //!
 //! - A smaller struct comes from a caller of an older version. Its missing fields are read as 0,
 //!   and only the fields that it has are written. A struct smaller than the first published version
@@ -9,8 +9,8 @@
 //! - A larger struct comes from a caller of a newer version. It is read if all bytes that this
 //!   version does not know are 0, else it is refused. In results these bytes become 0.
 //!
-//! Rules for a new field: it stands at the end, it begins where the struct of the version before
-//! ended (never in its padding), and 0 means what the library did without the field.
+//! Rules for a new field: it stands at the end; it begins where the struct of the version before
+//! ended (never in its padding); 0 means the behaviour without the field.
 
 use super::argument::{check_pointer, null};
 use crate::error::{Error, ErrorKind, Result};
@@ -38,10 +38,10 @@ macro_rules! first_size {
 }
 pub(super) use first_size;
 
-/// Greatest size that is believed. More is an uninitialised `struct_size`.
+/// Greatest accepted size. A larger one is an uninitialised `struct_size`.
 const LARGEST: usize = 4096;
 
-/// Reads a struct of the caller's.
+/// Reads a struct of the caller.
 ///
 /// # Safety
 /// `from` is null, misaligned, or points to a struct of as many readable bytes as its `struct_size`
@@ -53,8 +53,8 @@ pub(super) unsafe fn read<T: Growing>(from: *const T, name: &str) -> Result<T> {
     unsafe { read_sized(from, size, name) }
 }
 
-/// Reads an array of structs, which lie as far apart as the `struct_size` of the first one says;
-/// that of the others is not looked at.
+/// Reads an array of structs. Their distance is the `struct_size` of the first one; that of the
+/// others is ignored.
 ///
 /// # Safety
 /// `first` is null, misaligned, or points to `count` structs of as many readable bytes as the first
@@ -72,7 +72,7 @@ pub(super) unsafe fn read_array<T: Growing>(first: *const T, count: u32, name: &
     (0..count as usize).map(|index| unsafe { read_sized(first.byte_add(index * size), size, name) }).collect()
 }
 
-/// Place of the caller's for a struct. Only its `struct_size` is read.
+/// Memory of the caller for a struct. Only its `struct_size` is read.
 pub(super) struct SizedPlace<T> {
     place: *mut T,
     size: usize,
@@ -90,8 +90,8 @@ impl<T: Growing> SizedPlace<T> {
         Ok(Self { place, size })
     }
 
-    /// Writes the fields that the caller has. Its `struct_size` stays; what this version does not
-    /// know becomes 0.
+    /// Writes the fields that the caller has. The caller's `struct_size` stays; fields that this
+    /// version does not know become 0.
     pub(super) fn set(self, value: &T) {
         let known = self.size.min(size_of::<T>());
         let head = size_of::<usize>();
@@ -105,7 +105,7 @@ impl<T: Growing> SizedPlace<T> {
     }
 }
 
-/// The caller's `struct_size`, checked.
+/// Checked `struct_size` of the caller.
 ///
 /// # Safety
 /// `pointer` is null, misaligned, or points to a readable `struct_size`.

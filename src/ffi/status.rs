@@ -1,4 +1,4 @@
-//! Status codes, the detail of the last error, and the fence.
+//! Status codes, the message of the last error, and the barrier against panics.
 
 use super::argument::copy_text;
 use crate::error::{Error, ErrorKind, Result};
@@ -20,7 +20,7 @@ pub enum cupola_status {
     CUPOLA_IO = 3,
     /// The graphics driver lacks something that is needed, refused a request or lost its device.
     CUPOLA_GRAPHICS = 4,
-    /// The call is not allowed now, a frame's end without its begin for example.
+    /// The call is not allowed now, for example the end of a frame without its begin.
     CUPOLA_INVALID_STATE = 5,
     /// A defect of the library. Objects that took part in the call can only be destroyed.
     CUPOLA_INTERNAL = 6,

@@ -22,7 +22,7 @@ pub const CUPOLA_ABI_VERSION: u32 = 1;
 pub const CUPOLA_API_VERSION: u32 = 2;
 
 /// Returns the `CUPOLA_ABI_VERSION` of the library. The macro is that of the header with which the
-/// program was compiled; where the two differ, the program must not use the library.
+/// program was compiled. If the two differ, the program must not use the library.
 ///
 /// # Threads
 /// Any thread.
@@ -31,8 +31,8 @@ pub extern "C" fn cupola_abi_version() -> u32 {
     CUPOLA_ABI_VERSION
 }
 
-/// Returns the `CUPOLA_API_VERSION` of the library. Functions and fields of later versions are
-/// missing in it.
+/// Returns the `CUPOLA_API_VERSION` of the library. The library lacks functions and fields of later
+/// versions.
 ///
 /// # Threads
 /// Any thread.

@@ -1,4 +1,4 @@
-//! What OpenGL and Vulkan share in the description of a view.
+//! Parts of the description of a view that OpenGL and Vulkan share.
 
 use super::argument::{Place, array, copy_text};
 use crate::correct::single;
@@ -17,8 +17,8 @@ pub(super) struct Matrices {
 }
 
 impl Matrices {
-    /// From the axes of the view to clip space, and from the program's camera axes to those of the
-    /// view.
+    /// Takes the matrix from the axes of the view to clip space, and the one from the program's
+    /// camera axes to those of the view.
     pub(super) fn new(frustum: DMat4, rotation: DMat4) -> Self {
         let projection = frustum * rotation;
         Self {
@@ -32,7 +32,7 @@ impl Matrices {
     }
 }
 
-/// Name as structs hold it: NUL-terminated, cut to 31 bytes at the end of a character.
+/// Name as in the structs: NUL-terminated, cut to 31 bytes between characters.
 pub(super) fn name_of(name: &str) -> [c_char; 32] {
     let mut held = [0; 32];
     // SAFETY: room for 32 bytes; null is allowed for the length.
@@ -40,7 +40,7 @@ pub(super) fn name_of(name: &str) -> [c_char; 32] {
     held
 }
 
-/// Finds the vectors of `cupola_view` for the program's `matrix`, and writes them.
+/// Computes the vectors of `cupola_view` for the program's `matrix`, and writes them.
 ///
 /// # Safety
 /// `matrix` is null or points to 16 numbers, `vectors` is null or has room for 32.

@@ -43,7 +43,7 @@ pub struct cupola_angle_ramp {
 pub struct cupola_blend {
     /// `sizeof(cupola_blend)`.
     pub struct_size: usize,
-    /// Other than 0: the light is shared where projectors overlap. For projectors only.
+    /// Other than 0: projectors share the light where they overlap. For projectors only.
     pub overlap: u32,
     /// Shape of the ramp at the borders of the picture: `CUPOLA_RAMP_SMOOTHSTEP`,
     /// `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
@@ -59,7 +59,8 @@ pub struct cupola_blend {
     /// Light added to black, 0 (included) to 1 (excluded). Ignored where the rig has a picture of
     /// black.
     pub black_level: f64,
-    /// White over black, at least 10; 0 where overlaps of black are not evened out.
+    /// Light of white divided by that of black, at least 10; 0: overlaps of black are not evened
+    /// out.
     pub contrast: f64,
     /// Number of bits for which the picture is dithered, 6 to 16; 0 for no dithering.
     pub dither: u32,
@@ -107,7 +108,7 @@ pub unsafe extern "C" fn cupola_gl_get_blend(
     })
 }
 
-/// Changes the blending of an output from the next frame on. Views stay; shaders are compiled
+/// Changes the blending of an output from the next frame on. The views stay. Shaders are compiled
 /// again, which takes milliseconds. On an error everything stays.
 ///
 /// To change single values, read all with `cupola_gl_get_blend` first.

@@ -25,12 +25,12 @@ use std::ffi::c_void;
 /// A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`,
 /// destroyed by `cupola_gl_destroy`.
 ///
-/// One thread at a time may use it. Functions that say "context current" need the context current
-/// in the calling thread on which the object was created.
+/// One thread at a time may use it. Functions that say "context current" need the context on which
+/// the object was created, current in the calling thread.
 pub struct cupola_gl {
     embedded: Embedded,
     pending_error: u32,
-    /// `cupola_gl_draw_frame` is calling the program.
+    /// True while `cupola_gl_draw_frame` calls the program.
     is_drawing: bool,
 }
 

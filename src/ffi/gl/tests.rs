@@ -19,7 +19,7 @@ unsafe extern "C" fn find(name: *const c_char) -> cupola_gl_function {
     unsafe { std::mem::transmute::<*const c_void, cupola_gl_function>(address) }
 }
 
-/// Makes a rig and what stands for it on the null driver, and gives both to `work`.
+/// Makes a rig and its object on the null driver, and gives both to `work`.
 fn with_rig(name: &CStr, work: impl FnOnce(*mut cupola_gl)) {
     null::reset(LowerLeftRect::of_size(SIZE));
     let (mut rig, mut gl) = (ptr::null_mut(), ptr::null_mut());

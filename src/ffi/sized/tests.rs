@@ -1,4 +1,4 @@
-//! Callers of older and of newer versions, and callers that are wrong.
+//! Callers of older and of newer versions, and callers with mistakes.
 
 use super::*;
 
@@ -72,10 +72,10 @@ fn a_struct_of_the_same_version_is_read_and_written_whole() {
 
 #[test]
 fn an_older_caller_s_missing_field_is_zero() {
-    // Bytes behind the caller's struct are another object's.
+    // The bytes behind the caller's struct belong to another object.
     let given = (FIRST, [0xff_u8; 16]);
     assert_eq!(read_of(&given), Ok(Known { struct_size: size_of::<First>(), depth: 0.0, ..KNOWN }));
-    // Control: with the size of today the other object's bytes would be the field.
+    // Control: with today's size the field would be read from the other object's bytes.
     let wrong = (First { struct_size: size_of::<Known>(), ..FIRST }, [0xff_u8; 16]);
     assert!(read_of(&wrong).is_ok_and(|read| read.depth.is_nan()));
 }
@@ -113,7 +113,7 @@ fn absurd_sizes_are_refused_before_anything_is_read_or_written() {
         refused(write_to(&mut place, &Known { width: 77, ..KNOWN }), &format!("`given.struct_size` is {size};"));
         assert_eq!(place, Known { struct_size: size, ..KNOWN });
     }
-    // Control: the greatest size that is believed.
+    // Control: the greatest accepted size.
     #[repr(C, align(8))]
     struct Large([u8; LARGEST]);
     let mut large = Large([0; LARGEST]);

@@ -128,7 +128,7 @@ pub unsafe extern "C" fn cupola_vk_get_source(
     })
 }
 
-/// Sets the images into which the program draws the views. Images of the library's are destroyed.
+/// Sets the images into which the program draws the views. The library's own images are destroyed.
 ///
 /// # Parameters
 /// - `vk`: the object, idle.

@@ -119,7 +119,7 @@ unsafe fn create(
 }
 
 /// Plans the views again for a picture of another size. Number and sizes of views and images may
-/// change. Sources and targets that the program set are forgotten, and images of the library's are
+/// change. Sources and targets that the program set are forgotten, and the library's own images are
 /// created again.
 ///
 /// # Parameters
@@ -238,7 +238,7 @@ pub unsafe extern "C" fn cupola_vk_get_view(
 /// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, or a frame or target that was not set.
 ///
 /// # Threads
-/// Any thread; that of the command buffer's pool.
+/// Any thread that may use the command buffer's pool.
 ///
 /// # Safety
 /// `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are

@@ -1,5 +1,4 @@
-//! The interface as C calls it: what it answers to wrong arguments, on whatever driver Vulkan
-//! finds.
+//! The interface as C calls it: its answers to wrong arguments, on any Vulkan driver.
 
 use super::images::*;
 use super::*;
@@ -40,7 +39,7 @@ fn rig(name: &std::ffi::CStr) -> *mut cupola_rig {
     rig
 }
 
-/// Checks status and detail.
+/// Checks the status and the message.
 fn refused(found: cupola_status, expected: cupola_status, word: &str) {
     let mut text = [0u8; 1024];
     // SAFETY: there is room for so many bytes.

@@ -4,7 +4,7 @@ use crate::backend::vk::ash::vk;
 use crate::ffi::sized::{Growing, first_size};
 use std::ffi::c_char;
 
-// The names under which the header, which includes Vulkan's own, knows these types.
+// Names of these types in the header, which includes Vulkan's own.
 pub(super) use vk::AccessFlags as VkAccessFlags;
 pub(super) use vk::CommandBuffer as VkCommandBuffer;
 pub(super) use vk::Device as VkDevice;
