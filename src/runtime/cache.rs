@@ -1,4 +1,4 @@
-//! The process's cache of results: `CUPOLA_CACHE`.
+//! The result cache of the process: `CUPOLA_CACHE`.
 
 use crate::cache::{Cache, this_user};
 use crate::system::{build_id, variable};
@@ -7,17 +7,17 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// The cache of this process: in the folder that `CUPOLA_CACHE` names, else in the user's cache
-/// folder; only in memory where that is `0`, where there is no such folder, or where nothing tells
-/// this build of Cupola from others.
+/// Result cache of this process. It is in the folder that `CUPOLA_CACHE` names, otherwise in the
+/// user's cache folder. It is only in memory if `CUPOLA_CACHE` is `0`, if there is no such folder,
+/// or if this build of Cupola has no build ID.
 pub fn of_process() -> &'static Cache {
     static CACHE: OnceLock<Cache> = OnceLock::new();
     CACHE.get_or_init(|| {
-        // Tests of single functions leave the user's folder alone.
+        // Unit tests do not touch the user's folder.
         let asked = if cfg!(test) { Some("0".into()) } else { variable("CUPOLA_CACHE") };
         let folder = match asked.filter(|value| !value.is_empty()) {
             Some(value) if value == "0" => None,
-            // The program may go to another folder while it runs.
+            // The program may change its folder while it runs.
             Some(value) => std::path::absolute(value).ok(),
             None => user_folder().map(|folder| folder.join("results")).filter(|folder| is_own(folder)),
         };
@@ -28,20 +28,20 @@ pub fn of_process() -> &'static Cache {
     })
 }
 
-/// True if a folder, or the one in which it would be made, is this user's. With `sudo` the home of
-/// another may be named.
+/// True if a folder, or the one in which it would be made, belongs to this user. With `sudo` the
+/// environment may name another user's home.
 fn is_own(folder: &Path) -> bool {
     let there = folder.ancestors().find_map(|folder| folder.metadata().ok());
     there.is_some_and(|folder| Some(folder.uid()) == this_user())
 }
 
-/// The folder for files of Cupola that can be made again; `None` where the environment names none.
+/// Folder for files of Cupola that can be made again; `None` if the environment names none.
 pub fn user_folder() -> Option<PathBuf> {
     folder_of(variable("XDG_CACHE_HOME"), variable("HOME"))
 }
 
 fn folder_of(cache: Option<OsString>, home: Option<OsString>) -> Option<PathBuf> {
-    // A relative path is invalid there, says the specification of these variables.
+    // The specification of these variables declares relative paths invalid.
     let absolute = |path: &OsString| Path::new(path).is_absolute();
     let cache = cache.filter(absolute).map(PathBuf::from);
     let home = || home.filter(absolute).map(|home| PathBuf::from(home).join(".cache"));

@@ -1,5 +1,5 @@
-//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame. Here
-//! on OpenGL.
+//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame. This
+//! file is for OpenGL.
 
 pub mod vulkan;
 
@@ -31,14 +31,14 @@ pub struct EmbeddedView<'a> {
     pub tile: LowerLeftRect,
 }
 
-/// Counts of an [`Embedded`].
+/// Counts of an [`Embedded`] since its creation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EmbeddedCounts {
-    /// Frames ended.
+    /// Number of ended frames.
     pub frames: u64,
-    /// Views drawn.
+    /// Number of drawn views.
     pub views: u64,
-    /// OpenGL errors that calls of ours caused; none is left for the program.
+    /// Number of OpenGL errors that Cupola's own calls caused; none is left for the program.
     pub errors: u64,
 }
 
@@ -48,11 +48,11 @@ enum State {
     View(Saved),
 }
 
-/// A rig at work on a program's OpenGL context.
+/// A rig on a program's OpenGL context.
 ///
-/// All methods need the context current on which it was made. Nothing of the program's state
-/// changes but, between the begin and the end of a view, the framebuffer bindings, the viewport
-/// and the scissor; they are put back.
+/// All methods need the context current on which it was made. The program's state does not change,
+/// except that between the begin and the end of a view the framebuffer bindings, the viewport and
+/// the scissor are different; the end restores them.
 pub struct Embedded {
     gl: Gl,
     rig: Rig,
@@ -61,7 +61,7 @@ pub struct Embedded {
     backend: GlBackend,
     state: State,
     counts: EmbeddedCounts,
-    /// Targets of this frame's outputs; kept so that frames allocate nothing.
+    /// Targets of this frame's outputs; stored so that frames allocate nothing.
     targets: Vec<Target>,
     es: bool,
     plan: Planner,
@@ -71,11 +71,12 @@ pub struct Embedded {
 type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
 impl Embedded {
-    /// Plans `rig` for pictures of `size` (width, height in pixels, 1…16384) and makes what it
-    /// needs on the current context, which must be OpenGL 3.3 or OpenGL ES 3.0 at least.
+    /// Plans `rig` for pictures of `size` (width, height in pixels, 1…16384) and creates the
+    /// objects that it needs on the current context, which must be OpenGL 3.3 or OpenGL ES 3.0 at
+    /// least.
     ///
     /// # Errors
-    /// Those of the planner and of the driver; [`ErrorKind::InvalidArgument`] for a size out of
+    /// Errors of the planner and of the driver; [`ErrorKind::InvalidArgument`] for a size out of
     /// range or a rig that corrects nothing.
     pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
         Self::planned(gl, rig, size, Session::new)
@@ -133,7 +134,8 @@ impl Embedded {
         }
     }
 
-    /// Plans anew for pictures of another size; between frames. On an error the old size stays.
+    /// Plans again for pictures of another size; only between frames. On an error the old size
+    /// stays.
     ///
     /// # Errors
     /// As for [`Embedded::new`]; [`ErrorKind::InvalidState`] inside a frame.
@@ -145,8 +147,8 @@ impl Embedded {
         self.replan(self.rig.clone(), size)
     }
 
-    /// Plans anew for a viewer elsewhere; between frames. Views and tiles may change. On an error
-    /// everything stays.
+    /// Plans again for a viewer elsewhere; only between frames. Views and tiles may change. On an
+    /// error everything stays.
     ///
     /// # Errors
     /// As for [`Embedded::new`] and [`Rig::with_viewer`]; [`ErrorKind::InvalidState`] inside a
@@ -176,13 +178,14 @@ impl Embedded {
         self.rig.outputs.get(output).map(|output| &output.blend).ok_or_else(|| self.no_output(output))
     }
 
-    /// Blends an output otherwise from the next frame on; between frames. Views stay; shaders that
-    /// change are made anew, which takes milliseconds for each batch. On an error everything stays.
+    /// Changes the blending of an output from the next frame on; only between frames. The views
+    /// stay. Shaders that change are compiled again, which takes milliseconds for each batch. On an
+    /// error everything stays.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidState`] inside a frame; [`ErrorKind::InvalidArgument`] for an output
     /// that does not exist, a value out of its range, or overlap of an output that is no projector;
-    /// what the driver says.
+    /// errors of the driver.
     pub fn set_blend(&mut self, output: usize, blend: Blend) -> Result<()> {
         self.expect_idle()?;
         blend.check()?;
@@ -211,12 +214,11 @@ impl Embedded {
         self.session.views().len()
     }
 
-    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be
-    /// infinite).
+    /// Describes a view, for a program whose camera has `near` and `far` planes (0 < near < far;
+    /// far may be infinite).
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no
-    /// planes.
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or for wrong planes.
     pub fn view(&self, index: usize, near: f64, far: f64) -> Result<EmbeddedView<'_>> {
         let view = self.session.views().get(index).ok_or_else(|| no_view(index, self.view_count()))?;
         check_planes(near, far)?;
@@ -230,7 +232,7 @@ impl Embedded {
 
     /// Returns the values of `cupola_view` for a view, for the functions of
     /// [`correct::projected::projection`](crate::correct::projected::projection), if the program
-    /// draws with the perspective `matrix` (column by column, as OpenGL has it).
+    /// draws with the perspective `matrix` (column by column, as in OpenGL).
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no
@@ -262,7 +264,7 @@ impl Embedded {
         Ok(())
     }
 
-    /// Begins a view: its tile is bound for drawing, with viewport and scissor on it.
+    /// Begins a view: binds its tile for drawing and sets viewport and scissor to it.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidState`] outside a frame or inside another view;
@@ -283,7 +285,7 @@ impl Embedded {
         Ok(())
     }
 
-    /// Ends a view: framebuffer bindings, viewport and scissor are as before it.
+    /// Ends a view: restores framebuffer bindings, viewport and scissor.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidState`] outside a view.
@@ -300,11 +302,11 @@ impl Embedded {
         }
     }
 
-    /// Ends a frame: the views are corrected into `framebuffer` (0 = the window), each output at
-    /// its place in the rectangle (x, y from the bottom left; as large as the pictures are).
+    /// Ends a frame: corrects the views into `framebuffer` (0 = the window), each output at its
+    /// place in the rectangle (x, y from the bottom left; as large as the pictures are).
     ///
-    /// Gives the OpenGL error that the program itself had pending, which this takes out of the
-    /// driver.
+    /// Returns the OpenGL error that the program itself had pending, which this call takes out of
+    /// the driver.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidState`] outside a frame or inside a view, and as
@@ -333,7 +335,7 @@ impl Embedded {
     /// Deletes everything on the context.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidState`] if the context is not current: nothing is deleted there then, as
+    /// [`ErrorKind::InvalidState`] if the context is not current. Then nothing is deleted, because
     /// the names would be those of other objects.
     pub fn destroy(mut self) -> Result<()> {
         self.expect_context()?;
@@ -383,7 +385,7 @@ impl Embedded {
 
 const NO_CONTEXT: &str = "no OpenGL context is current in this thread";
 
-/// Rows and lens of a view for a program with this matrix.
+/// Reprojection matrix and lens constants of a view, for a program with this matrix.
 fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<(ReprojectionMatrix, LensConstants)> {
     let MatrixClass::Perspective(lens) = classify(matrix) else {
         let message = "the matrix is not a perspective matrix; expected one like that of glFrustum or gluPerspective";
@@ -393,7 +395,7 @@ fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Resul
     Ok((ReprojectionMatrix::of(&rows), session.lenses().get(index).copied().unwrap_or_default()))
 }
 
-/// One after the other.
+/// Joins the view constants.
 fn joined(rows: &ReprojectionMatrix, lens: &LensConstants) -> [f32; 32] {
     let (rows, lens) = (rows.to_array(), lens.to_array());
     std::array::from_fn(|i| if i < 16 { rows[i] } else { lens[i - 16] })
@@ -423,7 +425,7 @@ fn check_planes(near: f64, far: f64) -> Result<()> {
     Err(Error::new(ErrorKind::InvalidArgument, message))
 }
 
-/// Checks what every API has to be asked for.
+/// Checks that are the same for every API.
 fn check_request(rig: &Rig, size: (u32, u32)) -> Result<()> {
     let message = if rig.passthrough {
         format!("the rig `{}` corrects nothing; without Cupola the program shows the same", rig.name)

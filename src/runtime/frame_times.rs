@@ -4,10 +4,10 @@ use crate::system::thread_time;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// So many of the last values are kept for the median.
+/// Number of the last values that are stored for the median.
 const KEPT: usize = 1024;
 
-/// Milliseconds, of frames.
+/// Statistics of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Milliseconds {
     /// Number of frames that were measured.
@@ -16,7 +16,7 @@ pub struct Milliseconds {
     pub mean: f64,
     /// Median of the last 1024.
     pub median: f64,
-    /// 95 % of the last 1024 took no longer.
+    /// Percentile: 95 % of the last 1024 frames took no longer.
     pub percentile_95: f64,
 }
 
@@ -62,22 +62,22 @@ impl Durations {
 /// Times of a window's frames.
 #[derive(Debug, Default)]
 pub struct FrameTimes {
-    /// End of the last frame, and time of its thread on the processor then.
+    /// End of the last frame, and the processor time of its thread at that moment.
     last: Option<(Instant, Duration)>,
-    /// From one frame to the next.
+    /// Time from one frame to the next.
     pub frame: Durations,
-    /// Time of the thread on the processor, program and driver included, in a frame.
+    /// Processor time of the thread in a frame, program and driver included.
     pub processor: Durations,
-    /// Time of the thread on the processor in which the correction is recorded.
+    /// Processor time of the thread that records the correction.
     pub correction: Durations,
-    /// Time of the device from the begin of a frame to the correction.
+    /// Time of the device from the beginning of a frame to the correction.
     pub device_drawing: Durations,
     /// Time of the device for the correction.
     pub device_correction: Durations,
 }
 
 impl FrameTimes {
-    /// A frame ended.
+    /// Counts the end of a frame.
     pub fn end_frame(&mut self) {
         let now = (Instant::now(), thread_time());
         if let Some((instant, processor)) = self.last.replace(now) {

@@ -1,6 +1,6 @@
 //! State of one window: its rig and plan ([`session`]), captures and statistics ([`run_results`],
 //! [`frame_times`]), and the view that a frame draws ([`turns`]). [`cache`] opens the process's
-//! cache of results, [`embedded`] serves the C interface.
+//! result cache; [`embedded`] is for the C interface.
 
 pub mod cache;
 pub mod embedded;

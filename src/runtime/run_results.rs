@@ -1,4 +1,4 @@
-//! Captures and statistics that a run leaves.
+//! Captures and statistics of a run.
 
 use crate::cache::Counts;
 use crate::error::{Error, ErrorKind, Result};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-/// A picture read back from the driver: 8 bits, RGB, rows from the bottom.
+/// A picture read back from the driver, rows from the bottom.
 pub struct Picture {
     /// Name of the output or view.
     pub name: String,
@@ -24,79 +24,81 @@ pub struct Picture {
 /// Numbers that `--stats` writes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Statistics {
-    /// Presented frames.
+    /// Number of presented frames.
     pub frames: u64,
-    /// Those of them that were not corrected, because the window was not mapped (X11).
+    /// Number of these that were not corrected, because the window was not mapped (X11).
     pub hidden_frames: u64,
     /// Name of the rig.
     pub rig: String,
     /// OpenGL version and driver of the program's context.
     pub driver: String,
-    /// The views, in order.
+    /// Views, in order.
     pub views: Vec<ViewStatistics>,
     /// Faces of the cube that no output samples.
     pub skipped_views: Vec<String>,
-    /// Draws of the program to its window.
+    /// Number of draws of the program to its window.
     pub draws_seen: u64,
-    /// Flat draws that went to the panel.
+    /// Number of flat draws that went to the panel.
     pub panel_draws: u64,
-    /// Draws that went to the program's own picture.
+    /// Number of draws that went to the primary view.
     pub primary_draws: u64,
-    /// Draws to the program's own framebuffers that were issued once per view.
+    /// Number of draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
-    /// Number of times that a draw that was recorded for each view and the panel was left out of
-    /// one of them, because it turned out to be out of sight there (Vulkan).
+    /// Number of times that a draw, recorded for each view and the panel, was left out of one of
+    /// them because its vertices turned out to be out of sight there (Vulkan).
     pub draws_out_of_sight: u64,
-    /// Draws of the scene of which it was known where their vertices are.
+    /// Number of draws of the scene whose vertices had known bounds.
     pub bounded_draws: u64,
-    /// Draws of these that are partly in the program's own picture, until it is known whether the
-    /// program leaves out what is beside it.
+    /// Number of these draws that are partly in the primary view, counted until it is known whether
+    /// the program itself leaves out draws beside its picture.
     pub draws_at_border: u64,
-    /// Those of them until then that are wholly beside it, or behind the eye.
+    /// Number of these draws, counted until then, that are wholly beside the primary view or behind
+    /// the eye.
     pub draws_beside: u64,
-    /// Ranges of buffers that were read back for that, each once until its buffer changes.
+    /// Number of ranges of buffers that were read back for the bounds, each once until its buffer
+    /// changes.
     pub ranges_read: u64,
-    /// Number of times that the parts of the views that no output samples were closed for drawing.
+    /// Number of times that the unsampled areas of the views were closed for drawing.
     pub closings: u64,
-    /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
+    /// Number of the program's framebuffers, drawn to until the end, that are drawn once per view.
     pub duplicated_framebuffers: u64,
-    /// The others, by the reason why they are drawn once only.
+    /// Number of its other framebuffers, by the obstacle.
     pub single_framebuffers: BTreeMap<String, u64>,
     /// Number of draws by the way in which their projection was found.
     pub projection_found: BTreeMap<String, u64>,
-    /// The program's own lenses with which the views of the last frames were drawn: left, right,
-    /// lower and upper edge of the program's picture, as tangents of the angles from straight
-    /// ahead.
+    /// Lenses of the program with which the views of the last frames were drawn: left, right, lower
+    /// and upper edge of the program's picture, as tangents of the angles from straight ahead.
     pub lenses: Vec<[f64; 4]>,
-    /// Name of the profile that was taken; empty if none was.
+    /// Name of the profile that was used; empty if there was none.
     pub profile: String,
-    /// Pixels of all outputs.
+    /// Number of pixels of all outputs.
     pub output_pixels: u64,
-    /// Those that the correction computes in a frame, batches that are left out included; the
-    /// others are known to be black: outside of a circle or of the dome, masked, not lit.
+    /// Number of pixels that the correction computes in a frame, including batches that are left
+    /// out. The others are known to be black: outside of a circle or of the dome, masked, not lit.
     pub corrected_pixels: u64,
-    /// Batches of the correction that were not drawn, because their views held nothing but the
-    /// clear colour.
+    /// Number of batches of the correction that were not drawn, because their views were cleared
+    /// views.
     pub batches_left_out: u64,
-    /// Lines and triangles, or parts of them, that the method `primitive` did not divide far
-    /// enough, in all frames and outputs; left out where the driver cannot count them.
+    /// Number of lines and triangles, or parts of them, that the method `primitive` did not divide
+    /// far enough, in all frames and outputs. Absent if the driver cannot count them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coarse_primitives: Option<u64>,
-    /// Pipelines that the method `primitive` does not divide, by reason: what they draw is drawn as
-    /// with `vertex` (Vulkan).
+    /// Number of pipelines that the method `primitive` does not divide, by reason. Their draws are
+    /// drawn as with `vertex` (Vulkan).
     pub undivided_pipelines: BTreeMap<String, u64>,
-    /// Pictures of outputs of which only the part that something was drawn to was corrected, the
-    /// rest cleared.
+    /// Number of pictures of outputs of which only the part that was drawn to was corrected, and
+    /// the rest cleared.
     pub outputs_narrowed: u64,
-    /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
+    /// Number of shader programs that were linked: the correction's, and the program's with
+    /// Cupola's epilogue.
     pub shaders_linked: u64,
-    /// Results of long computations that were kept for later starts: found, not found, written.
+    /// Use of the result cache: found, not found, written.
     pub cache: Counts,
-    /// OpenGL errors of ours; must be 0.
+    /// Number of OpenGL errors of Cupola's own calls; must be 0.
     pub own_errors: u64,
     /// Times of the window's frames.
     pub milliseconds: FrameMilliseconds,
-    /// Frames that were published for other processes, if any were.
+    /// Frames that were published for other processes; absent if none were.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<Published>,
     /// Notes of the planner.
@@ -106,27 +108,27 @@ pub struct Statistics {
 /// Published frames in [`Statistics`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Published {
-    /// Frames that were published.
+    /// Number of published frames.
     pub frames: u64,
-    /// Readers that are there.
+    /// Number of living readers.
     pub readers: usize,
-    /// Frames that readers lost, all added up.
+    /// Number of frames that readers lost, added up over the readers.
     pub lost: u64,
-    /// Frames that were not published because the graphics driver had not yet finished those before
-    /// them.
+    /// Number of frames that were not published because the graphics driver had not yet finished
+    /// earlier ones.
     pub left_out: u64,
 }
 
-/// Times of frames in [`Statistics`]; what was not measured is left out.
+/// Times of frames in [`Statistics`]; times that were not measured are absent.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct FrameMilliseconds {
-    /// From one frame to the next.
+    /// Time from one frame to the next.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Milliseconds>,
-    /// Time of the presenting thread on the processor, program and driver included.
+    /// Processor time of the presenting thread, program and driver included.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub processor: Option<Milliseconds>,
-    /// Time in which that thread records the correction.
+    /// Processor time in which that thread records the correction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub processor_correction: Option<Milliseconds>,
     /// Time of the device from the first draw of a frame to the correction: the program's drawing
@@ -159,15 +161,16 @@ pub struct ViewStatistics {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// Texels that are closed for drawing, because no output samples them.
+    /// Number of texels that are closed for drawing, because no output samples them.
     pub closed_texels: u64,
-    /// Draws issued to it since the views were planned.
+    /// Number of draws issued to it since the views were planned.
     pub draws_issued: u64,
-    /// Draws that were seen not to reach it, and left out.
+    /// Number of draws that were left out because they do not reach it.
     pub draws_culled: u64,
-    /// The same of draws to the program's own framebuffers that are drawn once per view (OpenGL).
+    /// Number of draws issued to the program's own framebuffers that are drawn once per view
+    /// (OpenGL).
     pub duplicated_draws_issued: u64,
-    /// Those of them that were left out.
+    /// Number of these draws that were left out.
     pub duplicated_draws_culled: u64,
 }
 
@@ -189,8 +192,7 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
     write(path, (text + "\n").as_bytes())
 }
 
-/// Writes `statistics` as JSON in place of what the file had: readers see the old or the new
-/// content.
+/// Writes `statistics` as JSON in place of the file: readers see the old or the new content.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -205,7 +207,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     written.map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
 }
 
-/// `FILE.png` for a single picture, `FILE-NAME.png` for one of several.
+/// Path of a capture: `FILE.png` for a single picture, `FILE-NAME.png` for one of several.
 pub fn capture_path(path: &Path, name: &str, several: bool) -> PathBuf {
     if !several {
         return path.to_owned();
@@ -224,7 +226,7 @@ pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
     write(path, &png(picture.width, picture.height, &upright_rgb(picture)).map_err(failed)?)
 }
 
-/// A picture as a PNG file, reduced to no more than `width` pixels across.
+/// Encodes a picture as a PNG file, reduced to at most `width` pixels across.
 ///
 /// # Errors
 /// The picture cannot be encoded.
@@ -238,7 +240,7 @@ pub fn reduced_png(picture: &Picture, width: u32) -> Result<Vec<u8>> {
     png(rgb.width(), rgb.height(), &rgb).map_err(|error| failed(error.to_string()))
 }
 
-/// The pixels as RGB, the first row at the top.
+/// Pixels as RGB, the first row at the top.
 fn upright_rgb(picture: &Picture) -> Vec<u8> {
     let row = picture.width as usize * 4;
     picture

@@ -1,4 +1,4 @@
-//! A rig at work in a window of a given size.
+//! A rig in a window of a given size.
 
 use super::cache;
 use super::turns::Turns;
@@ -18,35 +18,35 @@ use crate::rig::{Camera, Favour, Method, Rig};
 use crate::views::{Request, Tile, View};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Needs of a program, as far as they were seen: tiles beside the views, and the number of draws,
-/// which decides how many views are worth their cost.
+/// Needs of a program, as far as Cupola has seen them: tiles beside the views, and the number of
+/// draws, which decides how many views are worth their cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extras {
-    /// The flat panel.
+    /// True if the flat panel is needed.
     pub panel: bool,
-    /// The program's own picture.
+    /// True if the primary view is needed.
     pub primary: bool,
-    /// Number of draws of a frame, once that is known.
+    /// Number of draws in a frame, once it is known.
     pub draws: Option<u32>,
 }
 
-/// A rig, planned for a window.
+/// A rig that is planned for a window.
 pub struct Session {
     rig: Rig,
     draws: Option<u32>,
     request: Request,
     plan: Plan,
-    /// Places of the outputs in the window.
+    /// Rectangles of the outputs in the window.
     rects: Vec<PixelRect>,
-    /// Outputs that lost their own method.
+    /// Names of outputs that lost their own method.
     refused: Vec<String>,
-    /// The program draws one view in each of its frames.
+    /// Set if the program draws one view in each of its frames.
     turns: Option<Turns>,
-    /// Views that outputs of this machine show, one bit for each.
+    /// Views that outputs of this machine sample, one bit for each.
     needed: u64,
 }
 
-/// The views that outputs of this machine show, one bit for each.
+/// Views that outputs of this machine sample, one bit for each.
 fn needed(rig: &Rig, plan: &Plan) -> u64 {
     if plan.views.output_views.is_empty() {
         return u64::MAX;
@@ -56,11 +56,12 @@ fn needed(rig: &Rig, plan: &Plan) -> u64 {
     views.filter(|view| **view < 64).fold(0, |bits, view| bits | 1 << view)
 }
 
-/// Free rows between a view and the panel, where views are drawn in turn.
+/// Free rows between a view and the panel, if views are drawn in turn.
 const TURN_GUTTER: u32 = 1;
 
-/// A primitive becomes at most so many on the processor: enough for a triangle around half of the
-/// sphere in a picture of 4096² pixels at a twentieth of a pixel, and a tenth of a second of work.
+/// Greatest number of parts of a primitive that is divided on the processor: enough for a triangle
+/// around half of the sphere in a picture of 4096² pixels at a twentieth of a pixel, and a tenth of
+/// a second of work.
 const MOST_PARTS: usize = 1 << 14;
 
 /// Width and height of a view in pixels.
@@ -71,20 +72,20 @@ fn pixels(view: &View) -> DVec2 {
 impl Session {
     /// Plans `rig` for a `window` (width, height in pixels).
     ///
-    /// `off_screen`: outputs have their own resolution (`size`), not that of their place in the
+    /// `off_screen`: outputs have their own resolution (`size`), not that of their rectangle in the
     /// window. `max_atlas`: greatest width and height of a texture.
     ///
-    /// All views are perspective ones; outputs to which vertices should be projected have the
-    /// method `fragment`, and the plan's notes say so.
+    /// All views are perspective. Outputs to which vertices should be projected get the method
+    /// `fragment`, and the plan's notes say so.
     ///
     /// # Errors
-    /// Those of the planner: a rig that no set of views can serve, or an atlas that is too small.
+    /// Errors of the planner: no set of views can serve the rig, or the atlas is too small.
     pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         Self::refusing(Method::projects_vertices, rig, window, off_screen, max_atlas, extras)
     }
 
-    /// As [`Session::projecting`] for a caller that does not divide primitives; the plan's notes
-    /// say which outputs have the method `fragment` for that.
+    /// As [`Session::projecting`], for a caller that does not divide primitives. The plan's notes
+    /// name the outputs that get the method `fragment` for that reason.
     ///
     /// # Errors
     /// As for [`Session::new`].
@@ -115,7 +116,8 @@ impl Session {
     /// As for [`Session::new`].
     pub fn projecting(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         let rects = rig.layout(window);
-        // Outputs of other machines that say no size are planned with that of ours.
+        // Outputs of other machines without a size are planned with the size of this machine's
+        // outputs.
         let usual = rects.iter().find(|rect| rect.width > 0).map_or(window, |rect| (rect.width, rect.height));
         let output_sizes = rig
             .outputs
@@ -150,35 +152,35 @@ impl Session {
         Ok(if self.turns.is_some() { session.in_turn() } else { session })
     }
 
-    /// The program draws one view in each of its frames, with the size of its window, instead of
-    /// all views in each. The atlas is then only what the views are collected in.
+    /// Makes the program draw one view in each of its frames, with the size of its window, instead
+    /// of all views in each. The atlas then only collects the views.
     pub fn in_turn(mut self) -> Self {
         self.turns = Some(Turns::new(self.views().len(), self.rig.views.warm_up));
         self
     }
 
-    /// The views that outputs of this machine show, one bit for each of the first 64. Those of other
+    /// Views that outputs of this machine sample, one bit for each of the first 64. Views of other
     /// machines alone need not be drawn.
     pub fn needed(&self) -> u64 {
         self.needed
     }
 
-    /// The view that the program draws in this frame; `None` where it draws all of them.
+    /// View that the program draws in this frame; `None` if it draws all of them.
     pub fn turn(&self) -> Option<usize> {
         Some(self.turns.as_ref()?.view())
     }
 
-    /// The turns, where the program draws one view in each of its frames.
+    /// Turns, if the program draws one view in each of its frames.
     pub fn turns(&self) -> Option<&Turns> {
         self.turns.as_ref()
     }
 
-    /// The rig.
+    /// Rig of the session.
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
 
-    /// The plan.
+    /// Plan of the session.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
@@ -193,7 +195,7 @@ impl Session {
         self.request.window
     }
 
-    /// The views.
+    /// Views of the plan.
     pub fn views(&self) -> &[View] {
         &self.plan.views.views
     }
@@ -207,25 +209,25 @@ impl Session {
         }
     }
 
-    /// A view's tile in the atlas.
+    /// Tile of a view in the atlas.
     pub fn atlas_tile(&self, index: usize) -> Option<LowerLeftRect> {
         self.views().get(index).map(|view| rect(&view.tile))
     }
 
-    /// The panel's tile in the atlas.
+    /// Tile of the panel in the atlas.
     pub fn atlas_panel(&self) -> Option<LowerLeftRect> {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
     }
 
-    /// Size in texels of what the program draws to: the atlas, or, in turn, a view and the panel
-    /// above it.
+    /// Size in texels of the surface that the program draws to: the atlas, or, in turn, a view and
+    /// the panel above it.
     pub fn surface_size(&self) -> (u32, u32) {
         let (width, height) = self.request.window;
         if self.turns.is_some() { (width, 2 * height + TURN_GUTTER) } else { self.plan.views.atlas }
     }
 
-    /// For each view the lens of its picture, as patched shaders take it; zeros for perspective
-    /// ones. Empty where all views are.
+    /// Lens constants of each view, for patched shaders; zeros for perspective views. Empty if all
+    /// views are perspective.
     pub fn lenses(&self) -> Vec<LensConstants> {
         if self.views().iter().all(|view| view.curved.is_none()) {
             return Vec::new();
@@ -237,7 +239,7 @@ impl Session {
         self.views().iter().enumerate().map(lens).collect()
     }
 
-    /// The greatest error that the output of a view may have by its method, pixels.
+    /// Greatest error that the method of a view's output permits, pixels.
     fn max_error(&self, index: usize) -> Option<f64> {
         let output = self.plan.views.output_views.iter().position(|views| views.contains(&index))?;
         self.rig.outputs.iter().chain(&self.rig.beside).nth(output)?.method.max_error()
@@ -250,7 +252,7 @@ impl Session {
         Some(Division { map: view.curved?, pixels: pixels(view), max_error, most: MOST_PARTS })
     }
 
-    /// The view that shows best what is ahead of the program's camera.
+    /// View that is nearest to the forward direction of the program's camera.
     pub fn ahead(&self) -> usize {
         let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
         let slant = |view: &View| (view.rotation * forward).z;
@@ -265,7 +267,7 @@ impl Session {
         self.atlas_panel().map(|panel| if self.turns.is_some() { above } else { panel })
     }
 
-    /// The tile of the program's own picture. In turn it is the view's.
+    /// Tile of the primary view; `None` in turn.
     pub fn primary(&self) -> Option<LowerLeftRect> {
         self.plan.views.primary.as_ref().filter(|_| self.turns.is_none()).map(rect)
     }
@@ -288,13 +290,13 @@ impl Session {
         self.rects.iter().map(from_top)
     }
 
-    /// The rows that take the program's clip coordinates to each view's.
+    /// Reprojection matrices from the program's clip coordinates to those of each view.
     pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
         let lens = *lens;
         self.views().iter().map(move |view| {
             let camera = self.camera(view);
             let rows = clip_rows(&lens, &camera, view.rotation, &view.frustum);
-            // Depth is the distance in all directions there: no corner is nearer than the middle.
+            // Depth is the distance in any direction there: no corner is nearer than the middle.
             let frustum = if view.curved.is_some() { Frustum::POINT } else { view.frustum };
             ClipRows { curved: view.curved.is_some(), ..rows.widened(&lens, &camera, &frustum) }
         })
@@ -302,7 +304,7 @@ impl Session {
 
     /// Returns the number of samples of all views that show what the program sees through `lens`,
     /// to a few per cent. `own` is the number of samples of the program's own picture. A view with
-    /// the program's lens has as many, and so has, `off_screen`, every view.
+    /// the program's lens has the same number; with `off_screen` every view has.
     ///
     /// The number is added up over a grid on the program's picture. A view has `D / cos³ θ` samples
     /// per steradian at θ off its axis, where D is its number of samples per unit of tangents
@@ -339,7 +341,7 @@ impl Session {
                     if let [Some(a), Some(b), Some(c), Some(d)] =
                         [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]
                     {
-                        // Of the picture's four.
+                        // Area of the cell there; that of the whole picture is 4.
                         let area = 0.5 * (c - a).perp_dot(d - b).abs();
                         sum += samples * area / 4.0;
                     }
@@ -347,7 +349,8 @@ impl Session {
                     && (owned.left..=owned.right).contains(&right)
                     && (owned.bottom..=owned.top).contains(&up)
                 {
-                    // cos³ of the angle to the program's axis over that to the view's.
+                    // cos³ of the angle to the program's axis divided by that of the angle to the
+                    // view's.
                     sum += samples / (view.frustum.width() * view.frustum.height()) * cell / (-seen.z).powi(3);
                 }
             }
@@ -355,15 +358,14 @@ impl Session {
         sum
     }
 
-    /// The lens that the rig gives the program, for draws that tell none. Its depth is that of a
-    /// far plane at infinity, which keeps what lies behind what for any other, too.
+    /// Lens that the rig gives the program, for draws whose lens is not known. Its depth is that of
+    /// a far plane at infinity, which keeps the order of depths for any other far plane.
     pub fn given_lens(&self) -> Option<Intrinsics> {
         let [a, c] = self.rig.camera.lens?.map(|opening| 1.0 / (opening / 2.0).tan());
         Some(Intrinsics { a, b: 0.0, c, d: 0.0, e: -1.0, f: None })
     }
 
-    /// Returns the adaptation of the program's camera for a view: as the rig says, from the view's
-    /// eye.
+    /// Returns the adaptation of the program's camera for a view: the rig's, from the view's eye.
     pub fn camera(&self, view: &View) -> CameraAdjustment {
         let camera = &self.rig.camera;
         let rotation = camera_rotation(camera);
@@ -371,8 +373,8 @@ impl Session {
         CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
 
-    /// The rows that take flat clip coordinates to each view, as points of the panel; empty without
-    /// one.
+    /// Reprojection matrices from flat clip coordinates to each view, as points of the panel; empty
+    /// without a panel.
     ///
     /// Their depth is half the program's: on the panel it stays between the planes of every view
     /// that shows a part of it (the distance along a view's axis is half the panel's at least up to
@@ -398,8 +400,8 @@ impl Session {
     }
 }
 
-/// Plans `rig` for a program of so many `draws` in a frame, unless the rig itself says what it
-/// favours.
+/// Plans `rig` for a program with this number of draws in a frame, unless the rig itself sets its
+/// preference.
 fn plan(rig: &Rig, draws: Option<u32>, request: &Request) -> Result<Plan> {
     let (cache, rig) = (cache::of_process(), &*rig.with_all_outputs());
     match draws.filter(|_| rig.views.favour == Favour::Balanced) {
@@ -412,7 +414,7 @@ fn plan(rig: &Rig, draws: Option<u32>, request: &Request) -> Result<Plan> {
     }
 }
 
-/// Axes of the program's camera → axes of the viewer.
+/// Rotation from the axes of the program's camera to those of the viewer.
 pub fn camera_rotation(camera: &Camera) -> DMat3 {
     pose::rotation(camera.yaw, camera.pitch, camera.roll)
 }
@@ -437,15 +439,15 @@ mod tests {
         let session = Session::new(&rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");
         assert_eq!(session.views().iter().map(|view| view.eye).collect::<Vec<_>>(), [-0.03, 0.03, 0.0]);
         assert_eq!(session.plan().views.output_views, [vec![0], vec![1], vec![2]]);
-        // A point of the program's eye space, through the program's lens into each view.
+        // Takes a point of the program's eye space through the program's lens into each view.
         let frustum = Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 };
         let program = frustum.projection_matrix(1.0, 1000.0);
         let MatrixClass::Perspective(lens) = classify(&program.to_cols_array()) else { panic!("it is one") };
         let point = DVec3::new(3.0, 2.0, -20.0);
         let clip = program * point.extend(1.0);
         for (view, rows) in session.views().iter().zip(session.rows(&lens)) {
-            // 3 cm are 3 units of the program's, along the viewer's axes, which its camera is
-            // turned against.
+            // 3 cm are 3 units of the program, along the viewer's axes, against which its camera is
+            // turned.
             let seen = view.rotation * (camera_rotation(&rig.camera) * point - DVec3::X * (view.eye * 100.0));
             let q = clip.z + rows.e * clip.w;
             let row = |r: [f64; 4]| r[0] * clip.x + r[1] * clip.y + r[2] * clip.w + r[3] * q;
@@ -455,7 +457,7 @@ mod tests {
         }
     }
 
-    /// Also when other tiles are asked for later.
+    /// Holds also after other tiles were requested.
     #[test]
     fn outputs_that_lose_their_method_are_told() {
         let text = "[[output]]\nname = \"one\"\nkind = \"domemaster\"\nmethod = \"primitive\"\n";
@@ -468,7 +470,7 @@ mod tests {
         }
     }
 
-    /// A domemaster to which vertices are projected, the program's axis on the fisheye's: an
+    /// A domemaster to which vertices are projected, with the program's axis on the fisheye's: an
     /// equidistant picture of side N has (N/π)² θ/sin θ pixels per steradian.
     #[test]
     fn samples_of_a_projected_picture_are_its_pixels() {

@@ -1,38 +1,38 @@
-//! Views in turn: which view the program draws in its present frame.
+//! Views in turn: choice of the view that the program draws in its current frame.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The place in the round of the views. Contexts of a program share it.
+/// Position in the round of the views. Contexts of a program share it.
 #[derive(Debug)]
 pub struct Turns {
-    /// Frames of the program since the round began.
+    /// Number of the program's frames since the round began.
     frame: AtomicUsize,
     views: usize,
-    /// Frames of the program for each view.
+    /// Number of the program's frames for each view.
     repeats: usize,
 }
 
 /// Result of a program's frame in the round of the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EndOfTurn {
-    /// The view that was drawn, if its picture counts; `None`: it was a frame to warm up.
+    /// View that was drawn, if its picture counts; `None` for a warm-up frame.
     pub view: Option<usize>,
-    /// All views are drawn.
+    /// True if all views are drawn.
     pub is_last: bool,
 }
 
 impl Turns {
-    /// Turns of `views` views (at least 1), each with so many frames before the one that counts.
+    /// Turns of `views` views (at least 1), each with `warm_up` frames before the one that counts.
     pub fn new(views: usize, warm_up: usize) -> Self {
         Self { frame: AtomicUsize::new(0), views: views.max(1), repeats: warm_up + 1 }
     }
 
-    /// Frames of the program in a round.
+    /// Number of the program's frames in a round.
     pub fn frames(&self) -> usize {
         self.views * self.repeats
     }
 
-    /// The view that is drawn in this frame of the program.
+    /// View that is drawn in this frame of the program.
     pub fn view(&self) -> usize {
         self.frame.load(Ordering::Relaxed) / self.repeats
     }

@@ -1,4 +1,4 @@
-//! The embedded form on Vulkan: the program draws the views into images, and has their correction
+//! The embedded form for Vulkan: the program draws the views into images, and has their correction
 //! recorded into its own command buffers.
 
 use super::{Planner, check_planes, check_request, joined, log_plan, no_view, projection, rotation, vectors_of_view};
@@ -10,7 +10,7 @@ use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use glam::{DMat4, DVec4};
 
-/// Most frames that may be on their way at the same time.
+/// Greatest number of frames in flight.
 pub const MOST_FRAMES: usize = 16;
 
 /// Options of a new [`EmbeddedVulkan`].
@@ -18,18 +18,18 @@ pub const MOST_FRAMES: usize = 16;
 pub struct VulkanOptions {
     /// Width and height in pixels of the picture that all outputs share, 1…16384.
     pub size: (u32, u32),
-    /// Family of the queues that the command buffers are for.
+    /// Family of the queues to which the command buffers are submitted.
     pub queue_family: u32,
-    /// Number of frames that may be on their way at the same time, 1…[`MOST_FRAMES`]: each has
-    /// images of its own.
+    /// Number of frames in flight, 1…[`MOST_FRAMES`]. Each has images of its own.
     pub frames: usize,
-    /// Format of the images that are corrected into.
+    /// Format of the target images.
     pub target_format: vk::Format,
-    /// Format of images that are made for the views; `UNDEFINED`: the program brings its own.
+    /// Format of the images that Cupola creates for the views; `UNDEFINED`: the program brings its
+    /// own.
     pub view_format: vk::Format,
     /// Arrangement of the views in their images.
     pub arrangement: Arrangement,
-    /// The program's depth is 1 at the near plane and 0 at the far one.
+    /// True if the program's depth is 1 at the near plane and 0 at the far one.
     pub reversed_depth: bool,
 }
 
@@ -42,19 +42,19 @@ pub struct VulkanView {
     pub rotation: DMat4,
     /// Axes of the view → Vulkan's clip space: x right, y down, depth 0…1.
     pub frustum: DMat4,
-    /// Number of its image among those of a frame.
+    /// Index of its image among those of a frame.
     pub image: usize,
-    /// Its layer in that image.
+    /// Layer of that image.
     pub layer: usize,
-    /// Its place there, in texels.
+    /// Rectangle in that image, in texels.
     pub tile: UpperLeftRect,
 }
 
-/// A rig at work on a program's Vulkan device.
+/// A rig on a program's Vulkan device.
 ///
-/// Nothing is submitted, and no queue is used: what has to be done is recorded into the program's
-/// command buffers. All methods but [`EmbeddedVulkan::record`] and those that only tell something
-/// need that no command buffer is pending that was recorded with it. Dropping it destroys nothing:
+/// Nothing is submitted, and no queue is used: all work is recorded into the program's command
+/// buffers. Methods that change something, except [`EmbeddedVulkan::record`], may be called only
+/// while no command buffer is pending that was recorded with it. Dropping it destroys nothing:
 /// [`EmbeddedVulkan::destroy`] does.
 pub struct EmbeddedVulkan {
     api: Api,
@@ -64,17 +64,17 @@ pub struct EmbeddedVulkan {
     session: Session,
     plan: Plan,
     backend: VkBackend,
-    /// The images of ours.
+    /// Images that Cupola created.
     surface: Option<Surface>,
     frames: u64,
 }
 
 impl EmbeddedVulkan {
-    /// Plans `rig` and makes everything that does not depend on images of the program.
+    /// Plans `rig` and creates everything that does not depend on images of the program.
     ///
     /// # Errors
-    /// Those of the planner and of the driver; [`ErrorKind::InvalidArgument`] for a number that is
-    /// out of range, a queue family that cannot draw, or a rig that corrects nothing.
+    /// Errors of the planner and of the driver; [`ErrorKind::InvalidArgument`] for a number out of
+    /// range, a queue family that cannot draw, or a rig that corrects nothing.
     pub fn new(api: Api, rig: &Rig, options: VulkanOptions) -> Result<Self> {
         Self::planned(api, rig, options, Session::new)
     }
@@ -108,7 +108,7 @@ impl EmbeddedVulkan {
         }
     }
 
-    /// Makes what the plan needs.
+    /// Creates the objects and images of the plan.
     fn make(&mut self) -> Result<()> {
         let VulkanOptions { arrangement, target_format, view_format, frames, .. } = self.options;
         self.backend.prepare_arranged(&self.plan, arrangement, target_format)?;
@@ -122,9 +122,10 @@ impl EmbeddedVulkan {
         Ok(())
     }
 
-    /// Plans anew for pictures of another size. Sources and targets of the program are forgotten,
-    /// images of ours made anew. If the planner refuses, everything stays; if the driver does, only
-    /// [`EmbeddedVulkan::resize`] and [`EmbeddedVulkan::destroy`] are left to do.
+    /// Plans again for pictures of another size. Sources and targets of the program are forgotten,
+    /// and Cupola's own images are created again. If the planner refuses, everything stays. If the
+    /// driver does, only [`EmbeddedVulkan::resize`] and [`EmbeddedVulkan::destroy`] are useful
+    /// afterwards.
     ///
     /// # Errors
     /// As for [`EmbeddedVulkan::new`].
@@ -143,12 +144,11 @@ impl EmbeddedVulkan {
         self.plan.views.views.len()
     }
 
-    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be
-    /// infinite).
+    /// Describes a view, for a program whose camera has `near` and `far` planes (0 < near < far;
+    /// far may be infinite).
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no
-    /// planes.
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or for wrong planes.
     pub fn view(&self, index: usize, near: f64, far: f64) -> Result<VulkanView> {
         let view = self.plan.views.views.get(index).ok_or_else(|| no_view(index, self.view_count()))?;
         check_planes(near, far)?;
@@ -177,28 +177,28 @@ impl EmbeddedVulkan {
         Ok(joined(&rows.y_down(), &lens.y_down()))
     }
 
-    /// Format of the images that are corrected into.
+    /// Format of the target images.
     pub fn target_format(&self) -> vk::Format {
         self.options.target_format
     }
 
-    /// The sizes of a frame's images; changes only with [`EmbeddedVulkan::resize`].
+    /// Sizes of a frame's images; only [`EmbeddedVulkan::resize`] changes them.
     pub fn image_sizes(&self) -> Vec<ImageSize> {
         self.options.arrangement.images(&self.plan)
     }
 
-    /// The images of ours for frame `frame`; none where the program brings its own.
+    /// Images that Cupola created for frame `frame`; none if the program brings its own.
     pub fn images(&self, frame: usize) -> &[SourceImage] {
         let all = self.surface.as_ref().map_or(&[][..], Surface::sources);
         all.chunks_exact((all.len() / self.options.frames).max(1)).nth(frame).unwrap_or(&[])
     }
 
-    /// Says which images the program draws views into, [`EmbeddedVulkan::image_sizes`] for each
-    /// frame. Images of ours are destroyed.
+    /// Sets the images into which the program draws the views: [`EmbeddedVulkan::image_sizes`] for
+    /// each frame. Cupola's own images are destroyed.
     ///
     /// # Errors
-    /// Those of [`VkBackend::set_sources`]; [`ErrorKind::InvalidArgument`] where they are not for
-    /// all frames.
+    /// Errors of [`VkBackend::set_sources`]; [`ErrorKind::InvalidArgument`] if the number of images
+    /// is wrong.
     pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
         let needed = self.image_sizes().len() * self.options.frames;
         if images.len() != needed {
@@ -212,33 +212,33 @@ impl EmbeddedVulkan {
         Ok(())
     }
 
-    /// Says which images are corrected into, those of a swapchain for instance.
+    /// Sets the target images of the correction, for example those of a swapchain.
     ///
     /// # Errors
-    /// Those of [`VkBackend::set_targets`].
+    /// Errors of [`VkBackend::set_targets`].
     pub fn set_targets(&mut self, images: &[TargetImage]) -> Result<()> {
         self.backend.set_targets(images)
     }
 
-    /// Records the correction of frame `frame`'s images into target `target`, the picture's left
-    /// upper corner at `place` (pixels from the target's left upper corner; what lies outside is
-    /// cut off). Makes no object of Vulkan and allocates none of its memory.
+    /// Records the correction of frame `frame`'s images into target `target`, with the picture's
+    /// upper left corner at `place` (pixels from the target's upper left corner; parts outside are
+    /// cut off). Creates no Vulkan object and allocates no device memory.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an index that was not set; nothing is recorded then.
+    /// [`ErrorKind::InvalidArgument`] for an index that was not set. Nothing is recorded then.
     pub fn record(&mut self, recording: &Recording, frame: usize, target: usize, place: (i32, i32)) -> Result<()> {
         self.backend.correct(recording, frame, target, &self.session.viewports_from_top(place))?;
         self.frames += 1;
         Ok(())
     }
 
-    /// Frames recorded so far.
+    /// Number of frames recorded so far.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
     /// Returns the time that the device took for the corrections since the last
-    /// [`EmbeddedVulkan::resize`]; a frame's time is known when the next one with the same images
+    /// [`EmbeddedVulkan::resize`]. A frame's time is known when the next frame with the same images
     /// is recorded.
     pub fn timing(&self) -> Timing {
         self.backend.timing()
@@ -253,7 +253,7 @@ impl EmbeddedVulkan {
     }
 }
 
-/// Plans what `options` ask for.
+/// Plans the views as `options` ask.
 fn prepare(api: &Api, rig: &Rig, options: &VulkanOptions, plan: Planner) -> Result<(Session, Plan)> {
     check_request(rig, options.size)?;
     let session = plan(rig, options.size, false, api.largest_image(), Extras::default())?;
