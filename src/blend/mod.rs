@@ -1,10 +1,10 @@
-//! Weights of overlapping outputs, and what an audience sees of the sum.
+//! Weights of overlapping outputs, and the sum of their light that an audience sees.
 //!
 //! Weights are parts of **linear light**; a display's response is undone before and applied after
-//! (`encoded = linear^(1/gamma)`). Where several projectors light a point of the dome, the weight
-//! of each is `w_k = e_k / Σ e_j`, with `e` the product over the four sides of its picture of
-//! `ramp(distance / width)`: the weights of a point add up to 1 wherever there is light, and each
-//! projector finds its own from the shared geometry.
+//! (`encoded = linear^(1/gamma)`). Where several projectors light a point of the dome, the blend
+//! weight of each is `w_k = e_k / Σ e_j`. Its raw weight `e` is the product over the four sides of
+//! its picture of `ramp(distance / width)`. So the weights of a point add up to 1 wherever there is
+//! light, and each projector finds its own weight from the shared geometry.
 
 mod ramp;
 mod simulation;
@@ -18,21 +18,21 @@ pub use weight_jumps::{Crossing, crossings};
 
 use crate::rig::{Blend, Transfer};
 
-/// The linear light (0…1) of an encoded value: `encoded^gamma`. Negative values and NaN are black.
+/// Linear light (0…1) of an encoded value: `encoded^gamma`. Negative values and NaN are black.
 pub fn decode(encoded: f64, gamma: f64) -> f64 {
     encoded.max(0.0).powf(gamma)
 }
 
-/// The encoded value of linear light: `light^(1/gamma)`. Negative values and NaN are black.
+/// Encoded value of linear light: `light^(1/gamma)`. Negative values and NaN are black.
 pub fn encode(light: f64, gamma: f64) -> f64 {
     light.max(0.0).powf(1.0 / gamma)
 }
 
-/// The channel that stands for all where a weight is given as a factor on displayed values: green,
-/// the brightest.
+/// Channel that stands for all channels where a weight is a factor on displayed values: green, the
+/// brightest.
 pub const GREEN: usize = 1;
 
-/// The linear light of an encoded value on the display of `blend`, in a channel (0 red, 1 green, 2
+/// Linear light of an encoded value on the display of `blend`, in a channel (0 red, 1 green, 2
 /// blue; others are blue). Negative values and NaN are black.
 pub fn light_of(encoded: f64, blend: &Blend, channel: usize) -> f64 {
     let encoded = encoded.max(0.0);
@@ -45,7 +45,7 @@ pub fn light_of(encoded: f64, blend: &Blend, channel: usize) -> f64 {
     }
 }
 
-/// The value that the display of `blend` makes this linear light of: the inverse of [`light_of`].
+/// Value for which the display of `blend` gives this linear light: the inverse of [`light_of`].
 pub fn code_of(light: f64, blend: &Blend, channel: usize) -> f64 {
     let light = light.max(0.0);
     match &blend.transfer {

@@ -3,11 +3,11 @@
 use crate::rig::{Blend, RampShape};
 use glam::DVec2;
 
-/// The least width of a ramp: below it, it is a step of this width (a ramp of width 0 is undefined
-/// in shading languages).
+/// Least width of a ramp. A narrower ramp has this width, because a ramp of width 0 is undefined in
+/// shading languages.
 pub const LEAST_RAMP: f64 = 1e-6;
 
-/// `3t² − 2t³` for t in 0…1, constant outside: continuous with its first derivative.
+/// Returns `3t² − 2t³` for t in 0…1, constant outside: continuous with its first derivative.
 pub fn smoothstep(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -24,12 +24,13 @@ pub fn ramp(shape: RampShape, t: f64) -> f64 {
     }
 }
 
-/// Fall of a projector's raw weight towards the edges of its picture, and brightness of its black.
+/// Decrease of a projector's raw weight towards the edges of its picture, and brightness of its
+/// black.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct EdgeWeight {
     /// Width of the ramp, as a part of the picture's width and height.
     pub width: f64,
-    /// Its shape.
+    /// Shape of the ramp.
     pub shape: RampShape,
     /// Exponent of the raw weight.
     pub exponent: f64,
@@ -70,7 +71,7 @@ mod tests {
             let steepest = steps.windows(2).map(|pair| (pair[1] - pair[0]) * 1e3).fold(0.0, f64::max);
             assert!((steepest - slope).abs() < 0.01, "{shape:?}: {steepest}");
             assert!(steps.windows(2).all(|pair| pair[1] >= pair[0]));
-            // What one gives, the other takes.
+            // The ramps of two neighbours add up to 1.
             let sums = steps.iter().zip(steps.iter().rev()).map(|(a, b)| a + b);
             assert!(sums.into_iter().all(|sum| (sum - 1.0).abs() < 1e-12), "{shape:?}");
         }

@@ -8,7 +8,7 @@ use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The picture that one output shows.
+/// A picture that an output shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width in pixels.
@@ -34,11 +34,11 @@ pub struct Simulation {
     pub uniformity: Uniformity,
 }
 
-/// Evenness of the summed light, relative to full white. It means something for white pictures,
-/// where the summed linear light is the sum of the weights and ought to be 1.
+/// Evenness of the summed light, relative to full white. It has a meaning for white pictures, where
+/// the summed linear light is the sum of the weights and should be 1.
 ///
-/// Counted are pixels that at least one output lights, except where a bilinear sample would mix in
-/// a pixel that lies outside the circle of its output or off the screen, and is rightly black.
+/// Pixels count if at least one output lights them, except where a bilinear sample would mix in a
+/// pixel that is rightly black because it lies outside the circle of its output or off the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uniformity {
     /// Greatest deviation of the light (mean of the three primaries) from 1.
@@ -51,31 +51,31 @@ pub struct Uniformity {
     pub covered_pixels: u64,
 }
 
-/// The light at one point.
+/// Light at one point.
 struct Light {
     /// Summed linear light.
     rgb: [f64; 3],
     /// Number of outputs that contribute.
     coverage: u8,
-    /// No sample touches a pixel that shows nothing.
+    /// True if no sample touches a pixel that shows nothing.
     whole: bool,
 }
 
-/// One output's picture and where its pixels are.
+/// Picture of one output, and its map.
 struct Source<'a> {
     map: WarpMap,
     picture: &'a Picture,
     blend: &'a Blend,
 }
 
-/// Simulates the dome: an equidistant picture, `size` pixels wide and high, of what the viewer sees
-/// when each output of `rig` shows its picture (in the rig's order).
+/// Simulates the dome. The result is an equidistant picture, `size` pixels wide and high, of the
+/// viewer's sight when each output of `rig` shows its picture (in the rig's order).
 ///
-/// The picture's centre is towards the dome's pole, in the viewer's frame, turned as a domemaster
-/// of that tilt is; its aperture is the dome's coverage, at least 180°. For each pixel the viewer's
-/// ray is followed to the dome, and the light of all outputs at that point is summed in linear
-/// light (each sampled bilinearly, its display's response undone, the light of its black added).
-/// Perspective outputs, which are not on the dome, are seen as windows in front of the viewer.
+/// The picture's centre points to the dome's pole, in the viewer's frame, turned as a domemaster of
+/// that tilt is; its aperture is the dome's coverage, at least 180°. For each pixel the viewer's
+/// ray is followed to the dome, and the linear light of all outputs at that point is summed (each
+/// sampled bilinearly, its display's response undone, the light of its black added). Perspective
+/// outputs are not on the dome; they appear as windows in front of the viewer.
 ///
 /// Fails with [`ErrorKind::InvalidArgument`] if the pictures do not fit the rig, or an output needs
 /// the program's lens.
@@ -131,7 +131,7 @@ fn sources<'a>(rig: &'a Rig, pictures: &'a [Picture]) -> Result<Vec<Source<'a>>>
     pictures.iter().enumerate().map(source).collect()
 }
 
-/// The light of all outputs at a point of the dome.
+/// Light of all outputs at a point of the dome.
 fn light_at(sources: &[Source<'_>], point: DVec3) -> Light {
     let mut light = Light { rgb: [0.0; 3], coverage: 0, whole: true };
     for source in sources {
@@ -189,7 +189,7 @@ impl Evenness {
         self.max = self.max.max(deviation.abs());
     }
 
-    /// The statistics; all zero if nothing was counted.
+    /// Statistics; all zero if nothing was counted.
     fn result(&self) -> Uniformity {
         let count = self.count.max(1) as f64;
         Uniformity {

@@ -1,4 +1,4 @@
-//! The weight of a pixel.
+//! Blend weight of a pixel.
 
 use super::ramp::{EdgeWeight, LEAST_RAMP, ramp};
 use super::{GREEN, light_of};
@@ -8,18 +8,17 @@ use crate::rig::{AngleRamp, DomeAngle, OutputKind, Rig};
 use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Pixels of each output in each direction that are looked at for the greatest black.
+/// Number of pixels of each output, in each direction, at which the greatest black is sought.
 const BLACK_GRID: u32 = 64;
 
-/// The weights of all outputs of a rig, in f64: the reference for shaders.
+/// Blend weights of all outputs of a rig, in f64: the reference for shaders.
 ///
-/// Not included are mask images, which are files, and the black level, which is added after the
+/// They contain neither mask images, which are files, nor the black level, which is added after the
 /// weight.
 #[derive(Clone, Debug)]
 pub struct Weights<'rig> {
     rig: &'rig Rig,
-    /// For each output its map; `None` where the output needs the program's own lens (its weight is
-    /// 1).
+    /// Map of each output; `None` if the output needs the program's own lens (its weight is 1).
     maps: Vec<Option<WarpMap>>,
     /// Axes in which the pole is +y and the front −z → dome axes.
     pole_axes: DMat3,
@@ -40,20 +39,20 @@ impl<'rig> Weights<'rig> {
         Ok(Self { rig, maps, pole_axes: pose::rotation(0.0, -rig.dome.tilt, 0.0), viewer_axes })
     }
 
-    /// The weight of a pixel (from the top left, centres at +½): 0…1, and `None` where the output
-    /// shows nothing.
+    /// Weight of a pixel (from the top left, centres at +½), 0…1; `None` where the output shows
+    /// nothing.
     pub fn weight(&self, output: usize, pixel: DVec2) -> Option<f64> {
         let Some(map) = self.maps.get(output)? else { return Some(1.0) };
         match map.hit(pixel) {
             Some(hit) => Some(self.weight_at(output, hit) * self.calibrated(output, pixel)),
-            // A window has no place on the dome: nothing to share with, and angles are those of its
-            // directions.
+            // A window has no place on the dome. It shares with no output, and the angles are those
+            // of its directions.
             None => map.direction(pixel).map(|direction| self.ramps_at(output, self.viewer_axes * direction)),
         }
     }
 
-    /// The part of the light that a calibration's file leaves a pixel of its output; 1 for all
-    /// other outputs.
+    /// Part of the light that a calibration file leaves a pixel of its output; 1 for all other
+    /// outputs.
     pub fn calibrated(&self, output: usize, pixel: DVec2) -> f64 {
         let map = self.maps.get(output).and_then(Option::as_ref);
         match (map, self.rig.outputs.get(output)) {
@@ -62,11 +61,11 @@ impl<'rig> Weights<'rig> {
         }
     }
 
-    /// The weight of an output at a point of the dome (metres, dome axes) which it lights.
+    /// Weight of an output at a point of the dome (metres, dome axes) which it lights.
     ///
     /// A projector whose rig asks for blending from overlap shares the point with every other
-    /// projector that lights it; alone, it has all of it, to the very edge of its picture. Ramps in
-    /// dome angles are multiplied in.
+    /// projector that lights it. Alone, it has all of the light, up to the edge of its picture.
+    /// Ramps in dome angles are multiplied in.
     pub fn weight_at(&self, output: usize, point: DVec3) -> f64 {
         let Some(described) = self.rig.outputs.get(output) else { return 0.0 };
         let is_shared = described.blend.overlap && self.is_projector(output);
@@ -78,7 +77,7 @@ impl<'rig> Weights<'rig> {
         self.rig.outputs[output].kind.is_projector()
     }
 
-    /// The outputs that light the dome, with their maps.
+    /// Outputs that light the dome, with their maps.
     pub(super) fn projectors(&self) -> impl Iterator<Item = (usize, &WarpMap)> {
         let mapped = self.maps.iter().enumerate().filter_map(|(index, map)| map.as_ref().map(|map| (index, map)));
         mapped.filter(|(index, _)| self.is_projector(*index))
@@ -91,21 +90,21 @@ impl<'rig> Weights<'rig> {
         [local.x.hypot(local.z).atan2(local.y), local.x.atan2(-local.z)]
     }
 
-    /// The unit direction of these angles.
+    /// Unit direction of these angles.
     #[cfg(test)]
     pub(super) fn direction(&self, polar: f64, azimuth: f64) -> DVec3 {
         self.pole_axes * DVec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos())
     }
 
-    /// The light that remains at a point when all outputs show black, as a part of white.
+    /// Light that remains at a point when all outputs show black, as a part of white.
     pub fn black_at(&self, point: DVec3) -> f64 {
         let covering = self.projectors().filter(|(_, map)| map.pixel(point).is_some());
         covering.map(|(index, _)| self.rig.outputs[index].blend.black()).sum()
     }
 
-    /// The most light that remains anywhere on the screen when all outputs show black, as a part of
-    /// white: found at 64 × 64 pixels of each output, so that a smaller corner of an overlap may be
-    /// missed and stay brighter by one black.
+    /// Greatest light that remains anywhere on the screen when all outputs show black, as a part of
+    /// white. It is sought at 64 × 64 pixels of each output, so that a smaller corner of an overlap
+    /// may be missed and stay brighter by one black.
     pub fn greatest_black(&self) -> f64 {
         let part = |i: u32| (f64::from(i % BLACK_GRID) + 0.5) / f64::from(BLACK_GRID);
         let place = |i: u32| DVec2::new(part(i), part(i / BLACK_GRID));
@@ -116,7 +115,7 @@ impl<'rig> Weights<'rig> {
         blacks.map(|point| self.black_at(point)).fold(0.0, f64::max)
     }
 
-    /// `e_k / Σ e_j` at a point.
+    /// Overlap weight `e_k / Σ e_j` at a point.
     fn overlap_weight_at(&self, output: usize, point: DVec3) -> f64 {
         let edge = |index: usize, map: &WarpMap, pixel: DVec2| {
             let (width, height) = map.size();
@@ -127,22 +126,22 @@ impl<'rig> Weights<'rig> {
         let covering = others.filter_map(|(index, map)| Some(edge(index, map, map.pixel(point)?)));
         let (others, count) = covering.fold((0.0, 0), |(sum, count), edge| (sum + edge, count + 1));
         if count == 0 {
-            // 0/0 in the corners of the only picture.
+            // The quotient is 0/0 in the corners of the only picture.
             return 1.0;
         }
         // The output lights the point, even if rounding puts it just outside its picture.
         let own = self.maps[output].as_ref().and_then(|map| Some(edge(output, map, map.pixel(point)?))).unwrap_or(0.0);
         let sum = others + own;
-        // On the borders of all of them each has the same.
+        // On the borders of all pictures the outputs have equal weights.
         if sum > 0.0 { own / sum } else { 1.0 / f64::from(count + 1) }
     }
 
-    /// The product of an output's procedural ramps at a point of the dome (any length).
+    /// Product of an output's procedural ramps at a point of the dome (any length).
     fn ramps_at(&self, output: usize, point: DVec3) -> f64 {
         self.rig.outputs[output].blend.ramps.iter().map(|ramp| self.ramp_at(ramp, point)).product()
     }
 
-    /// The value of a procedural ramp at a point of the dome (any length).
+    /// Value of a procedural ramp at a point of the dome (any length).
     fn ramp_at(&self, described: &AngleRamp, point: DVec3) -> f64 {
         let [polar, azimuth] = self.angles(point);
         let angle = match described.angle {
@@ -189,7 +188,7 @@ mod tests {
             }
         }
         assert!(depths.iter().all(|&depth| depth > 300), "all depths of overlap occur: {depths:?}");
-        // Negative control: without one of them the others do not add up.
+        // Negative control: without one of them, the others do not add up to 1.
         let first = (0..50_000)
             .map(|_| random.direction() * 5.0)
             .find(|p| (0..2).all(|k| weights.maps[k].as_ref().is_some_and(|map| map.pixel(*p).is_some())));
@@ -199,7 +198,7 @@ mod tests {
     #[test]
     fn a_known_overlap_has_known_weights() {
         // Two pictures of 90°, side by side from the centre, the right one turned by 45°: they
-        // share from 0° to 45°. Ramps as wide as half the picture.
+        // overlap from 0° to 45°. The ramps are as wide as half the picture.
         let mut rig = rig(
             FRAC_PI_2,
             DVec3::ZERO,
@@ -209,10 +208,10 @@ mod tests {
             output.blend.ramp = 0.5;
         }
         let weights = Weights::new(&rig, &[(1000, 600); 2]).expect("valid");
-        // Half-way both have the same weight.
+        // Half-way, both have the same weight.
         let middle = DVec3::new((PI / 8.0).sin(), 0.0, -(PI / 8.0).cos()) * 5.0;
         assert!((weights.weight_at(0, middle) - 0.5).abs() < 1e-14);
-        // Straight ahead, the right one has just begun: its own edge.
+        // Straight ahead the right picture begins at its edge.
         let x = 500.0 + 500.0 * 0.1;
         let t = (1.0 - 0.55) / 0.5;
         let own = smoothstep(t);
@@ -220,7 +219,7 @@ mod tests {
         let other = smoothstep((0.5 + 0.5 * angle.tan()) / 0.5);
         let found = weights.weight(0, DVec2::new(x, 300.0)).expect("shown");
         assert!((found - own / (own + other)).abs() < 1e-13, "{found}");
-        // Left of straight ahead it is alone.
+        // Left of straight ahead, only the left picture lights the point.
         assert_eq!(weights.weight(0, DVec2::new(1e-3, 1e-3)), Some(1.0));
     }
 
@@ -257,8 +256,8 @@ mod tests {
 
     #[test]
     fn weights_in_f32_add_up_too() {
-        // As in goal G12, but each projector finds its own weight of a point, from its own rounded
-        // pixel position (1/16,000 of a pixel), not all of them at the same one.
+        // Each projector finds its own weight of a point from its own rounded pixel position
+        // (1/16,000 of a pixel), not all of them at the same one.
         let rig = crate::rig::load("planetarium-6").expect("an embedded preset");
         let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
         let pinhole = |k: usize| match rig.outputs[k].kind {
@@ -268,7 +267,7 @@ mod tests {
             _ => panic!("all are projectors"),
         };
         let count = rig.outputs.len();
-        // The picture of j as seen along the rays of k.
+        // Picture of j along the rays of k.
         let forms: Vec<Vec<QuadraticForm>> = (0..count)
             .map(|k| {
                 let (origin, rotation, frustum) = pinhole(k);

@@ -1,9 +1,9 @@
-//! Points where blend weights must jump: the edges of two pictures cross with no third picture
-//! beneath.
+//! Points where blend weights must jump: the edges of two pictures cross, and no third picture
+//! lights the point.
 //!
 //! Next to such a point, one side belongs to the first projector alone, the other side to the
-//! second alone, and between them the weights pass from 0 to 1 within an angle that shrinks to
-//! nothing. No ramp can help; another picture can.
+//! second alone. Between them the weights pass from 0 to 1 within an angle that shrinks to nothing.
+//! No ramp can prevent that; another picture can.
 
 use super::{EdgeWeight, Weights};
 use crate::error::Result;
@@ -11,7 +11,7 @@ use crate::rig::Rig;
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 
-/// A point where shares jump.
+/// A point where blend weights jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The two outputs.
@@ -24,20 +24,20 @@ pub struct Crossing {
     pub azimuth: f64,
 }
 
-/// Steps along each side of a picture.
+/// Number of steps along each side of a picture.
 const STEPS: u32 = 256;
-/// Halvings of a step: far below a pixel.
+/// Number of halvings of a step: the result is far below a pixel.
 const HALVINGS: u32 = 30;
-/// A raw weight of a third projector of at least this much makes the weights continuous.
+/// Least raw weight of a third projector that makes the weights continuous.
 const ENOUGH: f64 = 0.01;
 
-/// The points of the screen where the shares of overlapping outputs jump, for outputs of these
+/// Points of the screen where the blend weights of overlapping outputs jump, for outputs of these
 /// sizes (pixels).
 ///
 /// Two borders that cross within less than a step of each other (1/256 of a side) may be missed.
 ///
 /// # Errors
-/// Those of [`Weights::new`].
+/// Errors of [`Weights::new`].
 pub fn crossings(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Crossing>> {
     let weights = Weights::new(rig, sizes)?;
     let sharing: Vec<(usize, &WarpMap)> =
@@ -66,7 +66,7 @@ fn raw_weight(edge_weight: &EdgeWeight, map: &WarpMap, point: DVec3) -> f64 {
 }
 
 /// Returns the points at which the border of one picture on the screen enters or leaves another
-/// picture. Places at which the screen ends do not count.
+/// picture. Edges of the screen do not count.
 fn crossings_of(map: &WarpMap, other: &WarpMap) -> Vec<DVec3> {
     let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
     let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
@@ -105,7 +105,7 @@ mod tests {
         let found = crossings(&two, &[(960, 600); 2]).expect("valid");
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found.iter().all(|crossing| crossing.outputs == [0, 1]));
-        // Where the weights are looked at closely, they do jump.
+        // Close to the crossing, the weights do jump.
         let weights = Weights::new(&two, &[(960, 600); 2]).expect("valid");
         for crossing in &found {
             let direction = weights.direction(crossing.polar, crossing.azimuth);

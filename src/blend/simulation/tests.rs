@@ -1,4 +1,4 @@
-//! Simulations whose result is known.
+//! Simulations with known results.
 
 use super::*;
 use crate::blend::Weights;
@@ -6,7 +6,7 @@ use crate::blend::{decode, encode};
 use crate::rig::OutputKind;
 use crate::warp::testing::{output, projector, rig, two_projectors};
 
-/// A picture from a function of the pixel centre that gives linear light.
+/// A picture from a function that gives the linear light at a pixel's centre.
 fn picture(size: (u32, u32), gamma: f64, light: impl Fn(DVec2) -> [f64; 3]) -> Picture {
     let centre = |i: u32| DVec2::new(f64::from(i % size.0) + 0.5, f64::from(i / size.0) + 0.5);
     let rgb = (0..size.0 * size.1).flat_map(|i| light(centre(i)).map(|channel| encode(channel, gamma) as f32));
@@ -37,8 +37,8 @@ fn white_is_white_wherever_there_is_light() {
     assert!(simulation.coverage.contains(&0) && simulation.coverage.contains(&1) && simulation.coverage.contains(&2));
     let even = simulation.uniformity;
     assert!(even.covered_pixels > 10_000 && (even.mean - 1.0).abs() < 1e-3, "{even:?}");
-    // What is left is bilinear interpolation of the ramps at 270 lines, worst where two borders
-    // cross: there the weights jump from one pixel to the next.
+    // The rest is due to bilinear interpolation of the ramps at 270 lines. It is greatest where two
+    // borders cross: there the weights jump from one pixel to the next.
     let off = |simulation: &Simulation| {
         let light = simulation.rgb.chunks(3).map(|rgb| decode(f64::from(rgb[0]), 2.2));
         light.zip(&simulation.coverage).filter(|(light, count)| **count > 0 && (light - 1.0).abs() > 5.7e-3).count()
@@ -46,7 +46,7 @@ fn white_is_white_wherever_there_is_light() {
     assert!(even.max < 0.1 && even.rms < 1e-3, "{even:?}");
     let rim = simulation.coverage.iter().filter(|&&count| count > 0).count() - even.covered_pixels as usize;
     assert!(off(&simulation) < rim + 30, "{} with {rim} at the rim", off(&simulation));
-    // With 8-bit codes (goal G12, at white).
+    // The same with 8-bit codes, at white.
     let coded = simulate(&rig, &white(&rig, (480, 270), Some(255.0)), 200).expect("valid");
     assert!(coded.uniformity.rms < 2.5e-3, "{:?}", coded.uniformity);
     assert!(off(&coded) < rim + 40, "{} with {rim} at the rim", off(&coded));
@@ -69,8 +69,8 @@ fn wrong_blending_is_seen() {
 
 #[test]
 fn a_viewer_off_centre_sees_the_world_without_distortion() {
-    // The pictures show a world: colours of directions from the viewer. The simulation must be an
-    // undistorted view of the same world, whatever the projectors and wherever the viewer.
+    // The pictures show a world in which each direction from the viewer has a colour. The
+    // simulation must be an undistorted view of the same world, for all projectors and viewers.
     let world = |d: DVec3| [0.5 + 0.4 * (3.0 * d.x).sin(), 0.5 + 0.4 * (3.0 * d.y + 1.0).sin(), 0.5 - 0.4 * d.z];
     let mut rig = two_projectors(DVec3::new(1.0, -1.0, 1.5));
     rig.viewer.yaw = 0.2;
@@ -95,7 +95,7 @@ fn a_viewer_off_centre_sees_the_world_without_distortion() {
         let at = |x: i32, y: i32| (usize::try_from(y * 150 + x)).expect("inside");
         for y in 4..146 {
             for x in 4..146 {
-                // Only well inside what is lit.
+                // Only well inside the lit area.
                 let lit = |dx: i32, dy: i32| simulation.coverage[at(x + dx, y + dy)] > 0;
                 if !(-4..=4).all(|i| lit(i, -4) && lit(i, 4) && lit(-4, i) && lit(4, i)) {
                     continue;
@@ -132,8 +132,8 @@ fn pictures_must_fit() {
 
 /// Greatest and root mean square deviation from 1 of the light at random points of the screen, when
 /// all outputs of `rig` show white in codes of `levels` steps, and the output `moved` shows it one
-/// pixel to the right. Points are left out that are nearer to the top or the bottom of a picture
-/// than the part `left_out` of its height.
+/// pixel to the right. Points nearer to the top or the bottom of a picture than the part `left_out`
+/// of its height do not count.
 fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usize>, left_out: f64) -> [f64; 2] {
     let sizes = vec![size; rig.outputs.len()];
     let weights = Weights::new(rig, &sizes).expect("valid");
@@ -175,7 +175,7 @@ fn codes_of_8_and_10_bits_keep_the_light_even() {
 #[test]
 fn a_pixel_of_misalignment_is_hardly_seen_over_a_wide_ramp() {
     // Two pictures of 1000 pixels from the centre that overlap by 200 of them. Above and below,
-    // where their borders cross, shares jump, and a pixel matters more.
+    // where their borders cross, blend weights jump, and a pixel matters more.
     let (half, ramp) = (15f64.to_radians().tan(), 0.2);
     let turn = 15.0 + (half * (1.0 - 2.0 * ramp)).atan().to_degrees();
     let lens = (30.0, 20.0);
