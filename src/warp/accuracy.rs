@@ -1,20 +1,20 @@
-//! The error of any map against the exact one, in output pixels.
+//! Error of any map against the exact one, in output pixels.
 
 use super::WarpMap;
 use glam::{DVec2, DVec3};
 
-/// Distance around a pixel at which the exact map is asked whether the pixel is at an edge of what
-/// is shown, pixels.
+/// Distance around a pixel, in pixels, within which an edge of the shown area makes it an edge
+/// pixel.
 const EDGE: f64 = 0.01;
 
-/// Errors greater than this, radians, may be those of a pixel on the border of two pictures that
-/// stand side by side.
+/// Error, in radians, above which the pixel may be on the border of two pictures that stand side by
+/// side.
 const LEAP: f64 = 0.01;
 
 /// Errors of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapError {
-    /// Pixels that both maps show, and whose errors are counted below.
+    /// Number of pixels that both maps show; the errors below are theirs.
     pub compared: u64,
     /// Greatest error, output pixels.
     pub max: f64,
@@ -22,20 +22,21 @@ pub struct MapError {
     pub rms: f64,
     /// Place of the greatest error: column and row, from the top left.
     pub worst: (u32, u32),
-    /// Pixels whose direction is zero or not finite.
+    /// Number of pixels whose direction is zero or not finite.
     pub non_finite: u64,
-    /// Pixels that ought to show something and do not.
+    /// Number of pixels that should show something and do not.
     pub uncovered: u64,
-    /// Pixels that ought to show nothing and do, or show what is more than 90° away (behind).
+    /// Number of pixels that should show nothing and do, or that show a direction more than 90°
+    /// away (behind).
     pub ghosts: u64,
-    /// Pixels within 0.01 pixel of an edge of what is shown, where one map may show something and
-    /// the other nothing, or of a border of a cubemap's faces, where they may show different ones:
-    /// no fault, and not compared.
+    /// Number of pixels that are not compared, which is no fault: within 0.01 pixel of an edge of
+    /// the shown area, where one map may show something and the other nothing, or of a border of a
+    /// cubemap's faces, where they may show different faces.
     pub edge: u64,
 }
 
 impl MapError {
-    /// No pixel is missing, false or not finite.
+    /// True if no pixel is missing, false or not finite.
     pub fn is_sound(&self) -> bool {
         self.non_finite == 0 && self.uncovered == 0 && self.ghosts == 0
     }
@@ -44,27 +45,27 @@ impl MapError {
 /// Compares `map` (column, row → direction in viewer axes, any length; `None` where it shows
 /// nothing) with `exact` at every `step`-th pixel (from 1) in both directions.
 ///
-/// The error of a pixel is the angle between the two directions over the local angular size of a
-/// pixel: the root mean square of the exact map's two steps, horizontal and vertical. Near a
+/// The error of a pixel is the angle between the two directions divided by the local angular size
+/// of a pixel: the root mean square of the exact map's two steps, horizontal and vertical. Near a
 /// singular point of a map (the rim of a 360° fisheye) this stays meaningful where a single step
 /// shrinks to 0.
 pub fn compare(exact: &WarpMap, step: u32, map: impl FnMut(u32, u32) -> Option<DVec3>) -> MapError {
     compare_each(exact, step, map, |_| {})
 }
 
-/// The error of one pixel.
+/// Error of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelError {
     /// Column and row, from the top left.
     pub pixel: (u32, u32),
-    /// In output pixels.
+    /// Error in output pixels.
     pub pixels: f64,
-    /// The angle between the two directions, radians.
+    /// Angle between the two directions, radians.
     pub angle: f64,
 }
 
 impl PixelError {
-    /// The middle of the pixel.
+    /// Middle of the pixel.
     pub fn centre(&self) -> DVec2 {
         centre(self.pixel.0, self.pixel.1)
     }
@@ -83,7 +84,7 @@ pub fn compare_each(
 /// The exact map around a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ExactPixel {
-    /// Direction at its middle.
+    /// Direction at the pixel's middle.
     pub(super) direction: Option<DVec3>,
     /// Angle of the pixel, as [`pixel_angle`] defines it.
     angle: Option<f64>,
@@ -96,7 +97,7 @@ impl ExactPixel {
     }
 }
 
-/// The middle of a pixel.
+/// Middle of a pixel.
 pub(super) fn centre(x: u32, y: u32) -> DVec2 {
     DVec2::new(f64::from(x), f64::from(y)) + 0.5
 }
@@ -123,7 +124,7 @@ pub(super) fn compare_pixels(
                 (Some(_), None) => result.uncovered += 1,
                 (None, Some(_)) => result.ghosts += 1,
                 (Some(direction), Some(found)) => {
-                    // First scaled: the square of a length must neither overflow nor underflow.
+                    // Scales first: the square of a length must neither overflow nor underflow.
                     let found = (found / found.abs().max_element()).normalize();
                     let angle = angle_between(found, direction);
                     if angle > LEAP && is_beside(exact, pixel, found) {
@@ -155,14 +156,14 @@ pub(super) fn compare_pixels(
     result
 }
 
-/// True if what the exact map shows begins or ends within [`EDGE`] of a pixel.
+/// True if the shown area of the exact map begins or ends within [`EDGE`] of a pixel.
 fn is_edge(exact: &WarpMap, pixel: DVec2) -> bool {
     let here = exact.direction(pixel).is_some();
     let around = [(EDGE, 0.0), (-EDGE, 0.0), (0.0, EDGE), (0.0, -EDGE)];
     around.into_iter().any(|(x, y)| exact.direction(pixel + DVec2::new(x, y)).is_some() != here)
 }
 
-/// True if `found`, of unit length, is what the exact map shows within [`EDGE`] of a pixel.
+/// True if the exact map shows `found`, of unit length, within [`EDGE`] of a pixel.
 fn is_beside(exact: &WarpMap, pixel: DVec2, found: DVec3) -> bool {
     [EDGE, -EDGE].into_iter().any(|x| {
         let at = |part: f64| exact.direction(pixel + DVec2::new(part * x, 0.0));
@@ -173,13 +174,13 @@ fn is_beside(exact: &WarpMap, pixel: DVec2, found: DVec3) -> bool {
     })
 }
 
-/// The angle between two directions of any length, radians.
+/// Angle between two directions of any length, radians.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// The root mean square of the angles between horizontal and vertical neighbours, radians for each
-/// pixel; `None` where the map shows too little around to tell.
+/// Root mean square of the angles between horizontal and vertical neighbours, radians for each
+/// pixel; `None` where the map shows too little around the pixel.
 pub fn pixel_angle(exact: &WarpMap, pixel: DVec2) -> Option<f64> {
     angle_around(exact, pixel, exact.direction(pixel)?)
 }
@@ -197,15 +198,15 @@ fn angle_around(exact: &WarpMap, pixel: DVec2, direction: DVec3) -> Option<f64> 
     (size > 0.0).then_some(size)
 }
 
-/// Returns the distance from a pixel's middle, in output pixels, at which the exact map looks
-/// `angle` (radians) elsewhere. The angle at a distance is a root mean square over both axes, of
-/// each the larger of its two sides. `None` where a pixel's size is unknown; at most `angle` over
-/// that size.
+/// Returns the distance from a pixel's middle, in output pixels, at which the direction of the
+/// exact map differs by `angle` (radians). The angle at a distance is a root mean square over both
+/// axes; of each axis the larger of its two sides counts. `None` where a pixel's size is unknown.
+/// The result is at most `angle` divided by that size.
 ///
-/// In smooth parts of the map this is the error of [`compare`]. Beside a silhouette it is not:
-/// directions change there with the root of the distance. A point that is shown a ten thousandth of
-/// a pixel beside its place, and is nearer to the silhouette than that, is turned by a hundredth of
-/// what a pixel spans.
+/// In smooth parts of the map this is the error of [`compare`]. Beside a silhouette it is not,
+/// because directions change there with the root of the distance. If a point lies within a ten
+/// thousandth of a pixel of the silhouette and is shown that far beside its place, its direction
+/// changes by a hundredth of the pixel's angle.
 pub fn displacement(exact: &WarpMap, pixel: DVec2, angle: f64) -> Option<f64> {
     let here = exact.direction(pixel)?;
     let most = angle / pixel_angle(exact, pixel)?;
@@ -214,7 +215,7 @@ pub fn displacement(exact: &WarpMap, pixel: DVec2, angle: f64) -> Option<f64> {
         let along = |axis: DVec2| to(axis).max(to(-axis));
         along(DVec2::X).hypot(along(DVec2::Y)) * 0.5f64.sqrt()
     };
-    // Halved down to a part of a million million of the greatest, by exponents.
+    // Halves the interval, in exponents, down to a millionth of a millionth of the greatest.
     let (mut low, mut high) = (-40.0f64, 0.0f64);
     for _ in 0..40 {
         let middle = 0.5 * (low + high);

@@ -11,10 +11,10 @@ use calibrated::Calibrated;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
-/// The exact map between the pixels of one output, the screen and the directions of the viewer.
+/// Exact map between the pixels of one output, the screen and the directions of the viewer.
 ///
 /// Pixels are measured from the top left corner of the output, so the centre of the first one is
-/// (½, ½); positions between centres are as good. Everything is f64, without approximations.
+/// (½, ½); positions between centres are valid too. Everything is f64, without approximations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarpMap {
     size: (u32, u32),
@@ -41,12 +41,12 @@ enum Optics {
     Perspective { rotation: DMat3, frustum: Frustum },
 }
 
-/// Points of the screen nearer than this part of its size are the same: grazing light is found
-/// again to the square root of rounding only.
+/// Distance, as a part of the screen's size, below which two points of the screen count as the
+/// same: grazing light is found again only to the square root of rounding.
 const ALIKE: f64 = 1e-6;
 
 impl WarpMap {
-    /// The map of output number `output` of `rig` at `size` (width, height in pixels).
+    /// Makes the map of output number `output` of `rig` at `size` (width, height in pixels).
     ///
     /// `lens` is the program's own opening, used by a perspective output that has none of its own.
     /// Fails with [`ErrorKind::InvalidArgument`] if there is no such output, the size is zero, or
@@ -93,7 +93,7 @@ impl WarpMap {
         Ok(Self { size, flip: described.flip, optics, viewer, screen: rig.surface() })
     }
 
-    /// The viewer, or the eye for which the output is made, in dome axes.
+    /// Viewer, or the eye for which the output is made, in dome axes.
     pub fn viewer(&self) -> &Pose {
         &self.viewer
     }
@@ -103,10 +103,10 @@ impl WarpMap {
         self.size
     }
 
-    /// The direction in which the viewer sees a pixel: unit vector in viewer axes. `None` where the
+    /// Direction in which the viewer sees a pixel: unit vector in viewer axes. `None` where the
     /// output shows nothing: outside its picture or its circle, and for projectors where the ray
     /// lights no screen. (Domemasters and panoramas are pictures of directions and are not cut at
-    /// the screen's rim, but show nothing where the surface does not go on.)
+    /// the screen's boundary curve, but show nothing where the surface ends.)
     pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
         match &self.optics {
             Optics::Perspective { rotation, frustum } => {
@@ -116,7 +116,7 @@ impl WarpMap {
         }
     }
 
-    /// The point of the screen (metres, dome axes) where a pixel appears; `None` as for
+    /// Point of the screen (metres, dome axes) where a pixel appears; `None` as for
     /// [`Self::direction`], and for perspective outputs, which have no place on the screen.
     pub fn hit(&self, pixel: DVec2) -> Option<DVec3> {
         match &self.optics {
@@ -140,8 +140,8 @@ impl WarpMap {
         }
     }
 
-    /// A factor on the displayed value of a pixel that a calibration's file gives; 1 for other
-    /// outputs, 0 where nothing is shown.
+    /// Factor on the displayed value of a pixel, from a calibration file; 1 for other outputs, 0
+    /// where nothing is shown.
     pub fn intensity(&self, pixel: DVec2) -> f64 {
         match &self.optics {
             Optics::Calibrated(map) => {
@@ -188,13 +188,13 @@ impl WarpMap {
         &self.screen
     }
 
-    /// The point of the surface in a direction from the dome's centre.
+    /// Point of the surface in a direction from the dome's centre.
     fn seen_from_the_centre(&self, direction: DVec3) -> Option<DVec3> {
         Some(self.screen.unbounded_hit(DVec3::ZERO, direction)?.point)
     }
 
-    /// The point (dome axes) from which all light of the output comes, or from which its picture is
-    /// made; `None` where that differs from pixel to pixel or is not known.
+    /// Point (dome axes) from which all light of the output comes, or from which its picture is
+    /// made; `None` if that differs from pixel to pixel or is not known.
     pub fn origin(&self) -> Option<DVec3> {
         match &self.optics {
             Optics::Domemaster { .. } | Optics::Panorama { .. } => Some(DVec3::ZERO),
@@ -211,9 +211,9 @@ impl WarpMap {
         self.hit(pixel).is_some_and(|hit| hit.distance(point) <= ALIKE * self.screen.size())
     }
 
-    /// The nominal angle of a pixel of a picture that shows all directions alike, radians: a
-    /// domemaster, a fisheye, an equirectangular picture. Where such a picture is stretched around
-    /// a pole it shows no more detail.
+    /// Nominal angle, in radians, of a pixel of a picture that shows all directions at the same
+    /// scale: a domemaster, a fisheye, an equirectangular picture. Where such a picture is
+    /// stretched around a pole, it shows no more detail.
     pub fn nominal_pitch(&self) -> Option<f64> {
         let extent = match &self.optics {
             Optics::Domemaster { lens, .. } => DVec2::splat(lens.aperture) / self.circle()?.1,
@@ -228,7 +228,7 @@ impl WarpMap {
         Some(0.5 * extent.min_element())
     }
 
-    /// Number of cube-map faces side by side in the output, each of the same width; the map is
+    /// Number of cube-map faces side by side in the output, each of the same width. The map is
     /// discontinuous between them.
     pub fn cubemap_faces(&self) -> u32 {
         match &self.optics {
@@ -249,15 +249,15 @@ impl WarpMap {
         Some((center, (self.at(circle.to_picture(DVec2::ONE, self.aspect())) - center).abs()))
     }
 
-    /// The area of the screen that a pixel lights, square metres, by differences over half a pixel
-    /// to each side; `None` where the output shows nothing, at the edge of what it shows, or has no
-    /// place on the dome.
+    /// Area of the screen that a pixel lights, square metres, from differences over half a pixel to
+    /// each side; `None` where the output shows nothing, at the edge of the shown area, or if the
+    /// output has no place on the dome.
     pub fn area(&self, pixel: DVec2) -> Option<f64> {
         let step = |axis: DVec2| Some(self.hit(pixel + 0.5 * axis)? - self.hit(pixel - 0.5 * axis)?);
         Some(step(DVec2::X)?.cross(step(DVec2::Y)?).length())
     }
 
-    /// Width over height.
+    /// Width divided by height.
     fn aspect(&self) -> f64 {
         f64::from(self.size.0) / f64::from(self.size.1)
     }
@@ -267,25 +267,25 @@ impl WarpMap {
         DVec2::new(0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1))
     }
 
-    /// A pixel as parts of width and height of the picture that is not mirrored, 0…1 from the left
-    /// and from the bottom; `None` outside.
+    /// Position of a pixel as parts of width and height of the picture before mirroring, 0…1 from
+    /// the left and from the bottom; `None` outside.
     fn picture(&self, pixel: DVec2) -> Option<DVec2> {
         let part = self.flip.pixel(pixel, self.size) / (2.0 * self.middle());
         let inside = part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all();
         inside.then(|| DVec2::new(part.x, 1.0 - part.y))
     }
 
-    /// A pixel in −1…1 from the left and from the bottom; `None` outside.
+    /// Position of a pixel in −1…1 from the left and from the bottom; `None` outside.
     fn normalised(&self, pixel: DVec2) -> Option<DVec2> {
         Some(2.0 * self.picture(pixel)? - 1.0)
     }
 
-    /// The pixel at a place in −1…1.
+    /// Pixel at a position in −1…1.
     fn at(&self, picture: DVec2) -> DVec2 {
         self.flip.pixel((1.0 + picture * DVec2::new(1.0, -1.0)) * self.middle(), self.size)
     }
 
-    /// The pixel of a ray in the axes of a pinhole; `None` behind it or outside the picture.
+    /// Pixel of a ray in the axes of a pinhole; `None` behind it or outside the picture.
     fn pixel_of_ray(&self, frustum: &Frustum, ray: DVec3) -> Option<DVec2> {
         let (x, y) = (ray.x / -ray.z, ray.y / -ray.z);
         let part = DVec2::new((x - frustum.left) / frustum.width(), (frustum.top - y) / frustum.height());
@@ -293,19 +293,19 @@ impl WarpMap {
     }
 }
 
-/// The tangents of a picture position (parts of width and height from the bottom left).
+/// Tangents of a picture position (parts of width and height from the bottom left).
 fn tangents(frustum: &Frustum, part: DVec2) -> DVec2 {
     DVec2::new(frustum.left, frustum.bottom) + part * DVec2::new(frustum.width(), frustum.height())
 }
 
-/// [`WarpMap::direction`] of a single pixel; `None` also where [`WarpMap::new`] fails without the
-/// program's lens.
+/// Returns [`WarpMap::direction`] of a single pixel; `None` also where [`WarpMap::new`] fails
+/// without the program's lens.
 pub fn exact_direction(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2) -> Option<DVec3> {
     WarpMap::new(rig, output, size, None).ok()?.direction(pixel)
 }
 
-/// [`WarpMap::direction`] of all pixel centres, row by row from the top, NaN where the output shows
-/// nothing. Fails as [`WarpMap::new`] does without the program's lens.
+/// Returns [`WarpMap::direction`] of all pixel centres, row by row from the top, NaN where the
+/// output shows nothing. Fails as [`WarpMap::new`] does without the program's lens.
 pub fn exact_map(rig: &Rig, output: usize, size: (u32, u32)) -> Result<Vec<[f64; 3]>> {
     let map = WarpMap::new(rig, output, size, None)?;
     let centres =
@@ -313,8 +313,8 @@ pub fn exact_map(rig: &Rig, output: usize, size: (u32, u32)) -> Result<Vec<[f64;
     Ok(centres.map(|pixel| map.direction(pixel).unwrap_or(DVec3::NAN).to_array()).collect())
 }
 
-/// A viewer direction in the eye axes of the program's camera, which the rig may have turned. The
-/// camera's zoom and shift, which are no rotations, are not undone.
+/// Converts a viewer direction to the eye axes of the program's camera, which the rig may have
+/// turned. The camera's zoom and shift are no rotations and are not undone.
 pub fn camera_direction(rig: &Rig, direction: DVec3) -> DVec3 {
     pose::rotation(rig.camera.yaw, rig.camera.pitch, rig.camera.roll).transpose() * direction
 }

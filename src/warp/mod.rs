@@ -1,8 +1,7 @@
 //! Exact maps from output pixels to directions, and the error of any other map against them.
 //!
-//! [`WarpMap`] traces each pixel ray by ray in f64, as a rig describes it, and uses neither the
-//! closed form of the shaders nor their polynomials: it is what they are measured against
-//! ([`accuracy`]).
+//! [`WarpMap`] traces each pixel ray by ray in f64, as a rig describes it. It uses neither the
+//! closed form of the shaders nor their polynomials: it is the reference for them ([`accuracy`]).
 
 pub mod accuracy;
 mod exact;

@@ -4,7 +4,7 @@ use super::accuracy::{ExactPixel, centre, compare_pixels};
 use super::{MapError, PixelError, WarpMap};
 use glam::DVec3;
 
-/// All pixels of an exact map, traced once: several maps are compared with it.
+/// All pixels of an exact map, traced once to compare several maps with it.
 pub struct TracedMap {
     exact: WarpMap,
     pixels: Vec<ExactPixel>,
@@ -24,7 +24,7 @@ impl TracedMap {
         &self.exact
     }
 
-    /// As [`WarpMap::direction`], at the middle of a pixel (column and row, from the top left).
+    /// Returns [`WarpMap::direction`] at the middle of a pixel (column and row, from the top left).
     pub fn direction(&self, x: u32, y: u32) -> Option<DVec3> {
         self.pixel(x, y).direction
     }

@@ -1,5 +1,4 @@
-//! The comparer is tried with maps whose errors are known, and with the f32 arithmetic of the
-//! shaders.
+//! Tests the comparison with maps of known errors, and with the f32 arithmetic of the shaders.
 
 use super::*;
 use crate::geom::lenses::equidistant;
@@ -25,7 +24,7 @@ fn the_exact_map_has_no_error_and_a_shifted_one_its_shift() {
     let same = compare(&exact, 1, |x, y| exact.direction(centre(x, y)).map(|d| d * 1e20));
     assert!(same.max < 1e-12 && same.is_sound() && same.edge < 300, "{same:?}");
     assert!((same.compared as f64 / (FRAC_PI_2 / 2.0 * 300.0 * 300.0) - 1.0).abs() < 0.01);
-    // Two thirds of a pixel near the centre, where the lens has the same scale both ways.
+    // Moves by two thirds of a pixel near the centre, where the lens has the same scale both ways.
     let shifted = compare(&exact, 1, |x, y| {
         let near = centre(x, y).distance(DVec2::splat(150.0)) < 20.0;
         exact.direction(centre(x, y) + if near { DVec2::new(2.0 / 3.0, 0.0) } else { DVec2::ZERO })
@@ -50,7 +49,7 @@ fn faults_are_counted() {
     assert!(!faulty.is_sound());
 }
 
-/// 5.5 columns for each face: the middle of every eleventh is on a border.
+/// Each face has 5.5 columns: the middle of every eleventh column is on a border.
 #[test]
 fn on_the_border_of_two_faces_either_is_right() {
     let panorama = OutputKind::Panorama { panorama: crate::geom::Panorama::CubeStrip, angles: [0.0; 3] };
@@ -67,7 +66,7 @@ fn on_the_border_of_two_faces_either_is_right() {
         assert!(found.is_sound() && found.edge >= faces / 3 && found.max < 0.1, "{by}: {found:?}");
         assert_eq!(found.compared + found.edge, 33 * 40);
     }
-    // What is shown farther away is a fault, and so is a face that is nowhere near.
+    // A direction farther away is a fault, and so is a face that is nowhere near.
     assert!(!(moved(0.3).is_sound() && moved(0.3).max < 0.1));
     let astray = compare(&exact, 1, |x, y| exact.direction(centre(if x == 5 { 20 } else { x }, y)));
     assert!(!astray.is_sound() || astray.max > 1.0, "{astray:?}");
@@ -75,7 +74,7 @@ fn on_the_border_of_two_faces_either_is_right() {
 
 #[test]
 fn what_is_shown_elsewhere_is_displaced_by_as_much_as_it_is() {
-    // From two radii away the picture holds the whole sphere, whose silhouette crosses it.
+    // From two radii away the picture contains the whole sphere, whose silhouette crosses it.
     let mut whole =
         rig(FRAC_PI_2, DVec3::new(0.3, -0.2, 0.1), &[projector(DVec3::new(0.0, 0.0, 10.0), 0.0, 0.0, (70.0, 70.0))]);
     whole.dome.coverage = TAU;
@@ -85,13 +84,14 @@ fn what_is_shown_elsewhere_is_displaced_by_as_much_as_it_is() {
         a.cross(b).length().atan2(a.dot(b))
     };
     let displaced = |pixel: DVec2, by: DVec2| displacement(&exact, pixel, angle(pixel, pixel + by)).expect("shown");
-    // In the middle, where pixels are square, by what it is moved.
+    // In the middle, where pixels are square, the result is the distance of the move.
     for by in [DVec2::new(0.3, 0.4), DVec2::new(-1e-3, 0.0), DVec2::new(0.0, 1e-6)] {
         let found = displaced(DVec2::new(150.2, 149.7), by) / by.length();
-        // A step along one axis is a diagonal one in the mean.
+        // A step along one axis counts as a diagonal one in the mean.
         assert!((found - 1.0).abs() < 0.01, "{by}: {found}");
     }
-    // The silhouette aslant from the middle, where a step along either axis leads inside.
+    // Moves across the silhouette obliquely to the middle, where a step along either axis leads
+    // inside.
     let outward = DVec2::splat(0.5f64.sqrt());
     let at = |distance: f64| DVec2::new(150.2, 149.7) + outward * distance;
     let (mut shown, mut dark) = (0.0, 200.0);
@@ -105,11 +105,11 @@ fn what_is_shown_elsewhere_is_displaced_by_as_much_as_it_is() {
         let near = outward * (0.9 * by);
         let (farther, nearer) = (displaced(pixel, near) / (0.9 * by), displaced(pixel, -near) / (0.9 * by));
         assert!((1.0..4.0).contains(&farther) && (0.9..2.0).contains(&nearer), "{by}: {farther} {nearer}");
-        // The comparer's own error is far more there: the control.
+        // Control: the error of the comparison is far greater there.
         let linear = angle(pixel, pixel + near) / pixel_angle(&exact, pixel).expect("shown");
         assert!(linear > 5.0 * by, "{by}: {linear}");
     }
-    // What is wrong by a hundredth of a pixel stays so, wherever it is.
+    // An error of a hundredth of a pixel stays one, wherever it is.
     let mut random = Random::new(3);
     for _ in 0..300 {
         let pixel = DVec2::new(random.range(0.0, 300.0), random.range(0.0, 300.0));
@@ -141,7 +141,7 @@ fn evaluate_f32(form: &QuadraticForm, x: f32, y: f32) -> Option<DVec3> {
 
 #[test]
 fn the_closed_form_in_f32_meets_the_goal() {
-    // Goal G1: 0.001 px at 1080p.
+    // Bound: 0.001 px at 1080p.
     let size = (1920u32, 1080u32);
     let positions = [DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.0, 0.0, 10.0), DVec3::new(0.0, 0.0, 5e4)];
     for position in positions {
@@ -157,7 +157,7 @@ fn the_closed_form_in_f32_meets_the_goal() {
             evaluate_f32(&form, x, y)
         });
         assert!(error.is_sound() && error.max <= 1e-3 && error.rms < 3e-4, "{position}: {error:?}");
-        // Negative control: the near hit and a wrong viewer are seen.
+        // Negative control: the comparison notices the near hit and a wrong viewer.
         let wrong =
             QuadraticForm::new(position, frustum.rays(), &sphere, DVec3::new(0.5, -1.0, 2.001), DMat3::IDENTITY);
         assert!(compare(&exact, 31, |x, y| wrong.evaluate(x as f64 / 960.0 - 1.0, 1.0 - y as f64 / 540.0)).max > 0.1);
@@ -191,8 +191,8 @@ fn the_fisheye_polynomials_in_f32_meet_the_goal() {
 
 #[test]
 fn the_recipe_with_two_arccosines_is_found_out() {
-    // θ = acos(z), φ = acos(x/sin θ), direction rebuilt from both: NaN near the axis and the
-    // meridian y = 0.
+    // Computes θ = acos(z), φ = acos(x/sin θ), and the direction from both: NaN near the axis and
+    // the meridian y = 0.
     let exact = WarpMap::new(&domemaster(PI), 0, (4095, 4095), None).expect("valid");
     // 23 divides 2047: the middle row and column are among the samples.
     let error = compare(&exact, 23, |x, y| {
@@ -220,7 +220,7 @@ fn a_pixel_has_the_size_that_the_lens_gives_it() {
 
 #[test]
 fn projectors_anywhere_are_sound_in_f32() {
-    // Goals G1 and G2 at 2160p, over random rigs: projector and viewer anywhere, a cap of any size.
+    // Random rigs at 2160p: projector and viewer anywhere, a cap of any size.
     let mut random = Random::new(40);
     let size = (3840u32, 2160u32);
     let (mut compared, mut dark) = (0, 0);
@@ -228,7 +228,7 @@ fn projectors_anywhere_are_sound_in_f32() {
         let outside = round % 3 == 2;
         let distance = 5.0 * if outside { 10f64.powf(random.range(0.3, 6.0)) } else { random.range(0.0, 0.95) };
         let position = random.direction() * distance;
-        // Aimed at a point in the dome, however far away that is.
+        // Aims at a point in the dome, however far away it is.
         let forward = (random.direction() * random.range(0.0, 2.0) - position).normalize();
         let angles = [forward.x.atan2(-forward.z), forward.y.asin(), random.range(-PI, PI)];
         let half = if outside { random.range(0.3, 1.1) * 5.0 / distance } else { random.range(0.1, 1.5) };

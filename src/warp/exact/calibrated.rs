@@ -1,4 +1,4 @@
-//! Outputs whose map was measured, and its inverse.
+//! Outputs with a measured map, and its inverse.
 
 use crate::formats::{Mesh, Node, Sample};
 use crate::geom::{Fisheye, Pose, Screen, pose};
@@ -7,23 +7,24 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
-/// Cells across the output from whose corners the inverse starts.
+/// Number of cells across the output. The inverse starts from their corners.
 const CELLS: u32 = 128;
-/// Steps of the inverse, each of which lands exactly where the map is linear.
+/// Number of steps of the inverse. Each step is exact where the map is linear.
 const STEPS: usize = 8;
 
-/// The map of a calibrated output.
+/// Map of a calibrated output.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Calibrated {
     calibration: Arc<Calibration>,
-    /// The values' own axes → dome axes: those of the picture's lens, of the viewer, or the dome's.
+    /// Rotation from the axes of the values (those of the picture's lens, of the viewer, or the
+    /// dome's) to dome axes.
     rotation: DMat3,
     viewer: Pose,
-    /// From directions to pixels, roughly.
+    /// Approximate map from directions to pixels.
     inverse: Inverse,
 }
 
-/// A mesh over a fisheye picture of the viewer's directions, around the middle of what is shown;
+/// A mesh over a fisheye picture of the viewer's directions, around the middle of the shown area;
 /// its values are pixels.
 #[derive(Clone, Debug, PartialEq)]
 struct Inverse {
@@ -32,7 +33,7 @@ struct Inverse {
     mesh: Option<Mesh>,
 }
 
-/// All directions.
+/// Lens of a picture of all directions.
 const EVERYTHING: Fisheye = Fisheye { aperture: TAU };
 
 impl Calibrated {
@@ -56,10 +57,10 @@ impl Calibrated {
         self.calibration.grid.sample(pixel, size)
     }
 
-    /// The point of the screen (dome axes) where a pixel appears.
+    /// Point of the screen (dome axes) where a pixel appears.
     pub(super) fn hit(&self, pixel: DVec2, size: (u32, u32), screen: &Screen) -> Option<DVec3> {
         let value = self.sample(pixel, size)?.value;
-        // What is drawn may reach beyond the screen's rim, as a domemaster's picture does.
+        // The picture may extend beyond the screen's boundary curve, as a domemaster's does.
         let seen_from =
             |eye: DVec3, direction: DVec3| Some(screen.unbounded_hit(eye, self.rotation * direction)?.point);
         match self.calibration.values {
@@ -77,7 +78,7 @@ impl Calibrated {
         }
     }
 
-    /// The point from which the picture is made; `None` where the file gives points.
+    /// Point from which the picture is made; `None` if the file gives points.
     pub(super) fn origin(&self) -> Option<DVec3> {
         match self.calibration.values {
             CalibrationValues::Points => None,
@@ -86,15 +87,15 @@ impl Calibrated {
         }
     }
 
-    /// The pixel that appears at a point of the screen, by Newton's steps from the nearest cell;
-    /// `None` where there is none.
+    /// Pixel that appears at a point of the screen, by Newton's steps from the nearest cell; `None`
+    /// if there is none.
     pub(super) fn pixel(&self, point: DVec3, size: (u32, u32), screen: &Screen) -> Option<DVec2> {
         let wanted = self.inverse.place(point - self.viewer.position);
         let mut pixel = self.inverse.mesh.as_ref()?.sample(wanted)?.value.truncate();
         for _ in 0..STEPS {
             let at = |pixel: DVec2| Some(self.inverse.place(self.hit(pixel, size, screen)? - self.viewer.position));
             let here = at(pixel)?;
-            // Towards the middle of the output there is always something to compare with.
+            // A difference towards the middle of the output always stays inside.
             let middle = 0.5 * DVec2::new(f64::from(size.0), f64::from(size.1));
             let step = DVec2::select(pixel.cmplt(middle), DVec2::splat(0.25), DVec2::splat(-0.25));
             let across = (at(pixel + DVec2::new(step.x, 0.0))? - here) / step.x;
@@ -113,7 +114,7 @@ impl Calibrated {
         Some(pixel)
     }
 
-    /// The inverse, from the map at the corners of a grid of cells.
+    /// Computes the inverse from the map at the corners of a grid of cells.
     fn inverted(&self, screen: &Screen, size: (u32, u32)) -> Inverse {
         let extent = DVec2::new(f64::from(size.0), f64::from(size.1));
         let corner = |x: u32, y: u32| extent * DVec2::new(f64::from(x), f64::from(y)) / f64::from(CELLS);
@@ -131,15 +132,15 @@ impl Calibrated {
         };
         let nodes: Vec<_> = seen.iter().map(node).collect();
         let side = CELLS as usize + 1;
-        // Without a mesh no point has a pixel: simulations stay dark, the map itself is not
-        // touched.
+        // Without a mesh no point has a pixel: simulations stay dark, and the map itself is
+        // unaffected.
         inverse.mesh = Mesh::from_grid("the inverse of a calibration", side, side, &nodes, false).ok();
         inverse
     }
 }
 
 impl Inverse {
-    /// The place of a direction (dome axes, any length).
+    /// Position of a direction (dome axes, any length) in the mesh's picture.
     fn place(&self, direction: DVec3) -> DVec2 {
         EVERYTHING.point(self.axes.transpose() * direction)
     }

@@ -1,4 +1,4 @@
-//! Tests of the exact map against directions that are known.
+//! Compares the exact map with known directions.
 
 use super::*;
 use crate::geom::Sphere;
@@ -35,7 +35,7 @@ fn a_viewer_off_centre_sees_the_same_point_of_the_dome() {
     let mut rig = rig(FRAC_PI_2, position, &[OutputKind::Domemaster { aperture: PI, tilt: FRAC_PI_2 }]);
     let rim = DVec2::new(100.0, 50.0);
     close(exact_direction(&rig, 0, (100, 100), rim), (DVec3::X * 5.0 - position).normalize());
-    // A turned viewer has a turned picture: its centre is its own straight ahead.
+    // If the viewer turns, the picture turns: its centre is the viewer's straight ahead.
     rig.viewer.position = DVec3::ZERO;
     rig.viewer.yaw = 0.7;
     let map = WarpMap::new(&rig, 0, (100, 100), None).expect("valid");
@@ -51,7 +51,7 @@ fn projectors_light_the_dome_where_their_rays_end() {
     close(exact_direction(&rig1, 0, (100, 60), DVec2::new(0.0, 30.0)), DVec3::new(1.0, 0.0, -1.0).normalize());
     let top = exact_direction(&rig1, 0, (100, 60), DVec2::new(0.0, 0.0)).expect("on the dome");
     assert!(top.y > 0.1, "row 0 is at the top");
-    // From outside it shines through to the far side.
+    // From outside, it shines through to the far side.
     let far = rig(FRAC_PI_2, DVec3::ZERO, &[projector(DVec3::new(0.0, 0.0, 50.0), 0.0, 0.0, (20.0, 20.0))]);
     close(exact_direction(&far, 0, (10, 10), DVec2::splat(5.0)), DVec3::NEG_Z);
     assert_eq!(exact_direction(&far, 0, (10, 10), DVec2::ZERO), None, "past the dome");
@@ -105,7 +105,7 @@ fn maps_and_camera_directions() {
     let map = exact_map(&rig, 0, (4, 2)).expect("valid");
     assert!(map.len() == 8 && map[0][0].is_nan() && map[3][2].is_nan());
     assert!(map[1][0] < 0.0 && map[1][1] > 0.0 && map[6][0] > 0.0 && map[6][1] < 0.0);
-    // The camera is turned right by 90°: the viewer's right is what it has ahead.
+    // The camera is turned right by 90°: its forward direction is the viewer's right.
     rig.camera.yaw = FRAC_PI_2;
     assert!(camera_direction(&rig, DVec3::X).distance(DVec3::NEG_Z) < 1e-15);
 }
