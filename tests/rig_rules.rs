@@ -328,7 +328,7 @@ fn an_opening_is_said_once() {
         &["a second time", "leave out"],
     );
     let (text, number) = with(angles, &format!("shift = [0, 1]\n{angles}"));
-    refused_text(&text, number, "output[1].shift", &["goes with `fov`"]);
+    refused_text(&text, number, "output[1].shift", &["needs `fov`"]);
     refused("lens = \"program\"", "fov = [60, 40]\nlens = \"program\"", "output[4].lens", &["leave out"]);
 }
 
@@ -429,7 +429,7 @@ fn blending() {
     refused("black_level = 0.01", "black_level = -0.1", "output[0].blend.black_level", &["at least 0"]);
     for (given, key, words) in [
         ("shape = \"cosin\"", "shape", "cosine"),
-        ("shape = \"cosine\"\npower = 2", "power", "goes with shape"),
+        ("shape = \"cosine\"\npower = 2", "power", "needs shape"),
         ("shape = \"power\"\npower = 9", "power", "at least 0.5 and at most 4"),
         ("exponent = 3", "exponent", "at least 1 and at most 2"),
         ("contrast = 2", "contrast", "at least 10"),
@@ -437,7 +437,7 @@ fn blending() {
     ] {
         refused("ramp = 0.2", &format!("ramp = 0.2\n{given}"), &format!("output[0].blend.{key}"), &[words]);
     }
-    refused("gamma = 2.4", "transfer = \"srgb\"\ngamma = 2.4", "output[0].blend.gamma", &["goes with transfer"]);
+    refused("gamma = 2.4", "transfer = \"srgb\"\ngamma = 2.4", "output[0].blend.gamma", &["needs transfer"]);
     for (given, key, words) in [
         ("{ red = 2.2, green = 2.2 }", "blue", "is missing"),
         ("{ red = 2.2, green = 0.5, blue = 2 }", "green", "at least 1 and at most 4"),

@@ -4,14 +4,15 @@ use super::{Output, Rig};
 use crate::geom::PixelRect;
 
 impl Rig {
-    /// The rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with
-    /// a `window` of their own have that, cropped to the window; otherwise a single output has the
+    /// Rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with a
+    /// `window` of their own have that, cropped to the window. Otherwise a single output has the
     /// whole window, and several share it in a near-square grid, row by row from the top left. A
     /// rectangle without pixels has width or height 0; so have outputs of other machines.
     pub fn layout(&self, window: (u32, u32)) -> Vec<PixelRect> {
         let columns = self.columns();
         let rows = self.outputs_here().div_ceil(columns);
-        // Cells share their borders exactly: the end of one is computed as the start of the next.
+        // Cells share their borders exactly: the end of a cell is computed as the start of the next
+        // one.
         let cut =
             |extent: u32, index: u32, parts: u32| (u64::from(extent) * u64::from(index) / u64::from(parts)) as u32;
         let cell = |index: u32| {
@@ -35,9 +36,8 @@ impl Rig {
         self.outputs.iter().map(place).collect()
     }
 
-    /// The size in pixels of a window in which every output has its own resolution: the hull of the
-    /// outputs' `window` rectangles, or the grid of their `size`. `None` where an output says
-    /// neither.
+    /// Size in pixels of a window in which every output has its own resolution: the hull of the
+    /// outputs' `window` rectangles, or the grid of their `size`. `None` if an output has neither.
     pub fn extent(&self) -> Option<(u32, u32)> {
         let here = || self.outputs.iter().filter(|output| output.here);
         here().next()?;
@@ -54,7 +54,7 @@ impl Rig {
         Some((width.saturating_mul(columns), height.saturating_mul(rows)))
     }
 
-    /// Columns of the grid of outputs, at least one.
+    /// Number of columns of the grid of outputs, at least one.
     fn columns(&self) -> u32 {
         (1..).find(|columns| columns * columns >= self.outputs_here()).unwrap_or(1)
     }

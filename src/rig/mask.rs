@@ -1,4 +1,4 @@
-//! Weight images that a rig names.
+//! Weight images of a rig.
 
 use crate::error::Result;
 use crate::formats::{png_luma, read_file};
@@ -18,10 +18,10 @@ pub fn read_mask(path: &Path) -> Result<((u32, u32), Vec<u16>)> {
 /// Returns the reason why the file cannot be a mask; `None` if it can.
 pub(super) fn unusable(path: &Path) -> Option<String> {
     let mut signature = [0; 8];
-    // Opening a named pipe would wait for somebody who writes to it.
+    // Opening a named pipe would wait for a writer.
     let read = std::fs::metadata(path).and_then(|about| match about.is_file() {
         true => std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut signature)),
-        false => Err(std::io::Error::other("it is no file")),
+        false => Err(std::io::Error::other("it is not a regular file")),
     });
     match read {
         Ok(()) if signature == *b"\x89PNG\r\n\x1a\n" => None,

@@ -1,12 +1,11 @@
-//! The dome, the viewer, the program's camera and the outputs, and where each of them stands.
+//! The dome, the viewer, the program's camera and the outputs, with their positions.
 //!
-//! Types here are validated and in radians where they are angles. [`load`] and [`parse`] read
-//! them from TOML in metres and degrees; `docs/rig-file.md` describes the file key by key.
+//! Types here are validated, and angles are in radians. [`load`] and [`parse`] read them from TOML
+//! in metres and degrees; `docs/rig-file.md` describes the file key by key.
 //!
-//! A rig passes three steps: `reading` takes typed values out of the parsed TOML and remembers
-//! their lines, `schema` knows the keys and single values' ranges, `validate` knows what values
-//! must satisfy together. All of them add to one list of problems, so that one message shows all
-//! that has to be mended.
+//! A rig passes three steps: `reading` takes typed values out of the parsed TOML and stores their
+//! lines; `schema` has the keys and the ranges of single values; `validate` has the conditions
+//! between values. All of them add to one list of problems, so that one message shows all mistakes.
 
 mod layout;
 mod mask;
@@ -55,7 +54,8 @@ pub fn load(name_or_path: &str) -> Result<Rig> {
     load_with(name_or_path, &Defaults::default())
 }
 
-/// Reads a rig as [`load`], with `defaults` for keys of the program that the rig does not have.
+/// Reads a rig as [`load`] does, with `defaults` for keys of the program that the rig does not
+/// have.
 ///
 /// # Errors
 /// As [`load`].
@@ -68,10 +68,10 @@ pub fn load_with(name_or_path: &str, defaults: &Defaults) -> Result<Rig> {
     parse_with(&text, name_or_path, path.parent().unwrap_or(Path::new("")), defaults)
 }
 
-/// The text of a file, which has `name` in messages; `unreadable` says what a failure means.
+/// Reads the text of a file, which is called `name` in messages; `unreadable` explains a failure.
 fn read_text(path: &Path, name: &str, unreadable: impl Fn(&std::io::Error) -> String) -> Result<String> {
     let mut text = Vec::new();
-    // It may be a pipe, whose length is not known.
+    // The file may be a pipe, whose length is not known.
     std::fs::File::open(path)
         .and_then(|file| file.take(LONGEST_RIG + 1).read_to_end(&mut text))
         .map_err(|error| Error::new(ErrorKind::Io, unreadable(&error)))?;
@@ -85,9 +85,9 @@ fn read_text(path: &Path, name: &str, unreadable: impl Fn(&std::io::Error) -> St
     })
 }
 
-/// Reads a rig from TOML text. `file_name` stands in messages and, without directory and extension,
-/// is the rig's name where the text gives none; paths in the text are relative to `directory`
-/// (empty: the working directory).
+/// Reads a rig from TOML text. `file_name` appears in messages. Without directory and extension it
+/// is the rig's name, if the text gives none. Paths in the text are relative to `directory` (empty:
+/// the working directory).
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] with every problem of the text, as [`load`].
@@ -101,8 +101,8 @@ fn parse_with(text: &str, file_name: &str, directory: &Path, defaults: &Defaults
     }
     let mut problems = reading::problems::Problems::new(text);
     let rig = schema::read(text, file_name, directory, defaults, &mut problems);
-    // Values that are missing because they were refused would only raise further, misleading
-    // problems.
+    // Problems between values count only if no value was refused: missing values would cause
+    // further, misleading problems.
     if let Some(rig) = rig.as_ref().filter(|_| problems.is_empty()) {
         validate::check(rig, &mut problems);
     }
@@ -115,11 +115,11 @@ fn parse_with(text: &str, file_name: &str, directory: &Path, defaults: &Defaults
     }
 }
 
-/// The keys that the rig in `text` has or may have, with what each accepts. Tables that the text
-/// lacks are left out.
+/// Keys that the rig in `text` has or may have, with the values that each accepts. Tables that the
+/// text lacks are left out.
 pub fn keys(text: &str, file_name: &str, directory: &Path) -> Vec<Key> {
     let mut problems = reading::problems::Problems::noting_keys(text);
-    // Whether it is valid is another question.
+    // Problems do not matter here.
     let _ = schema::read(text, file_name, directory, &Defaults::default(), &mut problems);
     problems.keys()
 }
@@ -127,7 +127,7 @@ pub fn keys(text: &str, file_name: &str, directory: &Path) -> Vec<Key> {
 fn too_long(file_name: &str) -> Error {
     Error::new(
         ErrorKind::InvalidRig,
-        format!("{file_name}: is longer than {LONGEST_RIG} bytes; no rig and no profile is"),
+        format!("{file_name}: is longer than {LONGEST_RIG} bytes, the limit for rigs and profiles"),
     )
 }
 
@@ -135,7 +135,7 @@ fn too_long(file_name: &str) -> Error {
 /// was perhaps meant.
 fn unreadable(name_or_path: &str, error: &std::io::Error) -> String {
     let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
-    let file = format!("the rig {name_or_path:?} is no preset, and reading it as a file failed: {error}");
+    let file = format!("the rig {name_or_path:?} is not a preset, and reading it as a file failed: {error}");
     match reading::problems::closest(name_or_path, &names) {
         Some(name) => format!("{file}; did you mean the preset `{name}`?"),
         None => format!("{file}; presets are {}", names.join(", ")),

@@ -1,4 +1,4 @@
-//! Rigs that need no file.
+//! Rigs without a file.
 
 /// A rig that is part of the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,7 +7,7 @@ pub struct Preset {
     pub name: &'static str,
     /// Description in one line.
     pub summary: &'static str,
-    /// Its TOML text, to be read and adapted.
+    /// TOML text of the rig, to read and to adapt.
     pub text: &'static str,
 }
 
@@ -49,7 +49,7 @@ const PRESETS: [Preset; 7] = [
     },
 ];
 
-/// All presets, the default first.
+/// All presets; the default is the first.
 pub fn presets() -> &'static [Preset] {
     &PRESETS
 }

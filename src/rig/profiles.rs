@@ -1,14 +1,14 @@
-//! Profiles: what Cupola should know of a program, or of all programs of an engine, that it cannot
-//! find out.
+//! Profiles: facts about a program, or about all programs of an engine, that Cupola cannot find
+//! out.
 //!
-//! A profile has no part of the dome. Its keys are defaults of the same keys of rig files.
+//! A profile says nothing about the dome. Its keys are defaults of the same keys of rig files.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::reading::problems::{Problems, closest};
 use crate::rig::{Camera, Duplicate, Favour, Overlay, read_text, schema};
 use std::path::{Path, PathBuf};
 
-/// Values of keys that a rig does not have.
+/// Values of keys that a rig lacks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Defaults {
     /// `[camera]`.
@@ -35,33 +35,33 @@ impl Default for Defaults {
 /// A profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// Its name: the file's, without `.toml`.
+    /// Name of the file without `.toml`.
     pub name: String,
-    /// Its file; `None` = built in.
+    /// File of the profile; `None` = built in.
     pub file: Option<PathBuf>,
-    /// Names of the programs that it is for.
+    /// Names of the programs to which the profile applies.
     pub executables: Vec<String>,
-    /// Beginnings of the names of libraries; it is for the programs that load one of them.
+    /// Prefixes of library names. The profile applies to programs that load one of these libraries.
     pub libraries: Vec<String>,
     /// Instruction for the user of the program, in one line.
     pub hint: Option<String>,
     /// Variables of the environment and their values.
     pub environment: Vec<(String, String)>,
-    /// Values that it gives to keys of rigs.
+    /// Values for keys that a rig lacks.
     pub defaults: Defaults,
 }
 
-/// A profile, and why it was chosen.
+/// A profile, and the reason for its choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
     /// The profile.
     pub profile: Profile,
-    /// The name of the program or of the library that it is for; `None` = it was asked for.
+    /// Name of the program or of the library to which it applies; `None` = the user requested it.
     pub reason: Option<String>,
 }
 
 impl Chosen {
-    /// The choice in words, in one line.
+    /// Description of the choice in one line.
     pub fn description(&self) -> String {
         let Profile { name, file, hint, .. } = &self.profile;
         let origin = file.as_ref().map_or_else(|| "built in".to_owned(), |file| file.display().to_string());
@@ -81,16 +81,16 @@ macro_rules! built_in {
 
 built_in!["minetest", "openarena", "stellarium", "vtk"];
 
-/// Profiles by their names, the user's before those that are built in.
+/// Profiles by their names. The user's come before the built-in ones.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
     all: Vec<Profile>,
-    /// Errors of the user's files that are left out.
+    /// Errors of the user's files, which are left out.
     errors: Vec<Error>,
 }
 
 impl Profiles {
-    /// The user's profiles of `folder`, and those that are built in and have other names.
+    /// Reads the user's profiles of `folder`. Built-in profiles are added if they have other names.
     pub fn read(folder: Option<&Path>) -> Self {
         let mut profiles = Self::default();
         let entries = folder.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten().flatten();
@@ -112,13 +112,13 @@ impl Profiles {
         profiles
     }
 
-    /// Returns the errors of the user's files that are left out.
+    /// Returns the errors of the user's files, which are left out.
     pub fn errors(&self) -> &[Error] {
         &self.errors
     }
 
-    /// The profile that is for the program of this name, or else for one of the libraries that it
-    /// has loaded.
+    /// Profile for the program of this name, or otherwise for one of the libraries that it has
+    /// loaded.
     pub fn choose(&self, executable: &str, libraries: &[String]) -> Option<Chosen> {
         let chosen = |profile: &Profile, reason: &str| Chosen { profile: profile.clone(), reason: Some(reason.into()) };
         let by_name = self.all.iter().find(|profile| profile.executables.iter().any(|name| name == executable));
@@ -130,7 +130,7 @@ impl Profiles {
         })
     }
 
-    /// The profile of this name, or in this file.
+    /// Profile of this name, or in this file.
     ///
     /// # Errors
     /// [`ErrorKind::Io`] if there is neither; [`ErrorKind::InvalidRig`] with every problem of the
@@ -140,14 +140,14 @@ impl Profiles {
             Some(profile) => profile.clone(),
             None if Path::new(name_or_path).exists() => from_file(Path::new(name_or_path))?,
             None => {
-                // A file of this name that is wrong.
+                // There is a file of this name, but it is wrong.
                 let file = format!("/{name_or_path}.toml:");
                 if let Some(error) = self.errors.iter().find(|error| error.message.contains(&file)) {
                     return Err(error.clone());
                 }
                 let names: Vec<&str> = self.all.iter().map(|profile| profile.name.as_str()).collect();
                 let hint = closest(name_or_path, &names).map_or_else(
-                    || format!("profiles are {}", names.join(", ")),
+                    || format!("profiles: {}", names.join(", ")),
                     |name| format!("did you mean `{name}`?"),
                 );
                 let message = format!("there is no profile and no file {name_or_path:?}; {hint}");
@@ -209,7 +209,7 @@ mod tests {
         let overrides = Overrides { camera: Some("zoom=4,yaw=0".to_owned()), ..Overrides::default() };
         let camera = overrides.apply(rig).expect("right overrides").camera;
         assert_eq!((camera.zoom, camera.yaw), (4.0, 0.0));
-        // A preset has no key of the program.
+        // A preset has no keys of the program.
         let preset = load_with("fisheye", &defaults).expect("a preset");
         assert_eq!((preset.camera, preset.overlay.width), (defaults.camera, 30_f64.to_radians()));
         assert_eq!(load_with("fisheye", &Defaults::default()), crate::rig::load("fisheye"));

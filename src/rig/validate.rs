@@ -8,17 +8,17 @@ use glam::DVec2;
 
 /// Longest output name; it becomes part of file names.
 const LONGEST_NAME: usize = 64;
-/// Greatest coordinate in a window: the X protocol's.
+/// Greatest coordinate in a window, from the X protocol.
 const LARGEST_WINDOW: u32 = 32767;
-/// The viewer's greatest distance from the centre over the radius: nearer to the screen its solid
-/// angle as seen by the viewer has no useful resolution anywhere else.
+/// Greatest distance of the viewer from the centre divided by the radius. Nearer to the screen, the
+/// screen's solid angle for the viewer leaves no useful resolution anywhere else.
 const VIEWER_LIMIT: f64 = 0.99;
-/// Greatest distance of a projector over the radius for which the correction is exact.
+/// Greatest distance of a projector divided by the radius for which the correction is exact.
 const PROJECTOR_LIMIT: f64 = 1e6;
-/// Rays per direction that are tried for whether a projector sees the screen.
+/// Number of rays in each direction that test whether a projector sees the screen.
 const RAYS: usize = 65;
 
-/// Adds every problem of `rig` that is not one of a single value.
+/// Adds every problem of `rig` that concerns several values.
 pub(super) fn check(rig: &Rig, problems: &mut Problems) {
     let shown = rig.outputs.iter().filter(|output| output.shown).count();
     match (rig.passthrough, rig.outputs.len()) {
@@ -66,7 +66,7 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
     }
 }
 
-/// The key path of the output `index`, then `key`.
+/// Path of a key of the output `index`.
 fn path(index: usize, key: &str) -> String {
     format!("output[{index}]{key}")
 }
@@ -85,7 +85,7 @@ fn names(outputs: &[Output], problems: &mut Problems) {
                 ),
             );
         }
-        // Two names that differ in case only would be one file on some systems.
+        // Two names that differ only in case would be one file on some systems.
         if outputs[..index].iter().any(|other| other.name.eq_ignore_ascii_case(name)) {
             problems.add(&path, format!("{name:?} is the name of another output too; expected a name of its own"));
         }
@@ -121,7 +121,7 @@ fn windows(outputs: &[Output], problems: &mut Problems) {
     }
 }
 
-/// The viewer has to see the screen from inside.
+/// Checks that the viewer sees the screen from inside.
 fn viewer(rig: &Rig, problems: &mut Problems) {
     let on_screen = |output: &&Output| !matches!(output.kind, OutputKind::Perspective { .. });
     let farthest = |farthest: f64, output: &Output| rig.eye(output).position.length().max(farthest);
@@ -137,7 +137,7 @@ fn viewer(rig: &Rig, problems: &mut Problems) {
     }
 }
 
-/// A projector has to reach the screen, with a lens that has one ray for each pixel.
+/// Checks that a projector reaches the screen, with a lens that has one ray for each pixel.
 fn projector(index: usize, rig: &Rig, optics: &Optics, problems: &mut Problems) {
     let screen = rig.surface();
     let distance = optics.pose.position.length();
@@ -199,8 +199,8 @@ fn unlit(optics: &Optics, screen: &Screen) -> &'static str {
     }
 }
 
-/// Widest domemaster that a mesh of the dome is flattened to, radians: beyond, triangles get too
-/// near to the point behind.
+/// Widest domemaster to which a mesh of the dome is flattened, radians: beyond it, triangles get
+/// too near to the point behind.
 const WIDEST_FLATTENED: f64 = 1.5 * std::f64::consts::PI;
 
 /// Returns the reason why the method of an output cannot make its picture; `None` if it can.

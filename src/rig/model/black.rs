@@ -1,4 +1,4 @@
-//! A picture of what an output shows where the program shows black.
+//! A picture that an output shows where the program shows black.
 
 use crate::error::Result;
 use crate::formats::pictures::levels;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub struct Black {
     /// The file.
     pub file: PathBuf,
-    /// A value for each channel of each pixel; of any size, it is stretched over the output.
+    /// A value for each channel of each pixel, stretched over the output from any size.
     pub levels: Levels,
     /// Meaning of the values.
     pub values: BlackValues,
@@ -26,7 +26,7 @@ pub enum BlackValues {
     Light,
 }
 
-/// Reads the picture: PNG or PFM.
+/// Reads the picture from a PNG or PFM file.
 ///
 /// # Errors
 /// [`ErrorKind::Io`](crate::ErrorKind::Io) if the file cannot be read,

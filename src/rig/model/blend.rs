@@ -1,4 +1,4 @@
-//! Brightness of an output, pixel by pixel.
+//! Brightness of an output for each pixel.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Transfer;
@@ -6,27 +6,27 @@ use crate::rig::Transfer;
 /// Blend weights of an output's pixels, and response of its display.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Blend {
-    /// Weight from the overlap of all projectors (partition of unity).
+    /// True if the overlap of all projectors gives a weight (partition of unity).
     pub overlap: bool,
     /// Width of the ramp at a projector's borders, as a part of the picture's width or height, 0 <
     /// ramp ≤ 0.5.
     pub ramp: f64,
     /// Shape of that ramp.
     pub shape: RampShape,
-    /// Exponent of a projector's claim on a point, before the point is shared out, 1…2: the
-    /// greater, the shorter the transition.
+    /// Exponent of a projector's raw weight, 1…2: a greater one makes the transition shorter.
     pub exponent: f64,
     /// Procedural ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
-    /// Exponent of the display's response, 1…4; of effect with [`Transfer::Power`] only.
+    /// Exponent of the display's response, 1…4; it is used only with [`Transfer::Power`].
     pub gamma: f64,
-    /// The display's response.
+    /// Response of the display.
     pub transfer: Transfer,
     /// Light added everywhere, 0 ≤ level < 1, linear.
     pub black_level: f64,
-    /// White over black of a projector, at least 10; `None`: its black is dark enough.
+    /// Light of a projector's white divided by that of its black, at least 10; `None` if its black
+    /// is dark enough.
     pub contrast: Option<f64>,
-    /// Bits per channel of the display, 6…16, where its steps are to be dithered.
+    /// Bits per channel of the display, 6…16, if its steps are dithered.
     pub dither: Option<u32>,
 }
 
@@ -53,11 +53,11 @@ impl Blend {
         self.contrast.map_or(0.0, f64::recip)
     }
 
-    /// Checks that every value is in its range, for values that come from no rig file. Angles of
-    /// ramps are not checked.
+    /// Checks that every value is in its range, for values that do not come from a rig file. Angles
+    /// of ramps are not checked.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] with the first value that is not, and what would be right.
+    /// [`ErrorKind::InvalidArgument`] with the first value out of range, and with the range.
     pub fn check(&self) -> Result<()> {
         let power = match self.shape {
             RampShape::Power(power) => power,
@@ -89,10 +89,10 @@ pub enum RampShape {
     /// `3t² − 2t³`: continuous with its first derivative; steepest slope 1.5.
     #[default]
     Smoothstep,
-    /// `½ − ½·cos(πt)`: the same with less curvature at the ends; 1.57.
+    /// `½ − ½·cos(πt)`: continuous as well, with less curvature at the ends; steepest slope 1.57.
     Cosine,
-    /// `½·(2t)^p` up to the middle, then the same turned about it (Bourke 2004); steepest slope p.
-    /// p is 0.5…4; 1 is a straight line.
+    /// `½·(2t)^p` up to the middle, then the same turned about it (Bourke 2004), p = 0.5…4;
+    /// steepest slope p. With p = 1 it is a straight line.
     Power(f64),
 }
 
@@ -105,15 +105,15 @@ pub struct AngleRamp {
     pub zero: f64,
     /// Angle at which the weight is 1, radians; less or greater than `zero`.
     pub full: f64,
-    /// Its shape.
+    /// Shape of the ramp.
     pub shape: RampShape,
 }
 
 /// An angle on the dome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum DomeAngle {
-    /// From the dome's pole, 0…π.
+    /// Angle from the dome's pole, 0…π.
     Polar,
-    /// Around the dome's pole, 0 = front, right-positive, −π…π.
+    /// Angle around the dome's pole, 0 = front, right-positive, −π…π.
     Azimuth,
 }

@@ -22,17 +22,17 @@ pub struct Calibration {
 pub enum CalibrationValues {
     /// Places (0…1 from the bottom left) in an equidistant fisheye picture of the dome.
     Domemaster {
-        /// Its opening angle, radians.
+        /// Opening angle of the picture, radians.
         aperture: f64,
-        /// From straight up to its centre, towards the front, radians.
+        /// Angle from straight up to the picture's centre, towards the front, radians.
         tilt: f64,
     },
     /// Places (0…1 from the bottom left) in a flat picture as the viewer sees it.
     Perspective {
-        /// Its aim relative to the viewer, radians: right-positive, up-positive,
+        /// Aim of the picture relative to the viewer, radians: right-positive, up-positive,
         /// clockwise-positive.
         angles: [f64; 3],
-        /// Its opening.
+        /// Opening of the picture.
         frustum: Frustum,
     },
     /// Points of the screen, metres, dome axes.
@@ -42,13 +42,13 @@ pub enum CalibrationValues {
 }
 
 impl CalibrationValues {
-    /// The values are places in a picture.
+    /// True if the values are places in a picture.
     pub fn are_places(&self) -> bool {
         matches!(self, Self::Domemaster { .. } | Self::Perspective { .. })
     }
 }
 
-/// Reads a calibration's file: a warp mesh (`.data`, `.map`) or a float map (`.pfm`).
+/// Reads a calibration file: a warp mesh (`.data`, `.map`) or a float map (`.pfm`).
 ///
 /// # Errors
 /// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] with place and reason if

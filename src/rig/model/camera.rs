@@ -14,7 +14,7 @@ pub(in crate::rig) const LENS: Allowed =
 pub(in crate::rig) const ANGLE: Allowed = Allowed::closed(-360.0, 360.0, "an angle in degrees");
 
 impl Default for Camera {
-    /// The program's camera as it is.
+    /// Leaves the program's camera as it is.
     fn default() -> Self {
         Self {
             zoom: 1.0,
@@ -30,9 +30,9 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// This camera with what `text` says replaced, in the form `zoom=4,move=0,0,-20,yaw=90`: keys
-    /// of a rig file's `[camera]` in any order, degrees, each at most once; empty text changes
-    /// nothing.
+    /// Returns this camera with the values of `text` in place of its own. The form is
+    /// `zoom=4,move=0,0,-20,yaw=90`: keys of a rig file's `[camera]` in any order, degrees, each at
+    /// most once. Empty text changes nothing.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`](crate::ErrorKind::InvalidArgument) for unknown or repeated

@@ -1,5 +1,5 @@
-//! A program's window as a picture that is already projected: its kinds, and the one-line form of
-//! the command line and the environment.
+//! A program's window as an already projected picture: its kinds, and the one-line form of the
+//! command line and the environment.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{ContentMap, ContentPicture, Panorama, Region, pose};
@@ -8,7 +8,7 @@ use crate::rig::{Method, OutputKind, Rig, schema, validate};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 
-/// Picture that the program's window shows, where it is not redrawn in views.
+/// Picture that the program's window shows, if it is not drawn in views.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Content {
     /// Kind of the picture.
@@ -16,25 +16,25 @@ pub struct Content {
     /// Direction of its middle relative to the viewer, radians: right-positive, up-positive,
     /// clockwise-positive.
     pub angles: [f64; 3],
-    /// Its part of the window; `None` = the largest centred one of its shape.
+    /// Part of the window that it fills; `None` = the largest centred part of its shape.
     pub region: Option<Region>,
-    /// Pictures of two eyes in it.
+    /// Arrangement of the pictures of two eyes in it.
     pub stereo: Stereo,
 }
 
-/// Kinds of pictures that are already projected.
+/// Kinds of already projected pictures.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum ContentKind {
     /// Directions from the dome's centre.
     Directions(Panorama),
-    /// A plane before the viewer, its width under this angle, radians.
+    /// A plane in front of the viewer.
     Flat {
-        /// 0 < width < π.
+        /// Angle of its width, radians, 0 < width < π.
         width: f64,
     },
 }
 
-/// Places of the pictures of two eyes.
+/// Arrangement of the pictures of two eyes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Stereo {
     /// One picture for both.
@@ -47,17 +47,17 @@ pub enum Stereo {
 }
 
 impl Stereo {
-    /// The words of rig files.
+    /// Words of rig files.
     pub(in crate::rig) const WORDS: [(&'static str, Self); 3] =
         [("none", Self::None), ("side-by-side", Self::SideBySide), ("top-bottom", Self::TopBottom)];
 
-    /// Its word in rig files.
+    /// Word in rig files.
     pub fn word(self) -> &'static str {
         Self::WORDS.iter().find(|(_, stereo)| *stereo == self).map_or("none", |(word, _)| word)
     }
 
-    /// The part of the picture for an eye, and how many pictures there are across and above each
-    /// other. An eye in the middle gets the left one.
+    /// Part of the picture for an eye, and the number of pictures across and above each other. An
+    /// eye in the middle gets the left or upper one.
     fn part(self, eye: f64) -> (Region, DVec2) {
         let right = if eye > 0.0 { 0.5 } else { 0.0 };
         let half = |x, y, size| (Region { origin: DVec2::new(x, y), size: 1.0 / size }, size);
@@ -70,7 +70,8 @@ impl Stereo {
 }
 
 impl Content {
-    /// The map into a window of so many pixels for an eye, metres to the right of the viewer.
+    /// Makes the map into a window of this size in pixels, for an eye at `eye` metres to the right
+    /// of the viewer.
     fn map(&self, window: (u32, u32), eye: f64) -> ContentMap {
         let pixels = DVec2::new(f64::from(window.0.max(1)), f64::from(window.1.max(1)));
         let window = pixels.x / pixels.y;
@@ -95,16 +96,16 @@ impl Content {
 }
 
 impl Rig {
-    /// The map from directions to places of the program's window for output `index`, in a window of
-    /// so many pixels. `None`: the program's picture is redrawn in views. Directions are those of
-    /// [`Self::around_content`].
+    /// Map from directions to places of the program's window for output `index`, in a window of
+    /// this size in pixels. `None` if the program's picture is drawn in views. Directions are those
+    /// of [`Self::around_content`].
     pub fn content_map(&self, index: usize, window: (u32, u32)) -> Option<ContentMap> {
         let eye = self.outputs.get(index).map_or(0.0, |output| output.eye);
         self.content.as_ref().map(|content| content.map(window, eye))
     }
 
-    /// The rig for whose viewer content is the right picture: pictures of directions are those from
-    /// the dome's centre, whatever the viewer's place, and are sampled as they are.
+    /// Rig whose viewer sees content correctly. Pictures of directions are seen from the dome's
+    /// centre, whatever the viewer's position, and are sampled as they are.
     pub fn around_content(&self) -> Cow<'_, Self> {
         let Some(content) = &self.content else { return Cow::Borrowed(self) };
         let mut rig = self.with_views_for(Method::projects_vertices);
@@ -116,9 +117,9 @@ impl Rig {
         Cow::Owned(rig)
     }
 
-    /// The same rig for a program whose window shows what `text` says, in the form
+    /// Returns the same rig with the content of `text`, in the form
     /// `domemaster,aperture=200,stereo=side-by-side`: the kind, then keys of a rig file's
-    /// `[content]`, degrees. `none` takes content away.
+    /// `[content]`, degrees. `none` removes the content.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for unknown kinds and keys, for values that are missing,
@@ -146,7 +147,7 @@ impl Rig {
     }
 }
 
-/// `kind,key=1,2,key=word` as a TOML table `content`.
+/// Converts `kind,key=1,2,key=word` to a TOML table `content`.
 fn toml_of(text: &str) -> std::result::Result<String, String> {
     let mut parts = text.split(',').map(str::trim);
     let kind = parts.next().unwrap_or_default();

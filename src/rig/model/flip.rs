@@ -1,9 +1,8 @@
-//! Pictures that are sent mirrored: for projectors behind a screen, before a flat mirror, or hung
-//! upside down.
+//! Mirrored pictures: for projectors behind a screen, before a flat mirror, or mounted upside down.
 
 use glam::DVec2;
 
-/// Mirroring of the finished picture of an output, with everything that is in it.
+/// Mirroring of the finished picture of an output, with everything in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Flip {
     /// Left and right are exchanged.
@@ -13,12 +12,12 @@ pub struct Flip {
 }
 
 impl Flip {
-    /// Nothing is exchanged.
+    /// True if nothing is exchanged.
     pub fn is_none(self) -> bool {
         self == Self::default()
     }
 
-    /// The words of the rig file.
+    /// Words of the rig file.
     pub const WORDS: [(&'static str, Self); 4] = [
         ("none", Self { horizontal: false, vertical: false }),
         ("horizontal", Self { horizontal: true, vertical: false }),
@@ -26,19 +25,19 @@ impl Flip {
         ("both", Self { horizontal: true, vertical: true }),
     ];
 
-    /// Its word in the rig file.
+    /// Word in the rig file.
     pub fn word(self) -> &'static str {
         Self::WORDS.iter().find(|(_, flip)| *flip == self).map_or("none", |(word, _)| word)
     }
 
-    /// −1 along the axes that are turned over, else 1.
+    /// Returns −1 along mirrored axes, 1 along others.
     pub fn signs(self) -> DVec2 {
         let sign = |turned: bool| if turned { -1.0 } else { 1.0 };
         DVec2::new(sign(self.horizontal), sign(self.vertical))
     }
 
     /// Returns the mirrored place of a pixel position (from the top left) in a picture of `size`
-    /// pixels. Mirrored again, it is the old position.
+    /// pixels. Mirroring it again gives the old position.
     pub fn pixel(self, pixel: DVec2, size: (u32, u32)) -> DVec2 {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         DVec2::new(
@@ -47,7 +46,7 @@ impl Flip {
         )
     }
 
-    /// The items of a picture, row by row, `width` in each.
+    /// Mirrors the items of a picture, row by row, `width` in each.
     pub fn items<T: Clone>(self, items: &[T], width: usize) -> Vec<T> {
         let mut rows: Vec<&[T]> = items.chunks(width.max(1)).collect();
         if self.vertical {

@@ -8,8 +8,8 @@ use crate::rig::{Rig, validate};
 
 /// Method that makes an output's picture from the views.
 ///
-/// Errors are in pixels of the output: the angle between what a pixel shows and what it should
-/// show, over the angle that a pixel spans there.
+/// Errors are in pixels of the output: the angle between the direction that a pixel shows and the
+/// one that it should show, divided by the angle of the pixel there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub enum Method {
     /// A ray for each pixel: the exact formula where there is one, otherwise an exact table of all
@@ -28,19 +28,19 @@ pub enum Method {
         /// Greatest error in pixels, 0.005…2.
         max_error: f64,
     },
-    /// The dome as a mesh, seen from the projector, or flattened to a domemaster, whatever its
-    /// error.
+    /// The dome as a mesh, seen from the projector, or flattened to a domemaster; the error has no
+    /// limit.
     CubeMesh {
         /// Cells along the edge of the cube whose faces are inflated to the dome, 4…512.
         density: u32,
     },
     /// The program's vertices are projected straight to the output's pixels, in one pass and
-    /// without views. What lies between vertices is as straight as the program's triangles are.
+    /// without views. Between vertices the picture is as straight as the program's triangles are.
     Vertex,
     /// As [`Method::Vertex`], with lines and triangles divided until they are curved enough.
     Primitive {
-        /// Greatest distance in pixels of what a divided primitive shows from where it should be,
-        /// 0.05…16.
+        /// Greatest distance in pixels between the places where a divided primitive shows something
+        /// and where it should be, 0.05…16.
         max_error: f64,
         /// Stage that divides primitives of programs with shaders.
         by: Divider,
@@ -50,34 +50,33 @@ pub enum Method {
 /// Stage of the graphics processor that divides primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Divider {
-    /// A geometry shader: every strip and fan, up to so many parts as it can emit.
+    /// A geometry shader: divides every strip and fan, up to the number of parts that it can emit.
     #[default]
     Geometry,
-    /// A tessellation shader where there is one and the primitives have vertices of their own,
+    /// A tessellation shader if there is one and the primitives have vertices of their own,
     /// otherwise a geometry shader.
     Tessellation,
 }
 
-/// Range of `max_error`: below, 32-bit interpolation is no more exact; above, pixels would sample
-/// what no view has to show.
+/// Range of `max_error`. Below it, 32-bit interpolation is no more exact. Above it, pixels would
+/// sample directions that no view has to show.
 pub(in crate::rig) const MAX_ERROR: Allowed = Allowed::closed(0.005, 2.0, "an error in pixels");
 /// Default: a tenth of a pixel is invisible.
 pub(in crate::rig) const DEFAULT_ERROR: f64 = 0.1;
-/// Range of `max_error` of divided primitives: below, triangles are as small as pixels.
+/// Range of `max_error` of divided primitives. Below it, triangles are as small as pixels.
 pub(in crate::rig) const DIVISION_ERROR: Allowed = Allowed::closed(0.05, 16.0, "an error in pixels");
 /// Default: half a pixel, the error of any raster.
 pub(in crate::rig) const DEFAULT_DIVISION_ERROR: f64 = 0.5;
 /// Range of `density`.
 pub(in crate::rig) const DENSITY: Allowed = Allowed::closed(4.0, 512.0, "whole cells along the edge of a cube");
-/// Default.
+/// Default of `density`.
 pub(in crate::rig) const DEFAULT_DENSITY: f64 = 32.0;
 
-/// The words for the methods, with the keys that go with them.
+/// Example of a method with its key, for messages.
 const EXAMPLE: &str = "mesh,max_error=0.1";
 
 impl Method {
-    /// The greatest error that is asked for, pixels: 0 for what is exact, `None` for what follows
-    /// from a density.
+    /// Greatest permitted error, pixels: 0 for exact methods, `None` if it follows from a density.
     pub fn max_error(&self) -> Option<f64> {
         match self {
             Self::Fragment => Some(0.0),
@@ -93,7 +92,7 @@ impl Method {
         matches!(self, Self::Vertex | Self::Primitive { .. })
     }
 
-    /// True if lines and triangles are divided before that.
+    /// True if lines and triangles are divided before their vertices are projected.
     pub fn divides(&self) -> bool {
         matches!(self, Self::Primitive { .. })
     }
@@ -148,7 +147,7 @@ pub(in crate::rig) fn whole(density: f64) -> Option<u32> {
 }
 
 impl Rig {
-    /// The same rig for what cannot serve methods that are `refused`: such outputs have
+    /// Returns the same rig for a caller that cannot serve `refused` methods: such outputs get
     /// [`Method::Fragment`], which shows the same from views.
     pub fn with_views_for(&self, refused: impl Fn(&Method) -> bool) -> Self {
         let mut rig = self.clone();
@@ -158,12 +157,12 @@ impl Rig {
         rig
     }
 
-    /// The same rig with the method of all outputs replaced by what `text` says, see
+    /// Returns the same rig with the method of all outputs replaced by that of `text`, see
     /// [`Method::parse`].
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] as for [`Method::parse`], and where an output cannot be made
-    /// in this way.
+    /// [`ErrorKind::InvalidArgument`] as for [`Method::parse`], and if the method cannot make an
+    /// output's picture.
     pub fn with_method_override(&self, text: &str) -> Result<Self> {
         let method = Method::parse(text)?;
         let mut rig = self.clone();

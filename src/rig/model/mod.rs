@@ -1,7 +1,7 @@
-//! The rig: what stands where, in radians and metres.
+//! The rig: its parts and their positions, in radians and metres.
 //!
-//! The parts are files of their own; `camera`, `viewer`, `method` and `content` can also be written
-//! on a command line, and are read from there.
+//! Each part has its own file. `camera`, `viewer`, `method` and `content` also have a form for the
+//! command line, which is read there.
 
 pub mod black;
 pub mod blend;
@@ -23,37 +23,38 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-/// Everything a rig file says.
+/// Contents of a rig file.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Rig {
     /// Name: the preset's, or the file's.
     pub name: String,
-    /// The program's own framebuffer is left alone (preset `identity`); `outputs` is empty then.
+    /// True if Cupola leaves the program's own framebuffer alone (preset `identity`); `outputs` is
+    /// empty then.
     pub passthrough: bool,
-    /// The dome: what domemasters and angles of ramps are measured from, and the screen where
-    /// `screen` says no other.
+    /// The dome: the reference of domemasters and of angles of ramps, and the screen if `screen`
+    /// names no other.
     pub dome: Dome,
     /// Screen on which the light falls; `None` = the dome itself. [`Rig::surface`] returns either.
     pub screen: Option<crate::geom::Screen>,
-    /// The correct point of view.
+    /// Point from which the picture is right, and its direction.
     pub viewer: Viewer,
     /// Adaptation of the program's own camera.
     pub camera: Camera,
-    /// The program's window is already projected; `None` = the program is drawn in views.
+    /// Already projected picture in the program's window; `None` = the program is drawn in views.
     pub content: Option<Content>,
     /// Choice of the views.
     pub views: Views,
     /// Panel on which flat (orthographic) drawing appears.
     pub overlay: Overlay,
-    /// The outputs that the window shows.
+    /// Outputs that the window shows.
     pub outputs: Vec<Output>,
-    /// Outputs that have no place in the window: they are drawn for those who read published
-    /// frames. Each has a `size`.
+    /// Outputs without a place in the window: they are drawn for readers of published frames. Each
+    /// has a `size`.
     pub beside: Vec<Output>,
 }
 
 impl Rig {
-    /// The rig with all outputs in `outputs`, those beside the window last: what is planned.
+    /// Rig with all outputs in `outputs`, those beside the window last, as they are planned.
     pub fn with_all_outputs(&self) -> Cow<'_, Self> {
         if self.beside.is_empty() {
             return Cow::Borrowed(self);
@@ -63,13 +64,13 @@ impl Rig {
         Cow::Owned(all)
     }
 
-    /// True if the rig itself asks for published pictures.
+    /// True if the rig itself requests published pictures.
     pub fn publishes(&self) -> bool {
         !self.beside.is_empty() || self.outputs.iter().any(|output| output.publish)
     }
 
-    /// The outputs whose pictures are published if some are, by their place in [`Rig::outputs`]:
-    /// all where none is chosen. Those beside the window follow them.
+    /// Indices in [`Rig::outputs`] of the outputs whose pictures are published, if any are: all
+    /// outputs if none is chosen. The pictures of outputs beside the window follow them.
     pub fn published_outputs(&self) -> impl Iterator<Item = usize> + '_ {
         let all = !self.publishes();
         self.outputs
@@ -79,9 +80,9 @@ impl Rig {
             .map(|(index, _)| index)
     }
 
-    /// The same rig with one more output beside the window: a domemaster of `side` × `side` pixels,
-    /// which shows what the dome covers. Its name is `domemaster`, with a number where an output
-    /// has that name.
+    /// Returns the same rig with one more output beside the window: a domemaster of `side` × `side`
+    /// pixels, which shows what the dome covers. Its name is `domemaster`, followed by a number if
+    /// an output has that name.
     pub fn with_domemaster(mut self, side: u32) -> Self {
         let is_taken = |name: &str| self.outputs.iter().chain(&self.beside).any(|output| output.name == name);
         let names = std::iter::once("domemaster".to_owned()).chain((2..).map(|number| format!("domemaster-{number}")));
@@ -106,7 +107,7 @@ impl Rig {
         self
     }
 
-    /// The rig whose outputs are not mirrored.
+    /// Rig without mirrored outputs.
     pub fn upright(&self) -> Cow<'_, Self> {
         if self.outputs.iter().all(|output| output.flip.is_none()) {
             return Cow::Borrowed(self);
@@ -117,14 +118,14 @@ impl Rig {
     }
 }
 
-/// Where the window of an output is that has one of its own.
+/// Position of an output's own window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OwnWindow {
     /// X screen, such as `:0.1`; `None` = that of the program.
     pub display: Option<String>,
-    /// Monitor that it fills, as `xrandr` calls it.
+    /// Name of the monitor that it fills, as in `xrandr`.
     pub monitor: Option<String>,
-    /// It fills the screen.
+    /// True if it fills the screen.
     pub fullscreen: bool,
 }
 
@@ -140,10 +141,10 @@ pub struct Dome {
     pub coverage: f64,
 }
 
-/// The correct point of view.
+/// Point from which the picture on the screen is right, and its direction.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Viewer {
-    /// Metres from the dome's centre.
+    /// Position relative to the dome's centre, metres.
     pub position: DVec3,
     /// Right-positive, radians.
     pub yaw: f64,
@@ -158,38 +159,38 @@ pub struct Viewer {
 pub struct Camera {
     /// Factor on the tangents of every direction that the program draws, > 0.
     pub zoom: f64,
-    /// Motion of the eye along the program's camera axes, in the program's units.
+    /// Shift of the eye along the program's camera axes, in the program's units.
     pub shift: DVec3,
-    /// The program's units in a metre of the dome, > 0: how far apart the eyes of stereo outputs
-    /// are for the program.
+    /// Number of the program's units in a metre of the dome, > 0. It determines the distance of the
+    /// eyes of stereo outputs in the program.
     pub units_per_meter: f64,
-    /// The camera is turned right by this, radians.
+    /// Angle by which the camera is turned right, radians.
     pub yaw: f64,
-    /// The camera is turned up by this, radians.
+    /// Angle by which the camera is turned up, radians.
     pub pitch: f64,
-    /// The camera is rolled clockwise by this, radians.
+    /// Angle by which the camera is rolled clockwise, radians.
     pub roll: f64,
-    /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for
-    /// draws of which the program's matrices tell none.
+    /// Opening of the program's own lens, horizontal and vertical, radians, less than π: for draws
+    /// whose matrices do not contain it.
     pub lens: Option<[f64; 2]>,
-    /// Answers to the program's questions about its projection matrix are so wide that planes made
-    /// of them leave out nothing that views can show.
+    /// True if answers to the program's questions about its projection matrix are so wide that
+    /// culling planes made of them leave out nothing that views can show.
     pub answer_wide: bool,
 }
 
-/// Panel on which flat drawing appears: a window in front of the viewer, as wide as `width` says
-/// and with the window's aspect.
+/// Panel on which flat drawing appears: a window in front of the viewer, with the angle `width` and
+/// the window's aspect.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Overlay {
     /// Direction of its centre, right-positive, radians from the viewer's forward direction.
     pub yaw: f64,
     /// Direction of its centre, up-positive, radians.
     pub pitch: f64,
-    /// Angle that its width fills, radians, 0 < width < π.
+    /// Angle of its width, radians, 0 < width < π.
     pub width: f64,
 }
 
-/// One picture that is presented.
+/// A picture that one device shows.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Output {
     /// Name, unique in the rig; letters, digits, `-`, `_`, `.`.
@@ -198,11 +199,10 @@ pub struct Output {
     pub kind: OutputKind,
     /// Method that makes its picture from the views.
     pub method: Method,
-    /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in
-    /// the window.
+    /// Resolution of its own (width, height in pixels), used off screen; `None` = that of its
+    /// rectangle in the window.
     pub size: Option<(u32, u32)>,
-    /// Its place in the window. `None` = the
-    /// planner's grid.
+    /// Rectangle in the window; `None` = a cell of the planner's grid.
     pub window: Option<PixelRect>,
     /// Blending into its neighbours.
     pub blend: Blend,
@@ -214,20 +214,21 @@ pub struct Output {
     pub eye: f64,
     /// Mirroring of the finished picture; everything else refers to the picture before it.
     pub flip: Flip,
-    /// Its finished pictures are published. Where no output says so, all are, if publishing is
-    /// asked for.
+    /// True if its finished pictures are published. If no output sets it, all outputs are published
+    /// once publishing is requested.
     #[serde(skip)]
     pub publish: bool,
-    /// It has a place in the window.
+    /// True if it has a place in the window.
     #[serde(skip)]
     pub shown: bool,
     /// A window of its own, which `cupola run` opens for it; `shown` is false then.
     #[serde(skip)]
     pub own_window: Option<OwnWindow>,
-    /// The machine that shows it, where there are several.
+    /// Machine that shows it, if there are several.
     #[serde(skip)]
     pub node: Option<Node>,
-    /// This machine shows it. Others are planned as well, so that all machines have the same views.
+    /// True if this machine shows it. Outputs of other machines are planned as well, so that all
+    /// machines have the same views.
     #[serde(skip)]
     pub here: bool,
 }
@@ -243,10 +244,10 @@ pub enum OutputKind {
         /// centre is straight ahead).
         tilt: f64,
     },
-    /// A picture of all directions from the dome's centre, in other projections than a
+    /// A picture of all directions from the dome's centre, in another projection than a
     /// domemaster's.
     Panorama {
-        /// Its projection.
+        /// Projection of the picture.
         panorama: crate::geom::Panorama,
         /// Direction of its middle relative to the viewer, radians: right-positive, up-positive,
         /// clockwise-positive.
@@ -258,14 +259,14 @@ pub enum OutputKind {
         position: DVec3,
         /// Aim, radians: right-positive, up-positive, clockwise-positive.
         angles: [f64; 3],
-        /// Its opening, lens shift included (tangents).
+        /// Opening, lens shift included (tangents).
         frustum: crate::geom::Frustum,
     },
-    /// A projector with a lens that is no ideal pinhole, or before a mirror.
+    /// A projector whose lens is no ideal pinhole, or that stands before a mirror.
     Optics {
-        /// Place, lens and mirror, in metres from the dome's centre.
+        /// Position, lens and mirror, in metres from the dome's centre.
         optics: Box<crate::geom::Optics>,
-        /// Part by which small pixels are dimmed for the larger ones' sake, 0…1.
+        /// Degree to which small pixels are dimmed to the light of the larger ones, 0…1.
         even_light: f64,
     },
     /// Calibration of each pixel from a file.
@@ -274,14 +275,13 @@ pub enum OutputKind {
     Perspective {
         /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
         angles: [f64; 3],
-        /// Its opening; `None` = the program's own lens, whatever it is (preset
-        /// `identity-captured`).
+        /// Opening; `None` = the program's own lens, whatever it is (preset `identity-captured`).
         frustum: Option<crate::geom::Frustum>,
     },
 }
 
 impl OutputKind {
-    /// True if the output lights the screen from a place of its own.
+    /// True if the output lights the screen from a position of its own.
     pub fn is_projector(&self) -> bool {
         matches!(self, Self::Projector { .. } | Self::Optics { .. })
     }

@@ -6,20 +6,20 @@ use crate::rig::Rig;
 /// The machine that shows an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Node {
-    /// Its number, from 0.
+    /// Number of the machine, from 0.
     Number(u32),
-    /// Its host name.
+    /// Host name of the machine.
     Host(String),
 }
 
-/// A machine among those that share a rig.
+/// Position of a machine among those that share a rig.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Its number, below `count`.
+    /// Number of the machine, below `count`.
     pub number: u32,
     /// Number of machines, at least 1.
     pub count: u32,
-    /// Its host name.
+    /// Host name of the machine.
     pub host: String,
 }
 
@@ -31,8 +31,8 @@ impl Place {
         (number < count).then_some(Self { number, count, host })
     }
 
-    /// Tests whether an output of this node is shown here. The first machine shows the outputs that
-    /// name no node.
+    /// Tests whether this machine shows an output of `node`. The first machine shows the outputs
+    /// that name no node.
     fn shows(&self, node: Option<&Node>) -> bool {
         match node {
             Some(Node::Number(number)) => *number == self.number,
@@ -46,11 +46,11 @@ impl Place {
 }
 
 impl Rig {
-    /// The rig on one of several machines: outputs of others are not `here`. If no output names its
-    /// `node`, the machines share the outputs evenly, in their order.
+    /// Rig on one of several machines: outputs of other machines are not `here`. If no output names
+    /// its `node`, the machines share the outputs evenly, in their order.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidRig`] if an output has a node that there is not.
+    /// [`ErrorKind::InvalidRig`] if an output names a node that does not exist.
     pub fn on_node(mut self, place: &Place) -> Result<Self> {
         let count = self.outputs.len() as u64;
         let is_named = self.outputs.iter().chain(&self.beside).any(|output| output.node.is_some());

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::rig::Rig;
 
-/// Keys of a rig in their one-line forms, as the command line and the environment have them.
+/// Keys of a rig in their one-line forms, as on the command line and in the environment.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// See [`Camera::apply_override`](crate::rig::Camera::apply_override).
@@ -17,10 +17,10 @@ pub struct Overrides {
 }
 
 impl Overrides {
-    /// The rig with them.
+    /// Applies them to a rig.
     ///
     /// # Errors
-    /// [`InvalidArgument`](crate::ErrorKind::InvalidArgument) for the first that is wrong.
+    /// [`InvalidArgument`](crate::ErrorKind::InvalidArgument) for the first wrong one.
     pub fn apply(&self, mut rig: Rig) -> Result<Rig> {
         if let Some(camera) = &self.camera {
             rig.camera = rig.camera.apply_override(camera)?;

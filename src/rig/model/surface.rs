@@ -6,7 +6,7 @@ use crate::rig::{Dome, Output, Rig};
 use glam::DVec3;
 
 impl Dome {
-    /// The dome as a screen: a cap of a sphere around the origin, its pole leaning to the front by
+    /// The dome as a screen: a cap of a sphere around the origin, whose pole leans to the front by
     /// the tilt.
     pub fn screen(&self) -> Screen {
         let region = Region { polar: 0.5 * self.coverage, azimuth: None };
@@ -27,7 +27,7 @@ impl Rig {
         Pose::new(viewer.position, viewer.yaw, viewer.pitch, viewer.roll)
     }
 
-    /// The same for the eye that an output is made for.
+    /// Returns the position and the axes of the eye of an output.
     pub fn eye(&self, output: &Output) -> Pose {
         let viewer = self.viewer_pose();
         Pose { position: viewer.point_to_parent(DVec3::X * output.eye), ..viewer }

@@ -1,4 +1,4 @@
-//! A viewer who moves.
+//! Changes of the viewer.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::model::camera::ANGLE;
@@ -10,9 +10,9 @@ use crate::rig::{Rig, Viewer, validate};
 const METRES: Allowed = Allowed::closed(-1e6, 1e6, "metres from the dome's centre");
 
 impl Rig {
-    /// The same rig with what `text` says of the viewer replaced, in the form
+    /// Returns the same rig with the viewer's values in `text` in place of its own. The form is
     /// `position=0,-0.5,1,yaw=90`: keys of a rig file's `[viewer]` in any order, metres and
-    /// degrees, each at most once; empty text changes nothing.
+    /// degrees, each at most once. Empty text changes nothing.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for unknown or repeated keys, for numbers missing, unreadable
@@ -32,11 +32,11 @@ impl Rig {
         self.with_viewer(viewer)
     }
 
-    /// The same rig with the viewer elsewhere.
+    /// Returns the same rig with another viewer.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for numbers that are not finite, and for a place from which
-    /// the rig could not be shown: outside the dome, or next to the screen.
+    /// [`ErrorKind::InvalidArgument`] for numbers that are not finite, and for a position from
+    /// which the rig could not be shown: outside the dome, or next to the screen.
     pub fn with_viewer(&self, viewer: Viewer) -> Result<Self> {
         let Viewer { position, yaw, pitch, roll } = viewer;
         if !(position.is_finite() && [yaw, pitch, roll].iter().all(|angle| angle.is_finite())) {

@@ -1,11 +1,11 @@
-//! Keys of a rig for its views: their arrangement, resolution, filter and number.
+//! Keys of a rig for its views: arrangement, resolution, filter and number.
 
 use glam::DVec3;
 
-/// Choice of views for outputs that do not say so themselves.
+/// Choice of the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum ViewMethod {
-    /// The cheaper of the others.
+    /// The cheaper one of the others.
     Auto,
     /// Faces of one rotated cube, shared by all outputs.
     Cube,
@@ -23,17 +23,18 @@ pub struct Views {
     pub quality: f64,
     /// Filter with which the correction samples the views.
     pub filter: Filter,
-    /// Resource that the planner saves where it cannot save both.
+    /// Resource that the planner saves if it cannot save both.
     pub favour: Favour,
     /// Resolution of a domemaster's views.
     pub resolution: Resolution,
-    /// One view for each of these vectors, viewer axes, any lengths: it shows the directions with
-    /// which the vector has the greatest scalar product. Empty = as `method` says.
+    /// Directions of the views, in viewer axes, of any lengths. Each view shows the directions
+    /// whose scalar product with its vector is the greatest. Empty = as `method` determines.
     pub cells: Vec<DVec3>,
     /// Choice of the off-screen images that are drawn once per view.
     pub duplicate: Duplicate,
-    /// Frames that a program draws of a view before the one that counts, where the views are drawn
-    /// in turn: what it mixes with earlier frames is then that view's. 0…60.
+    /// Number of frames that a program draws of a view before the one that counts, if the views are
+    /// drawn in turn. Effects that mix it with earlier frames then use frames of the same view.
+    /// 0…60.
     pub warm_up: usize,
 }
 
@@ -52,35 +53,35 @@ impl Default for Views {
     }
 }
 
-/// Size of a domemaster's pixel that gets a texel.
+/// Pixels of a domemaster that get a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Resolution {
-    /// Its nominal pixel: aperture over diameter, in every direction.
+    /// Nominal pixels: aperture divided by diameter, in every direction.
     Nominal,
-    /// Each of its pixels, which are narrower along the circles around its centre: θ / sin θ as
-    /// sharp there, at the angle θ from the centre.
+    /// All pixels. They are narrower along the circles around the centre: there the picture is
+    /// sharper by θ / sin θ, at the angle θ from the centre.
     Full,
 }
 
-/// Choice of the images, among those that a program draws off screen, that are drawn once per view.
+/// Choice of the program's off-screen images that are drawn once per view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Duplicate {
-    /// Those that are seen to be the scene's, on their way to the window.
+    /// Images that are found to show the scene on its way to the window.
     Auto,
-    /// None: what is shown of them is flat.
+    /// No images: their contents are shown flat.
     Never,
-    /// All that perspective draws reach, whatever their shape and use.
+    /// All images to which perspective draws are issued, whatever their shape and use.
     Always,
-    /// None: each frame of the program draws one view, in the program's own images, until all are
-    /// complete.
+    /// No images: each frame of the program draws one view, in the program's own images, until all
+    /// are complete.
     InTurn,
 }
 
 /// Filter with which the correction samples the views: a kernel, at the middle of an output's pixel
-/// or at four places of it (rotated grid, a quarter of them at each), whose mean is shown.
+/// or at four places of it (a rotated grid), whose mean is shown.
 ///
-/// Sharper than bilinear is worth its time only with anti-aliased views, four places with `quality`
-/// above 1.
+/// A sharper filter than bilinear is worth its time only with anti-aliased views, and four places
+/// only with `quality` above 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize)]
 pub enum Filter {
     /// The 2×2 nearest texels.
@@ -99,7 +100,7 @@ impl Filter {
     /// along rows and columns meet four different distances.
     pub const FOUR_PLACES: [[f64; 2]; 4] = [[0.125, 0.375], [-0.375, 0.125], [-0.125, -0.375], [0.375, -0.125]];
 
-    /// True if the kernel is Catmull-Rom's.
+    /// True if the kernel is that of Catmull and Rom.
     pub fn is_cubic(self) -> bool {
         matches!(self, Self::CatmullRom | Self::CatmullRom4)
     }
@@ -110,8 +111,8 @@ impl Filter {
     }
 }
 
-/// Resource that the planner saves: each view costs the program's draws once more, each texel costs
-/// shading.
+/// Resource that the planner saves: each view costs the program's draws once more, and each texel
+/// costs shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Favour {
     /// As for a program of about a thousand draws in a frame.
@@ -120,7 +121,7 @@ pub enum Favour {
     Processor,
     /// Fewer texels: for programs of few draws and costly shading.
     Graphics,
-    /// As for a program of so many draws in a frame; what `Balanced` becomes once they are known.
-    /// No word of rig files.
+    /// As for a program with this number of draws in a frame. `Balanced` becomes this once the
+    /// number is known. Rig files have no word for it.
     Draws(u32),
 }

@@ -1,13 +1,13 @@
-//! Values that each key of a rig accepts, noted while a file is read.
+//! Values that each key of a rig accepts, recorded while a file is read.
 
 use serde::Serialize;
 
 /// A key that a rig file has or may have.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Key {
-    /// Its path as in messages, for example `output[0].blend.ramp`.
+    /// Path of the key as in messages, for example `output[0].blend.ramp`.
     pub path: String,
-    /// The file has it.
+    /// True if the file has it.
     pub given: bool,
     /// Values that it accepts.
     #[serde(flatten)]
@@ -28,12 +28,12 @@ pub enum Accepts {
         greatest: f64,
         /// Description of the number, with its unit.
         what: &'static str,
-        /// Value that replaces a missing key, if that is one number.
+        /// Value that replaces a missing key, if it is one number.
         default: Option<f64>,
     },
     /// A list of whole numbers.
     Whole {
-        /// Least and greatest of each.
+        /// Least and greatest value of each.
         ranges: Vec<(u32, u32)>,
         /// Description of the numbers, with their unit.
         what: &'static str,

@@ -1,4 +1,4 @@
-//! Typed values out of TOML, with the line of each, and the list of problems that were found.
+//! Typed values out of TOML, with the line of each, and the list of problems.
 
 pub mod accepted_keys;
 pub mod one_line;

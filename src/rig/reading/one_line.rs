@@ -1,4 +1,4 @@
-//! Keys and numbers in one line, as the command line and the environment have them:
+//! Keys and numbers in one line, as on the command line and in the environment:
 //! `yaw=90,move=0,0,-20`.
 
 use crate::error::{Error, ErrorKind, Result};
@@ -6,11 +6,11 @@ use crate::rig::reading::problems::closest;
 use crate::rig::reading::reader::Allowed;
 use glam::DVec3;
 
-/// A line, and what it is about.
+/// A line, with its subject.
 pub(in crate::rig) struct OneLine<'a> {
     /// Subject of the line.
     pub what: &'static str,
-    /// A right one.
+    /// Example of a correct line.
     pub example: &'static str,
     /// The line.
     pub text: &'a str,
@@ -25,11 +25,11 @@ pub(in crate::rig) struct Entry<'a> {
 }
 
 impl<'a> OneLine<'a> {
-    /// The keys with their numbers, in the line's order.
+    /// Returns the keys with their numbers, in the line's order.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for numbers without a key or that are none, and keys that
-    /// stand there twice.
+    /// [`ErrorKind::InvalidArgument`] for numbers that have no key or cannot be read, and for
+    /// repeated keys.
     pub fn entries(&'a self) -> Result<Vec<Entry<'a>>> {
         let mut entries: Vec<Entry<'a>> = Vec::new();
         for part in self.text.split(',').map(str::trim) {
@@ -40,7 +40,7 @@ impl<'a> OneLine<'a> {
                 Some((key, number)) => {
                     let key = key.trim();
                     if entries.iter().any(|entry| entry.key == key) {
-                        return Err(self.wrong(format!("`{key}` stands there twice")));
+                        return Err(self.wrong(format!("`{key}` is given twice")));
                     }
                     entries.push(Entry { line: self, key, numbers: Vec::new() });
                     number.trim()
@@ -56,10 +56,10 @@ impl<'a> OneLine<'a> {
         Ok(entries)
     }
 
-    /// The error of a key that is none of `known`.
+    /// Error of a key that is not in `known`.
     pub fn unknown(&self, key: &str, known: &[&str]) -> Error {
         let hint = closest(key, known)
-            .map_or_else(|| format!("possible are {}", known.join(", ")), |meant| format!("did you mean `{meant}`?"));
+            .map_or_else(|| format!("possible keys: {}", known.join(", ")), |meant| format!("did you mean `{meant}`?"));
         self.wrong(format!("`{key}` is unknown; {hint}"))
     }
 
@@ -70,7 +70,7 @@ impl<'a> OneLine<'a> {
 }
 
 impl Entry<'_> {
-    /// Its only number.
+    /// Returns the only number.
     pub fn number(&self, allowed: &Allowed) -> Result<f64> {
         match self.numbers[..] {
             [number] => self.allowed(number, allowed),
@@ -78,7 +78,7 @@ impl Entry<'_> {
         }
     }
 
-    /// Its three numbers.
+    /// Returns the three numbers.
     pub fn vector(&self, allowed: &Allowed) -> Result<DVec3> {
         let [x, y, z] = self.numbers[..] else {
             return Err(self.line.wrong(format!("`{}` takes three numbers, not {}", self.key, self.numbers.len())));

@@ -1,4 +1,4 @@
-//! Problems of a rig file: their list, and guesses at what was meant.
+//! Problems of a rig file: their list, and guesses at the intended word.
 
 use super::accepted_keys::{Accepts, Key};
 use std::collections::BTreeMap;
@@ -7,22 +7,22 @@ use std::ops::Range;
 /// Greatest number of problems that a message lists.
 const SHOWN: usize = 20;
 
-/// The problems found so far, and the line of every key that was read.
+/// Problems found so far, and the line of every key that was read.
 pub(in crate::rig) struct Problems {
     /// Byte offset at which each line starts.
     line_starts: Vec<usize>,
-    /// Key path → line.
+    /// Line of each key path.
     lines: BTreeMap<String, usize>,
-    /// Names of outputs by their index, as far as the file gives any.
+    /// Names of outputs by their index, as far as the file has them.
     names: BTreeMap<usize, String>,
-    /// (line, key path, reason and remedy).
+    /// Line, key path, and message of each problem.
     found: Vec<(usize, String, String)>,
-    /// The keys that were asked for, if they are noted.
+    /// Keys that were read, if they are recorded.
     keys: Option<Vec<Key>>,
 }
 
 impl Problems {
-    /// No problems in `text` yet.
+    /// Starts with no problems in `text`.
     pub(in crate::rig) fn new(text: &str) -> Self {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         Self {
@@ -34,12 +34,12 @@ impl Problems {
         }
     }
 
-    /// No problems yet, and each key is noted.
+    /// Starts with no problems, and records each key.
     pub(in crate::rig) fn noting_keys(text: &str) -> Self {
         Self { keys: Some(Vec::new()), ..Self::new(text) }
     }
 
-    /// Notes a key, if keys are noted.
+    /// Records a key, if keys are recorded.
     pub(in crate::rig) fn note_key(
         &mut self,
         path: impl FnOnce() -> String,
@@ -51,7 +51,7 @@ impl Problems {
         }
     }
 
-    /// The noted keys, each once, in the order in which they were asked for.
+    /// Recorded keys, each once, in the order in which they were read.
     pub(in crate::rig) fn keys(self) -> Vec<Key> {
         let mut keys = self.keys.unwrap_or_default();
         let mut seen = std::collections::BTreeSet::new();
@@ -59,26 +59,26 @@ impl Problems {
         keys
     }
 
-    /// Remembers where the key `path` stands.
+    /// Stores the line of the key `path`.
     pub(in crate::rig) fn place(&mut self, path: &str, span: &Range<usize>) {
         let line = self.line_at(span.start);
         self.lines.insert(path.to_owned(), line);
     }
 
-    /// Remembers the name that the file gives to an output.
+    /// Stores the name that the file gives to an output.
     pub(in crate::rig) fn name_output(&mut self, index: usize, name: &str) {
         self.names.insert(index, name.to_owned());
     }
 
-    /// The name of the output that a key belongs to, in brackets, if the file gives it one.
+    /// Name of the output of a key, in brackets, if the file gives it one.
     fn name_of(&self, path: &str) -> String {
         let index = path.strip_prefix("output[").and_then(|rest| rest.split_once(']')?.0.parse().ok());
         let name = index.and_then(|index: usize| self.names.get(&index));
         name.map_or_else(String::new, |name| format!(" ({name})"))
     }
 
-    /// Adds a problem of the key `path`; where that was not in the file, its nearest parent's line
-    /// stands.
+    /// Adds a problem of the key `path`. If the file does not have the key, the line of its nearest
+    /// parent is used.
     pub(in crate::rig) fn add(&mut self, path: &str, why: impl Into<String>) {
         let mut parent = path;
         let line = loop {
@@ -99,12 +99,12 @@ impl Problems {
         self.found.push((line, String::new(), why.into()));
     }
 
-    /// Nothing was found.
+    /// True if there are no problems.
     pub(in crate::rig) fn is_empty(&self) -> bool {
         self.found.is_empty()
     }
 
-    /// The message for people: one `file:line: key: reason` per problem, in the file's order.
+    /// Message for the user: one `file:line: key: reason` per problem, in the file's order.
     pub(in crate::rig) fn message(&self, file_name: &str) -> String {
         let mut found: Vec<_> = self.found.iter().collect();
         found.sort_by_key(|(line, _, _)| *line);
@@ -128,13 +128,13 @@ impl Problems {
         found.collect::<Vec<_>>().join("; ")
     }
 
-    /// The 1-based line of a byte.
+    /// Line number of a byte, from 1.
     fn line_at(&self, offset: usize) -> usize {
         self.line_starts.partition_point(|start| *start <= offset).max(1)
     }
 }
 
-/// The one of `known` that `word` most likely is a misspelling of, if any is near enough.
+/// The most similar one of `known` to `word`, if one is similar enough.
 pub(in crate::rig) fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     let allowed = (word.chars().count() / 3).max(1);
@@ -149,8 +149,8 @@ pub(in crate::rig) fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a s
         .map(|(_, candidate)| candidate)
 }
 
-/// The number of single-character insertions, deletions, replacements and swaps of neighbours that
-/// turn `a` into `b` (optimal string alignment distance).
+/// Number of single-character insertions, deletions, replacements and swaps of neighbours that turn
+/// `a` into `b` (optimal string alignment distance).
 fn edit_distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(64).collect(), b.chars().take(64).collect());
     let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];

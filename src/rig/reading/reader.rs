@@ -1,7 +1,7 @@
 //! Typed values out of a parsed TOML table, each with its key path and line.
 //!
-//! Tables are walked by hand and not deserialised with serde, because serde stops at the first
-//! problem and knows neither the key path nor which keys were possible when something is misspelt.
+//! The code walks through tables and does not deserialise with serde, because serde stops at the
+//! first problem and has neither the key path nor the list of possible keys for a misspelt one.
 
 use crate::rig::Node;
 use crate::rig::reading::accepted_keys::Accepts;
@@ -10,13 +10,13 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// The numbers that a key may have.
+/// Numbers that a key may have.
 pub(in crate::rig) struct Allowed {
     /// Least value.
     least: f64,
     /// Greatest value.
     greatest: f64,
-    /// The ends are excluded: (least, greatest).
+    /// True for each end that is excluded: (least, greatest).
     open: (bool, bool),
     /// Description of the number, with its unit: "a radius in metres".
     what: &'static str,
@@ -43,7 +43,7 @@ impl Allowed {
         Self { least, greatest, open: (false, true), what }
     }
 
-    /// As a note about a key.
+    /// Record of a key with these numbers.
     fn note(&self, count: Option<usize>, default: Option<f64>) -> Accepts {
         Accepts::Number { count, least: self.least, greatest: self.greatest, what: self.what, default }
     }
@@ -58,7 +58,7 @@ impl Allowed {
         (!(low && high)).then(|| format!("{value} is out of range; expected {}, {}", self.what, self.words()))
     }
 
-    /// The range in words.
+    /// Range in words.
     fn words(&self) -> String {
         let low = if self.open.0 { "greater than" } else { "at least" };
         let high = if self.open.1 { "less than" } else { "at most" };
@@ -79,22 +79,22 @@ impl<'a> Section<'a> {
         Self { table, path, asked: BTreeSet::new() }
     }
 
-    /// The key path of `key` in this table.
+    /// Path of `key` in this table.
     pub(in crate::rig) fn path(&self, key: &str) -> String {
         if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
-    /// The key is in the file.
+    /// True if the file has the key.
     pub(in crate::rig) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
 
-    /// The key is in the file, and is a table.
+    /// True if the file has the key, and it is a table.
     pub(in crate::rig) fn is_table(&self, key: &str) -> bool {
         self.table.get(key).is_some_and(|value| value.get_ref().is_table())
     }
 
-    /// The key is in the file, and is a list.
+    /// True if the file has the key, and it is a list.
     pub(in crate::rig) fn is_list(&self, key: &str) -> bool {
         self.table.get(key).is_some_and(|value| value.get_ref().is_array())
     }
@@ -106,7 +106,7 @@ impl<'a> Section<'a> {
         Some(value.get_ref())
     }
 
-    /// A number; `default` if the key is absent (or wrong, after adding the problem).
+    /// Reads a number; `default` if the key is absent (or wrong, after adding the problem).
     pub(in crate::rig) fn number(
         &mut self,
         key: &'static str,
@@ -118,7 +118,7 @@ impl<'a> Section<'a> {
         self.optional_number(key, allowed, problems).unwrap_or(default)
     }
 
-    /// A number that may be absent.
+    /// Reads a number that may be absent.
     pub(in crate::rig) fn optional_number(
         &mut self,
         key: &'static str,
@@ -130,7 +130,7 @@ impl<'a> Section<'a> {
         checked_number(value, allowed, &self.path(key), problems)
     }
 
-    /// A number that must be there.
+    /// Reads a number that must be present.
     pub(in crate::rig) fn required_number(
         &mut self,
         key: &'static str,
@@ -169,7 +169,7 @@ impl<'a> Section<'a> {
         good.then_some(numbers)
     }
 
-    /// A list of pairs of numbers; `None` if the key is absent or wrong.
+    /// Reads a list of pairs of numbers; `None` if the key is absent or wrong.
     pub(in crate::rig) fn number_pairs(
         &mut self,
         key: &'static str,
@@ -201,13 +201,13 @@ impl<'a> Section<'a> {
         good.then_some(pairs)
     }
 
-    /// Three numbers; zero if the key is absent or wrong.
+    /// Reads three numbers; zero if the key is absent or wrong.
     pub(in crate::rig) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
         problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(3), Some(0.0)));
         self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
     }
 
-    /// One to `most` different vectors; `None` if the key is absent or wrong.
+    /// Reads one to `most` different vectors; `None` if the key is absent or wrong.
     pub(in crate::rig) fn vectors(
         &mut self,
         key: &'static str,
@@ -235,7 +235,7 @@ impl<'a> Section<'a> {
             }
             let vector = DVec3::from_array(vector);
             if vectors.contains(&vector) {
-                problems.add(&path, "is there already; expected vectors that differ".to_owned());
+                problems.add(&path, "repeats another vector; expected different vectors".to_owned());
                 return None;
             }
             vectors.push(vector);
@@ -243,7 +243,7 @@ impl<'a> Section<'a> {
         Some(vectors)
     }
 
-    /// `COUNT` whole numbers of pixels, each within its own range.
+    /// Reads `COUNT` whole numbers of pixels, each within its own range.
     pub(in crate::rig) fn pixels<const COUNT: usize>(
         &mut self,
         key: &'static str,
@@ -277,7 +277,7 @@ impl<'a> Section<'a> {
         good.then_some(pixels)
     }
 
-    /// A truth value; `default` if the key is absent or wrong.
+    /// Reads a truth value; `default` if the key is absent or wrong.
     pub(in crate::rig) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
         problems.note_key(|| self.path(key), self.has(key), || Accepts::Truth { default });
         let Some(value) = self.value(key, problems) else { return default };
@@ -287,7 +287,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// Text that may be absent.
+    /// Reads text that may be absent.
     pub(in crate::rig) fn text(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Option<&'a str> {
         let value = self.value(key, problems)?;
         if value.as_str().is_none() {
@@ -296,7 +296,7 @@ impl<'a> Section<'a> {
         value.as_str()
     }
 
-    /// A machine: its number, or its name.
+    /// Reads a machine: its number, or its name.
     pub(in crate::rig) fn node(&mut self, key: &'static str, problems: &mut Problems) -> Option<Node> {
         let value = self.value(key, problems)?;
         let number = value.as_integer().and_then(|i| u32::from_str_radix(i.as_str(), i.radix()).ok());
@@ -310,7 +310,7 @@ impl<'a> Section<'a> {
         node
     }
 
-    /// A list of texts; empty if the key is absent or wrong.
+    /// Reads a list of texts; empty if the key is absent or wrong.
     pub(in crate::rig) fn texts(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Vec<String> {
         let Some(value) = self.value(key, problems) else { return Vec::new() };
         let texts = value.as_array().and_then(|list| {
@@ -325,7 +325,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// All keys, whatever they are called, with their texts.
+    /// Reads all keys, whatever their names, with their texts.
     pub(in crate::rig) fn all_texts(self, what: &str, problems: &mut Problems) -> Vec<(String, String)> {
         let mut texts = Vec::new();
         for (key, value) in self.table.iter() {
@@ -342,7 +342,7 @@ impl<'a> Section<'a> {
         texts
     }
 
-    /// One of a few words.
+    /// Reads one of a few words.
     pub(in crate::rig) fn choice<T: Clone>(
         &mut self,
         key: &'static str,
@@ -363,7 +363,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    /// A table in this one; an empty one if the key is absent or wrong.
+    /// Reads a table in this one; `None` if the key is absent or wrong.
     pub(in crate::rig) fn section(&mut self, key: &'static str, problems: &mut Problems) -> Option<Section<'a>> {
         let value = self.value(key, problems)?;
         let table = value.as_table();
@@ -373,7 +373,7 @@ impl<'a> Section<'a> {
         table.map(|table| Section::new(table, self.path(key)))
     }
 
-    /// The tables of an array of tables; empty if the key is absent or wrong.
+    /// Reads the tables of an array of tables; empty if the key is absent or wrong.
     pub(in crate::rig) fn sections(
         &mut self,
         key: &'static str,
@@ -400,8 +400,8 @@ impl<'a> Section<'a> {
         sections
     }
 
-    /// Adds a problem for every key that nobody asked for. `elsewhere` says of keys where they
-    /// belong.
+    /// Adds a problem for every key that was not read. `elsewhere` lists keys with the places where
+    /// they belong.
     pub(in crate::rig) fn finish(self, elsewhere: &[(&str, &str)], problems: &mut Problems) {
         let known: Vec<&str> = self.asked.iter().copied().collect();
         for (key, _) in self.table.iter().filter(|(key, _)| !self.asked.contains(key.get_ref().as_ref())) {
@@ -418,7 +418,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// `value` as a number in `allowed`; otherwise the problem is added.
+/// Reads `value` as a number in `allowed`; otherwise the problem is added.
 fn checked_number(value: &DeValue, allowed: &Allowed, path: &str, problems: &mut Problems) -> Option<f64> {
     let number = match value {
         DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
@@ -440,7 +440,7 @@ fn checked_number(value: &DeValue, allowed: &Allowed, path: &str, problems: &mut
     Some(number)
 }
 
-/// `value` as an array of `count` items; otherwise the problem is added.
+/// Reads `value` as an array of `count` items; otherwise the problem is added.
 fn sized_array<'a>(
     value: &'a DeValue<'a>,
     count: usize,
@@ -456,7 +456,7 @@ fn sized_array<'a>(
     array
 }
 
-/// `value` as the file's author would call it.
+/// Describes `value` as the file's author would.
 fn describe(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("{:?}", text.chars().take(60).collect::<String>()),

@@ -1,9 +1,9 @@
-//! Guesses at what was meant in a text that is not TOML.
+//! Guesses at the intended text where a text is not TOML.
 
 use std::ops::Range;
 
-/// The message `why` about `span` of `text`, with its column, and with what would be right where
-/// that can be told.
+/// Message `why` about `span` of `text`, with its column and, if one can be found, with a
+/// correction.
 pub(in crate::rig) fn with_hint(text: &str, span: Option<Range<usize>>, why: String) -> String {
     let Some(start) = span.map(|span| span.start.min(text.len())).filter(|start| text.is_char_boundary(*start)) else {
         return why;
@@ -15,7 +15,7 @@ pub(in crate::rig) fn with_hint(text: &str, span: Option<Range<usize>>, why: Str
     format!("{why}, in column {column}{meant}")
 }
 
-/// Returns a hint at what would be right in a line.
+/// Returns a hint at the correct form of a line.
 fn meant(line: &str) -> Option<String> {
     if line.contains(['“', '”', '„', '‘', '’', '«', '»']) {
         return Some("words are in straight quotes: \"word\"".to_owned());

@@ -1,4 +1,4 @@
-//! `[output.blend]`, `[output.mask]` and `[output.black]`: how bright an output is where.
+//! `[output.blend]`, `[output.mask]` and `[output.black]`: brightness of an output for each pixel.
 
 use super::output::Kind;
 use super::transfer;
@@ -24,13 +24,13 @@ pub(super) fn blend(section: Option<Section>, kind: Kind, directory: &Path, prob
     blend.gamma =
         section.number("gamma", &Allowed::closed(1.0, 4.0, "the exponent of the display's response"), 2.2, problems);
     blend.shape = shape(&mut section, problems);
-    let exponent = Allowed::closed(1.0, 2.0, "the exponent of the picture's claim on a point");
+    let exponent = Allowed::closed(1.0, 2.0, "the exponent of the picture's raw weight");
     blend.exponent = section.number("exponent", &exponent, 1.0, problems);
     blend.transfer = transfer::transfer(&mut section, directory, problems);
-    let contrast = Allowed::closed(10.0, 1e9, "white over black of the projector");
+    let contrast = Allowed::closed(10.0, 1e9, "the projector's white divided by its black");
     blend.contrast = section.optional_number("contrast", &contrast, problems);
     if blend.contrast.is_some() && !blend.overlap {
-        problems.add(&section.path("contrast"), "goes with overlap = true; elsewhere no blacks add up");
+        problems.add(&section.path("contrast"), "needs overlap = true; otherwise no blacks add up");
     }
     let bits = Allowed::closed(6.0, 16.0, "bits per channel of the display");
     blend.dither = section.optional_number("dither", &bits, problems).map(|bits| bits.round() as u32);
@@ -67,7 +67,7 @@ fn angle_ramp(mut section: Section, problems: &mut Problems) -> Option<AngleRamp
     Some(AngleRamp { angle, zero: zero.to_radians(), full: full.to_radians(), shape })
 }
 
-/// `shape` and `power` of a ramp.
+/// Reads `shape` and `power` of a ramp.
 fn shape(section: &mut Section, problems: &mut Problems) -> RampShape {
     let shapes =
         [("smoothstep", RampShape::Smoothstep), ("cosine", RampShape::Cosine), ("power", RampShape::Power(2.0))];
@@ -76,7 +76,7 @@ fn shape(section: &mut Section, problems: &mut Problems) -> RampShape {
     match (chosen, power) {
         (RampShape::Power(default), power) => RampShape::Power(power.unwrap_or(default)),
         (_, Some(_)) => {
-            problems.add(&section.path("power"), "goes with shape = \"power\"");
+            problems.add(&section.path("power"), "needs shape = \"power\"");
             chosen
         }
         (_, None) => chosen,
@@ -90,7 +90,7 @@ pub(super) fn mask(section: Option<Section>, directory: &Path, problems: &mut Pr
     path
 }
 
-/// `black`: of an output of `size` pixels, if it says that, whose display is that of `blend`.
+/// Reads `black` of an output with the blending `blend`, and of `size` pixels if it has a size.
 pub(super) fn black(
     section: Option<Section>,
     size: Option<(u32, u32)>,
@@ -105,7 +105,7 @@ pub(super) fn black(
     if blend.black_level > 0.0 {
         problems.add(
             &section.path("image"),
-            "goes without blend.black_level, which is the same everywhere; expected one of them",
+            "excludes blend.black_level, which is the same everywhere; leave out one of them",
         );
     }
     let key = section.path("image");
@@ -132,7 +132,7 @@ pub(super) fn black(
     }
 }
 
-/// The path of `image`, which is `what`.
+/// Reads the path in `image`, which is described by `what`.
 fn image(section: &mut Section, what: &str, directory: &Path, problems: &mut Problems) -> Option<PathBuf> {
     if !section.has("image") {
         let why = format!("is missing; expected the name of {what}, relative to the rig file");

@@ -9,7 +9,7 @@ use crate::rig::{Dome, OutputKind};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The picture that places lie in.
+/// Picture to which the places belong.
 #[derive(Clone, Copy, PartialEq)]
 enum Picture {
     Domemaster,
@@ -38,7 +38,7 @@ pub(super) fn mesh(
         (true, Values::Picture) => section.choice("picture", &pictures, problems)?,
         (true, _) => {
             section.choice("picture", &pictures, problems)?;
-            problems.add(&section.path("picture"), "goes with values = \"picture\"");
+            problems.add(&section.path("picture"), "needs values = \"picture\"");
             return None;
         }
         (false, _) => Picture::Domemaster,

@@ -1,4 +1,4 @@
-//! `[content]`: what a program's window shows that projects by itself.
+//! `[content]`: the window of a program that projects its picture by itself.
 
 use super::{ROLL, TILT, YAW, angles, lens, output};
 use crate::geom::{Panorama, Region};
@@ -40,7 +40,7 @@ const KINDS_OF_KEYS: [(&str, &str); 7] = [
 const PANEL: Allowed = Allowed::between(0.0, 180.0, "the angle in degrees that the picture's width fills");
 const PART: Allowed =
     Allowed::closed(0.0, 1.0, "[x, y, width, height] as parts of the window, x and y from its top left");
-/// A part of a window that is less wide or high has no pixels to speak of.
+/// Least width and height of a part of the window. A smaller part has hardly any pixels.
 const LEAST_PART: f64 = 1e-3;
 
 pub(super) fn content(mut section: Section, dome: &Dome, problems: &mut Problems) -> Option<Content> {

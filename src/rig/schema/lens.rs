@@ -25,7 +25,7 @@ const SIDE: Allowed = Allowed::closed(
 const SHIFT: Allowed =
     Allowed::closed(-2.0, 2.0, "[right, up] as parts of the picture's width and height (0.5 = half a picture)");
 
-/// The opening of a perspective output; `Some(None)` = the program's own.
+/// Reads the opening of a perspective output; `Some(None)` = the program's own.
 pub(super) fn perspective_frustum(section: &mut Section, problems: &mut Problems) -> Option<Option<Frustum>> {
     if !section.has("lens") {
         return frustum(section, problems).map(Some);
@@ -40,7 +40,7 @@ pub(super) fn perspective_frustum(section: &mut Section, problems: &mut Problems
     frustum(section, problems).map(Some)
 }
 
-/// The opening of a pinhole, from `fov` and `shift` or from `angles`.
+/// Reads the opening of a pinhole, from `fov` and `shift` or from `angles`.
 pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<Frustum> {
     let fov = section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
     let shift = section.numbers::<2>("shift", &SHIFT, problems);
@@ -56,7 +56,7 @@ pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<
             None
         }
         (true, Some(_)) => {
-            problems.add(&section.path("angles"), "say the opening a second time, after `fov`; leave out one of them");
+            problems.add(&section.path("angles"), "repeats the opening that `fov` gives; leave out one of them");
             None
         }
         (true, None) => {
@@ -72,14 +72,14 @@ pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<
         }
         (false, Some(angles)) => {
             if section.has("shift") {
-                problems.add(&section.path("shift"), "goes with `fov`; `angles` say the shift themselves");
+                problems.add(&section.path("shift"), "needs `fov`; `angles` already contain the shift");
             }
             sides(angles, problems)
         }
     }
 }
 
-/// The opening of a pinhole from the angles of its four sides.
+/// Reads the opening of a pinhole from the angles of its four sides.
 fn sides(mut section: Section, problems: &mut Problems) -> Option<Frustum> {
     let [left, right, bottom, top] =
         ["left", "right", "bottom", "top"].map(|key| section.required_number(key, &SIDE, problems));
@@ -100,7 +100,7 @@ fn sides(mut section: Section, problems: &mut Problems) -> Option<Frustum> {
     (complete && ordered).then_some(frustum)
 }
 
-/// The lens of a projector.
+/// Reads the lens of a projector.
 pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> Option<Lens> {
     let fisheye_section = section.section("fisheye", problems);
     let distortion_section = section.section("distortion", problems);
@@ -109,7 +109,7 @@ pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> 
         let keystone = keystone(section, problems);
         return frustum(section, problems).map(|frustum| Lens::Pinhole { frustum, distortion, keystone });
     };
-    // Asked for, so that they are not called unknown as well.
+    // Reads the key, so that it is not reported as unknown as well.
     section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
     section.numbers::<2>("shift", &SHIFT, problems);
     section.section("angles", problems);
@@ -144,7 +144,7 @@ fn circle(section: &mut Section, problems: &mut Problems) -> Circle {
     }
 }
 
-/// Distortion by the projector itself, from the places of the four corners.
+/// Distortion by the projector itself, from the positions of the four corners.
 fn keystone(section: &mut Section, problems: &mut Problems) -> DMat3 {
     let allowed = Allowed::closed(
         -2.0,
@@ -169,18 +169,18 @@ fn distortion(mut section: Section, problems: &mut Problems) -> Distortion {
     Distortion { radial, tangential }
 }
 
-/// The lens of a fisheye with `aperture` degrees where the file says no other.
+/// Reads the lens of a fisheye. Its aperture is `aperture` degrees if the file has no other.
 pub(super) fn fisheye(section: &mut Section, aperture: f64, problems: &mut Problems) -> Option<FisheyeLens> {
     let measured = Measured { curve: measured(section, problems), word: Some(("measured", usize::MAX)) };
     any_fisheye(section, aperture, measured, problems)
 }
 
-/// As [`fisheye`], for what needs a projection with a formula.
+/// As [`fisheye`], for outputs that need a projection with a formula.
 pub(super) fn formula_fisheye(section: &mut Section, aperture: f64, problems: &mut Problems) -> Option<FisheyeLens> {
     any_fisheye(section, aperture, Measured::default(), problems)
 }
 
-/// A measured projection, where one is possible.
+/// A measured projection, if one is possible.
 #[derive(Default)]
 struct Measured {
     curve: Option<Arc<Curve>>,
@@ -212,7 +212,7 @@ fn any_fisheye(
         (false, _) => Projection::Equidistant,
     };
     if section.has("measured") && !matches!(projection, Projection::Measured(_)) {
-        problems.add(&section.path("measured"), "goes with projection = \"measured\"");
+        problems.add(&section.path("measured"), "needs projection = \"measured\"");
     }
     let allowed = Allowed::closed(-1e6, 1e6, "[f1, f3, f5, f7], factors of the angle's powers in radians");
     let coefficients = section.numbers::<4>("coefficients", &allowed, problems);
@@ -222,7 +222,7 @@ fn any_fisheye(
             problems
                 .add(&section.path("coefficients"), "is missing; expected [f1, f3, f5, f7] of the angle in radians");
         }
-        (_, Some(_)) => problems.add(&section.path("coefficients"), "goes with projection = \"polynomial\""),
+        (_, Some(_)) => problems.add(&section.path("coefficients"), "needs projection = \"polynomial\""),
         (_, None) => {}
     }
     let aperture = section.number("aperture", &OPENING, aperture, problems).to_radians();
@@ -238,7 +238,7 @@ fn any_fisheye(
     Some(lens)
 }
 
-/// A measured curve: angles in degrees, radii in any unit.
+/// Reads a measured curve: angles in degrees, radii in any unit.
 fn measured(section: &mut Section, problems: &mut Problems) -> Option<Arc<Curve>> {
     let path = section.path("measured");
     let allowed =

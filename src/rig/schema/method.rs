@@ -30,7 +30,7 @@ const WORDS: [(&str, Word); 7] = [
 pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
     let known = section.choice("method", &WORDS, problems);
     if known.is_none() && section.has("method") {
-        // Which keys go with a word that is not known is not known either: they are right.
+        // The keys of an unknown word are unknown too, and are accepted.
         let _ = section.optional_number("max_error", &MAX_ERROR, problems);
         let _ = section.optional_number("density", &DENSITY, problems);
     }

@@ -1,5 +1,4 @@
-//! The keys of a rig file: what each is called, its range and its default. Degrees become radians
-//! here.
+//! The keys of a rig file: their names, ranges and defaults. Degrees become radians here.
 
 mod blend;
 mod calibration;
@@ -27,12 +26,12 @@ const TILT: Allowed = Allowed::closed(-180.0, 180.0, "an angle in degrees, 0 = z
 const OPENING: Allowed = Allowed::above(0.0, 360.0, "a whole opening angle in degrees");
 const METRES: Allowed = Allowed::closed(-1e6, 1e6, "[x right, y up, z backward] in metres from the dome's centre");
 
-/// Greatest number of outputs: what one machine's graphics adapters can carry, with room to spare.
+/// Greatest number of outputs: more than the graphics adapters of one machine can have.
 const MOST_OUTPUTS: usize = 64;
 
 pub(in crate::rig) use profile::profile;
 
-/// The table of a file; `None` if it is no TOML.
+/// Parses the table of a file; `None` if it is not TOML.
 fn table<'a>(text: &'a str, problems: &mut Problems) -> Option<DeTable<'a>> {
     match DeTable::parse(text) {
         Ok(table) => Some(table.into_inner()),
@@ -45,7 +44,7 @@ fn table<'a>(text: &'a str, problems: &mut Problems) -> Option<DeTable<'a>> {
 }
 
 /// Reads the rig in `text`, with `defaults` for keys of the program that it does not have. `None`
-/// if it is no TOML at all; otherwise it is usable only if no problem was added.
+/// if it is not TOML at all. Otherwise the result is usable only if no problem was added.
 pub(in crate::rig) fn read(
     text: &str,
     file_name: &str,
@@ -72,7 +71,7 @@ pub(in crate::rig) fn read(
             &format!("output[{MOST_OUTPUTS}]"),
             format!("is one too many; expected at most {MOST_OUTPUTS} outputs, not {count}"),
         );
-        // Each may name files: none is read.
+        // Each output may name files, so none of them is read.
         sections.clear();
     }
     let outputs = sections

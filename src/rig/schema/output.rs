@@ -1,4 +1,4 @@
-//! `[[output]]`: what every output has, and what each kind has of its own.
+//! `[[output]]`: the keys of every output, and those of each kind.
 
 use super::{METRES, TILT, angles, blend, calibration, lens, method};
 use crate::geom::lenses::panorama::{Panorama, Span};
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Greatest width and height of a picture in pixels: the greatest texture of today's graphics
 /// hardware.
 const LARGEST_PICTURE: u32 = 16384;
-/// Greatest coordinate in a window: the X protocol's.
+/// Greatest coordinate in a window, from the X protocol.
 const LARGEST_WINDOW: u32 = 32767;
 
 /// Kind of output to which each key belongs, for users who give a key to another kind.
@@ -158,7 +158,7 @@ fn geometry(
     }
 }
 
-/// The window of its own that an output asks for.
+/// Reads the window of its own that an output requests.
 fn own_window(section: &mut Section, problems: &mut Problems) -> Option<OwnWindow> {
     let display = section.text("display", "an X screen, for example \":0.1\"", problems).map(str::to_owned);
     let monitor = section.text("monitor", "a monitor as xrandr lists it, for example \"DP-2\"", problems);
@@ -197,7 +197,7 @@ fn shown(
     shown
 }
 
-/// A domemaster: the plain one where the file says no other projection.
+/// Reads a domemaster; without another projection in the file it is the plain one.
 fn domemaster(section: &mut Section, dome: &Dome, problems: &mut Problems) -> Option<OutputKind> {
     let tilt = section.number("tilt", &TILT, dome.tilt.to_degrees(), problems).to_radians();
     let special = section.has("projection");
@@ -211,7 +211,7 @@ fn domemaster(section: &mut Section, dome: &Dome, problems: &mut Problems) -> Op
     })
 }
 
-/// Returns the part of the directions that an unrolled picture shows. Its latitudes end at most
+/// Returns the range of directions that an unrolled picture shows. Its latitudes end at most
 /// `limit` degrees up and down.
 pub(super) fn span(section: &mut Section, limit: f64, problems: &mut Problems) -> Option<Span> {
     let width = section.number("width", &WIDTH, 360.0, problems).to_radians();
@@ -227,7 +227,7 @@ pub(super) fn span(section: &mut Section, limit: f64, problems: &mut Problems) -
     Some(Span { width, bottom: bottom.to_radians(), top: top.to_radians() })
 }
 
-/// A projector: the plain pinhole where the file says no more than its opening.
+/// Reads a projector; if the file gives only its opening, it is a plain pinhole.
 fn projector(section: &mut Section, position: DVec3, angles: [f64; 3], problems: &mut Problems) -> Option<OutputKind> {
     let special = ["fisheye", "distortion", "keystone", "mirror", "even_light"].iter().any(|key| section.has(key));
     let lens = lens::projector_lens(section, problems);
@@ -243,7 +243,7 @@ fn projector(section: &mut Section, position: DVec3, angles: [f64; 3], problems:
     Some(OutputKind::Optics { optics: Box::new(optics), even_light })
 }
 
-/// A convex spherical mirror.
+/// Reads a convex spherical mirror.
 fn mirror(mut section: Section, problems: &mut Problems) -> Sphere {
     let center = section.vector("center", &METRES, problems);
     let radius = section.required_number("radius", &Allowed::above(0.0, 1e6, "a radius in metres"), problems);

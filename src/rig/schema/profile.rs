@@ -1,20 +1,20 @@
-//! The keys of a profile: which programs it is for, and what Cupola should know of them.
+//! The keys of a profile: the programs to which it applies, and facts about them.
 
 use super::{table, viewer, views};
 use crate::rig::reading::problems::Problems;
 use crate::rig::reading::reader::Section;
 use crate::rig::{Defaults, Profile};
 
-/// Variables of the environment that Cupola itself sets, or that would lead the program past it.
+/// Environment variables that Cupola itself sets, or with which the program would bypass it.
 const RESERVED: [&str; 5] = ["CUPOLA", "LD_", "__GLX_VENDOR", "__EGL_VENDOR", "VK_"];
 
-/// Reads the profile in `text`. `None` if it is no TOML at all; otherwise it is usable only if no
-/// problem was added.
+/// Reads the profile in `text`. `None` if it is not TOML at all. Otherwise the result is usable
+/// only if no problem was added.
 pub(in crate::rig) fn profile(text: &str, name: &str, problems: &mut Problems) -> Option<Profile> {
     let table = table(text, problems)?;
     let mut root = Section::new(&table, String::new());
     let executables = root.texts("executables", "names of programs, such as [\"minetest\"]", problems);
-    let libraries = root.texts("libraries", "beginnings of libraries' names, such as [\"libvtkRendering\"]", problems);
+    let libraries = root.texts("libraries", "prefixes of library names, such as [\"libvtkRendering\"]", problems);
     if !root.has("executables") && !root.has("libraries") {
         problems.add("executables", "is missing, and `libraries` too; expected at least one of them");
     }

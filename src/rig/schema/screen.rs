@@ -1,4 +1,4 @@
-//! `[dome]`, and `[screen]` where the screen is another one.
+//! `[dome]`, and `[screen]` if the screen is another surface.
 
 use super::{METRES, OPENING, TILT, angles};
 use crate::formats;
@@ -44,7 +44,7 @@ enum Kind {
     Mesh,
 }
 
-/// The keys that only some shapes have, and which.
+/// Keys that only some shapes have, with these shapes.
 const KEYS_OF_SHAPES: [(&str, &str); 9] = [
     ("radius", "shape = \"sphere\" or \"cylinder\""),
     ("radii", "shape = \"ellipsoid\" or \"cone\""),
@@ -57,7 +57,7 @@ const KEYS_OF_SHAPES: [(&str, &str); 9] = [
     ("faces", "shape = \"mesh\""),
 ];
 
-/// `[screen]`; `None` where there is none, or where it cannot be used.
+/// Reads `[screen]`; `None` if it is absent or cannot be used.
 pub(super) fn screen(section: Option<Section>, directory: &Path, problems: &mut Problems) -> Option<Screen> {
     let mut section = section?;
     let kinds = [
@@ -107,7 +107,7 @@ pub(super) fn screen(section: Option<Section>, directory: &Path, problems: &mut 
     shape.map(|shape| Screen { pose: Pose::new(position, yaw, pitch, roll), shape })
 }
 
-/// Numbers that must be there.
+/// Reads numbers that must be present.
 fn required<const COUNT: usize>(
     section: &mut Section,
     key: &'static str,
@@ -129,7 +129,7 @@ fn region(section: &mut Section, problems: &mut Problems) -> Region {
 fn azimuth(section: &mut Section, problems: &mut Problems) -> Option<[f64; 2]> {
     let [from, to] = section.numbers("azimuth", &AZIMUTH, problems)?;
     if !(to > from && to - from <= 360.0) {
-        let why = format!("[{from}, {to}] is no range; expected [from, to] with from < to, at most 360 apart");
+        let why = format!("[{from}, {to}] is not a range; expected [from, to] with from < to, at most 360 apart");
         problems.add(&section.path("azimuth"), why);
     }
     Some([from.to_radians(), to.to_radians()])
@@ -169,7 +169,7 @@ fn mesh(section: &mut Section, directory: &Path, problems: &mut Problems) -> Opt
         Ok(mesh) => return Some(mesh),
         Err(MeshProblem::NoSurface) => "has no triangle with an area; expected a model of the screen".to_owned(),
         Err(MeshProblem::Layers(layers)) => format!(
-            "has too many triangles in one place: a ray through one of them has to be tried with {layers:.0}, on the \
+            "has too many triangles in one place: a ray through one of them has to be tested against {layers:.0}, on \
              average; expected a surface"
         ),
     };

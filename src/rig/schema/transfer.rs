@@ -21,7 +21,7 @@ enum Channel {
     Measured(Box<Response>),
 }
 
-/// The response that `transfer` and, of a plain power, `gamma` describe.
+/// Reads the response from `transfer` and, for a plain power, `gamma`.
 pub(super) fn transfer(section: &mut Section, directory: &Path, problems: &mut Problems) -> Transfer {
     let transfer = if section.is_table("transfer") {
         let table = section.section("transfer", problems);
@@ -31,13 +31,13 @@ pub(super) fn transfer(section: &mut Section, directory: &Path, problems: &mut P
         section.choice("transfer", &words, problems).unwrap_or_default()
     };
     if !transfer.is_plain() && section.has("gamma") {
-        let why = "goes with transfer = \"power\"; any other response has its exponents itself, or none";
+        let why = "needs transfer = \"power\"; any other response has exponents of its own, or none";
         problems.add(&section.path("gamma"), why);
     }
     transfer
 }
 
-/// A table: `red`, `green` and `blue`, or `measured` or `file` for all of them.
+/// Reads a table: `red`, `green` and `blue`, or `measured` or `file` for all of them.
 fn described(mut section: Section, directory: &Path, problems: &mut Problems) -> Transfer {
     let path = section.path("file");
     let all = section.number_pairs("measured", &POINT, problems);
@@ -46,12 +46,12 @@ fn described(mut section: Section, directory: &Path, problems: &mut Problems) ->
     let ways = ["measured", "file"].into_iter().filter(|key| section.has(key)).count() + usize::from(by_channel);
     if ways != 1 {
         let expected = "expected one of: red, green and blue; measured = [[value, light], …]; file = \"response.csv\"";
-        problems.add(&section.path("measured"), format!("{ways} ways to say the response; {expected}"));
+        problems.add(&section.path("measured"), format!("{ways} descriptions of the response; {expected}"));
     }
     let missing: Vec<String> =
         CHANNELS.iter().filter(|key| by_channel && !section.has(key)).map(|key| section.path(key)).collect();
     let channels = CHANNELS.map(|key| channel(&mut section, key, problems));
-    // A misspelt channel is told before the one that is missed because of it.
+    // A misspelt channel is reported before the one that is missing because of it.
     section.finish(&[("gamma", "[output.blend]")], problems);
     for path in missing {
         problems.add(&path, "is missing; expected red, green and blue, each an exponent or points");
@@ -82,20 +82,20 @@ fn described(mut section: Section, directory: &Path, problems: &mut Problems) ->
     }
 }
 
-/// The path of a key beside another one.
+/// Path of a key beside another one.
 fn section_path(path: &str, key: &str) -> String {
     path.rsplit_once('.').map_or_else(|| key.to_owned(), |(parent, _)| format!("{parent}.{key}"))
 }
 
-/// A measured response for all three channels.
+/// Makes a measured response for all three channels.
 fn same(response: Option<Response>) -> Transfer {
     response.map_or(Transfer::Power, |r| Transfer::Measured(Arc::new([r.clone(), r.clone(), r])))
 }
 
-/// A channel: an exponent or points.
+/// Reads a channel: an exponent or points.
 fn channel(section: &mut Section, key: &'static str, problems: &mut Problems) -> Option<Channel> {
     if !section.has(key) {
-        // Asked for, so that its name is known.
+        // Reads the key, so that its name is known.
         section.optional_number(key, &GAMMA, problems);
         return None;
     }
@@ -115,8 +115,8 @@ fn response(points: &[[f64; 2]], path: &str, problems: &mut Problems) -> Option<
 }
 
 /// Reads a file of measurements: lines of a value and its light, or of a value and the light of
-/// red, green and blue, with commas, semicolons or blanks between them; lines that begin with `#`
-/// and a first line of words are left out.
+/// red, green and blue, separated by commas, semicolons or blanks. Lines that begin with `#` and a
+/// first line of words are left out.
 fn responses(path: &Path) -> Result<[Response; 3], String> {
     let refused = |why: String| format!("{}: {why}", path.display());
     let bytes = read_at_most(path, LONGEST_FILE).map_err(|error| error.message)?;
@@ -132,7 +132,7 @@ fn responses(path: &Path) -> Result<[Response; 3], String> {
             Some(&[code, red, green, blue]) => {
                 channels.iter_mut().zip([red, green, blue]).for_each(|(channel, light)| channel.push([code, light]));
             }
-            _ => return Err(refused(format!("line {number} has not two or four numbers: value, light"))),
+            _ => return Err(refused(format!("line {number} does not have two or four numbers: value, light"))),
         }
     }
     let [red, green, blue] = channels.map(|points| Response::measured(&points));

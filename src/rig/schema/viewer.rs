@@ -1,5 +1,4 @@
-//! `[viewer]` and `[camera]`: where the right point of view is, and how the program's camera sits
-//! in it.
+//! `[viewer]` and `[camera]`: the viewer, and the adaptation of the program's camera.
 
 use super::{METRES, PITCH, ROLL, YAW, angles};
 use crate::rig::reading::problems::Problems;
@@ -16,7 +15,7 @@ pub(super) fn viewer(section: Option<Section>, problems: &mut Problems) -> Viewe
     viewer
 }
 
-/// Keys that are absent have the values of `default`.
+/// Absent keys have the values of `default`.
 pub(super) fn camera(section: Option<Section>, default: &Camera, problems: &mut Problems) -> Camera {
     let mut camera = *default;
     let Some(mut section) = section else { return camera };

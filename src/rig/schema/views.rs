@@ -1,4 +1,4 @@
-//! `[views]` and `[overlay]`: what is drawn, before it is corrected.
+//! `[views]` and `[overlay]`: choice of the views, and the flat panel.
 
 use super::{PITCH, YAW};
 use crate::rig::reading::problems::Problems;
@@ -7,10 +7,10 @@ use crate::rig::{Defaults, Duplicate, Favour, Filter, Overlay, Resolution, ViewM
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// More views than this would cost more than the faces of a cube in any rig.
+/// Greatest number of cells. More views would cost more than the faces of a cube in any rig.
 const MOST_CELLS: usize = 24;
 
-/// The cells of a cube with an upright edge before the viewer: a hemisphere needs four of them
+/// Cells of a cube with an upright edge in front of the viewer: a hemisphere needs four of them
 /// (Bourke 2009).
 const ROTATED_CUBE: [DVec3; 6] = [
     DVec3::new(-FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2),
@@ -21,11 +21,11 @@ const ROTATED_CUBE: [DVec3; 6] = [
     DVec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2),
 ];
 
-/// Keys that a profile can have, too, have its values where they are absent.
+/// Absent keys that a profile can have too take the profile's values.
 pub(super) fn views(section: Option<Section>, profile: &Defaults, problems: &mut Problems) -> Views {
     let mut views = Views { favour: profile.favour, duplicate: profile.duplicate, ..Views::default() };
     let Some(mut section) = section else { return views };
-    // The method, and the cells that it means where the file brings none.
+    // The method, and the cells that it stands for if the file has none.
     let methods = [
         ("auto", (ViewMethod::Auto, &[][..])),
         ("cube", (ViewMethod::Cube, &[])),
@@ -70,7 +70,7 @@ pub(super) fn duplicate(section: &mut Section, problems: &mut Problems) -> Optio
     section.choice("duplicate", &duplicates, problems)
 }
 
-/// Keys that are absent have the values of `default`.
+/// Absent keys have the values of `default`.
 pub(super) fn overlay(section: Option<Section>, default: Overlay, problems: &mut Problems) -> Overlay {
     let mut overlay = default;
     let Some(mut section) = section else { return overlay };
