@@ -56,7 +56,7 @@ pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<
             None
         }
         (true, Some(_)) => {
-            problems.add(&section.path("angles"), "repeats the opening that `fov` gives; leave out one of them");
+            problems.add(&section.path("angles"), "set the opening a second time, after `fov`; leave out one of them");
             None
         }
         (true, None) => {
