@@ -1,10 +1,9 @@
 //! Paul Bourke's warp mesh: a text file with the mesh's type, its columns and rows, and a line `x y
 //! u v i` for each node, row by row from the bottom.
-//!
 //! x and y are half heights of the output from its middle, u and v parts of the input picture from
 //! the bottom left, i is a factor on the displayed value. A negative i, or u or v outside 0…1,
-//! takes the node out, and with it the cells around it. Type 2 is a grid; in type 1, polar, the
-//! last column is followed by the first.
+//! removes the node and the cells around it. Type 2 is a grid; in type 1, polar, the last column is
+//! followed by the first.
 
 use super::grid::{Mesh, Node};
 use crate::error::Result;
@@ -21,30 +20,30 @@ const LONGEST_SIDE: usize = 1 << 14;
 /// Arrangement of a mesh's columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrangement {
-    /// Type 1: columns go around, the last is followed by the first.
+    /// Type 1: columns go around, and the last is followed by the first.
     Polar,
     /// Type 2: columns go across.
     Rectangular,
 }
 
-/// A warp mesh as the file has it.
+/// A warp mesh as it is in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarpMesh {
-    /// The type.
+    /// Type of the mesh.
     pub arrangement: Arrangement,
-    /// Nodes in a row, at least 2.
+    /// Number of nodes in a row, at least 2.
     pub columns: usize,
-    /// Rows, at least 2.
+    /// Number of rows, at least 2.
     pub rows: usize,
-    /// `[x, y, u, v, i]` of each node, row by row.
+    /// Values `[x, y, u, v, i]` of each node, row by row.
     pub nodes: Vec<[f64; 5]>,
 }
 
 impl WarpMesh {
-    /// The mesh that is drawn; values are (u, v, 0). `name` is the file's, for messages.
+    /// Makes the mesh that is drawn; values are (u, v, 0). `name` is the file's, for messages.
     ///
     /// # Errors
-    /// Those of [`Mesh::new`].
+    /// Errors of [`Mesh::new`].
     pub fn mesh(&self, name: &str) -> Result<Mesh> {
         let used = |value: f64| (-ROUNDING..=1.0 + ROUNDING).contains(&value);
         let node = |[x, y, u, v, i]: &[f64; 5]| {
@@ -61,7 +60,7 @@ impl WarpMesh {
 
 /// Reads a warp mesh; words are separated by blanks or tabs. `name` is the file's, for messages.
 ///
-/// Accepted with a note: lines without i (it is 1 then), and i above 1 (drawn as 1).
+/// Lines without i (it is 1 then) and i above 1 (drawn as 1) are accepted with a note.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the line and the reason.
@@ -84,7 +83,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<WarpMesh>> {
     };
     let columns = lines.count(columns, "the mesh's columns", 2, LONGEST_SIDE)?;
     let rows = lines.count(rows, "the mesh's rows", 2, LONGEST_SIDE)?;
-    // As many as are there, not as many as the header promises.
+    // Allocates as nodes are found, not as many as the header promises.
     let mut nodes = Vec::new();
     let (mut without_intensity, mut too_bright) = (0, 0);
     while nodes.len() < columns * rows {
@@ -118,7 +117,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<WarpMesh>> {
     Ok(Noted { value: WarpMesh { arrangement, columns, rows, nodes }, notes })
 }
 
-/// The text of a warp mesh, with as many digits as give the same numbers back to nine decimals.
+/// Formats a warp mesh. The numbers are exact to nine decimals, the intensity to six.
 pub fn write(mesh: &WarpMesh) -> String {
     let kind = if mesh.arrangement == Arrangement::Polar { 1 } else { 2 };
     let mut text = format!("{kind}\n{} {}\n", mesh.columns, mesh.rows);

@@ -1,21 +1,22 @@
-//! Cameras that calibrations describe.
+//! Cameras in calibration files.
 
 use crate::geom::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 
-/// A camera whose flat picture a calibration's positions lie in; axes x right, y up, z backward.
+/// A camera to whose flat picture the positions of a calibration refer; axes x right, y up, z
+/// backward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Its place relative to the eye point, in the file's units.
+    /// Position relative to the eye point, in the file's units.
     pub offset: DVec3,
-    /// Camera axes → the file's axes.
+    /// Rotation from the camera's axes to those of the file.
     pub rotation: DMat3,
-    /// Its opening.
+    /// Opening of the camera.
     pub frustum: Frustum,
 }
 
 impl Camera {
-    /// The ray of a place in the picture (parts of width and height from the bottom left); not of
+    /// Ray of a place in the picture (parts of width and height from the bottom left). It is not of
     /// unit length, so that rays between two places lie on a line.
     pub fn ray(&self, place: DVec2) -> DVec3 {
         let frustum = &self.frustum;
@@ -23,7 +24,7 @@ impl Camera {
         self.rotation * DVec3::new(x, y, -1.0)
     }
 
-    /// The place of a direction in the picture, also outside of 0…1; `None` behind the camera.
+    /// Place of a direction in the picture, perhaps outside of 0…1; `None` behind the camera.
     pub fn place(&self, direction: DVec3) -> Option<DVec2> {
         let local = self.rotation.transpose() * direction;
         let (x, y) = (local.x / -local.z, local.y / -local.z);

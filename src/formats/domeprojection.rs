@@ -2,7 +2,7 @@
 //! any order.
 //!
 //! x and y are parts of the output's width and height from the top left, u and v parts of the input
-//! picture, from the left and from the top. Lines that begin with a letter or a sign of comment are
+//! picture, from the left and from the top. Lines that begin with a letter or a comment sign are
 //! headings.
 
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
@@ -13,13 +13,13 @@ use glam::{DVec2, DVec3};
 
 /// Greatest number of a column or a row.
 const LONGEST_SIDE: usize = 1 << 14;
-/// Values of a line.
+/// Values of a line, for messages.
 const NODE: &str = "a node: x;y;u;v;column;row";
 
 /// Reads a warp mesh; values are (u, v, 0) with v from the bottom. `name` is the file's, for
 /// messages.
 ///
-/// Accepted with a note: nodes that are missing in the grid; cells beside them are not drawn.
+/// Nodes that are missing in the grid are accepted with a note; cells beside them are not drawn.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the line and the reason.
@@ -78,7 +78,7 @@ mod tests {
     fn nodes_are_put_in_their_places_whatever_their_order() {
         for text in [FOUR.to_owned(), format!("\u{feff}# x;y;u;v;column;row\r\n{}", FOUR.replace('\n', ";\r\n"))] {
             let grid = read("a.csv", text.as_bytes()).unwrap().value;
-            // The top left quarter of an output of any aspect.
+            // Samples the top left quarter of an output of another aspect.
             let sample = grid.sample(DVec2::new(25.0, 5.0), (100, 20)).unwrap();
             assert!(sample.value.distance(DVec3::new(0.3, 0.7, 0.0)) < 1e-12, "{sample:?}");
             assert_eq!(sample.intensity, 1.0);

@@ -3,8 +3,8 @@
 //!
 //! A node is `x y intensity s t`: x and y in pixels of the projector, the intensity 0…255 on
 //! displayed values, s and t in the picture of a perspective camera that the file describes. The
-//! picture's orientation is not said and readers differ in it; both ways that are in use are told
-//! apart by which of s and t follows x.
+//! file does not define the picture's orientation, and readers differ in it. Two orientations are
+//! in use; s follows x in one, t in the other, which tells them apart.
 
 use super::camera::Camera;
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
@@ -14,7 +14,7 @@ use crate::formats::reading::text::{Lines, shown};
 use crate::geom::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Keys that are known and change nothing that is read.
+/// Known keys that do not change the result.
 const WITHOUT_EFFECT: [&str; 10] = [
     "SUBVERSION",
     "LABEL",
@@ -30,7 +30,7 @@ const WITHOUT_EFFECT: [&str; 10] = [
 /// Greatest angle of a side of the camera's opening, degrees.
 const WIDEST: f64 = 89.5;
 
-/// Greatest number of lines that something has to be said about.
+/// Greatest number of lines with a note.
 const MOST_NOTES: usize = 64;
 
 /// A projector's mesh.
@@ -38,9 +38,9 @@ const MOST_NOTES: usize = 64;
 pub struct EasyBlend {
     /// The projector's resolution.
     pub size: (u32, u32),
-    /// The camera whose picture is shown, if the file says it.
+    /// Camera whose picture is shown, if the file describes it.
     pub camera: Option<Camera>,
-    /// The mesh; values are (u, v, 0), parts of the camera's picture from the bottom left.
+    /// Mesh; values are (u, v, 0), parts of the camera's picture from the bottom left.
     pub grid: Grid,
 }
 
@@ -61,7 +61,7 @@ struct Keys {
 
 /// Reads a mesh. `name` is the file's, for messages.
 ///
-/// Noted are the picture's orientation, keys that are not known and parts that are not taken over.
+/// Notes name the picture's orientation, unknown keys, and parts that are not taken over.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the line and the reason.
@@ -126,7 +126,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<EasyBlend>> {
     Ok(Noted { value: EasyBlend { size, camera, grid: Grid::Stretched(mesh) }, notes })
 }
 
-/// `x y intensity s t`.
+/// Reads `x y intensity s t`.
 fn node(lines: &Lines, first: &str, rest: &[&str]) -> Result<[f64; 5]> {
     let what = "a node: x y intensity s t";
     let [y, intensity, s, t] = rest[..] else {
@@ -136,7 +136,7 @@ fn node(lines: &Lines, first: &str, rest: &[&str]) -> Result<[f64; 5]> {
     Ok([number(first)?, number(y)?, number(intensity)?, number(s)?, number(t)?])
 }
 
-/// `a b c ]`, after the opening bracket.
+/// Reads `a b c ]`, after the opening bracket.
 fn triangle(lines: &Lines, rest: &[&str]) -> Result<[u32; 3]> {
     let [a, b, c, "]"] = rest[..] else {
         return Err(lines.wrong("is no triangle; expected [ node node node ]"));
@@ -155,7 +155,7 @@ fn follows(nodes: &[[f64; 5]], number: usize) -> f64 {
 }
 
 impl Keys {
-    /// Takes a line `key rest…`; what has to be said about it.
+    /// Reads a line `key rest…`. Returns a note about it, if there is one.
     fn take(&mut self, lines: &Lines, key: &str, rest: &[&str]) -> Result<Option<String>> {
         let value = rest.first().copied().unwrap_or_default();
         let number = || lines.number(value, "a number");
@@ -198,7 +198,7 @@ impl Keys {
         Ok(None)
     }
 
-    /// From pixels to −1…1 over the output, as the file's flat projection says.
+    /// Conversion from pixels to −1…1 over the output, by the file's flat projection.
     fn placing(&self, name: &str, size: (u32, u32)) -> Result<impl Fn(f64, f64) -> DVec2 + use<>> {
         let [left, right, bottom, top] = self.ortho;
         let low = DVec2::new(left.unwrap_or(0.0), bottom.unwrap_or(0.0));
@@ -210,7 +210,7 @@ impl Keys {
         Ok(move |x, y| 2.0 * (DVec2::new(x, y) / size - low) / (high - low) - 1.0)
     }
 
-    /// The camera, if all four sides of its opening are given.
+    /// Camera, if all four sides of its opening are given.
     fn camera(&self, name: &str) -> Result<Option<Camera>> {
         let [Some(left), Some(right), Some(bottom), Some(top)] = self.sides else { return Ok(None) };
         let usable = [left, right, bottom, top].iter().all(|side| side.abs() <= WIDEST) && left < right && bottom < top;
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn both_orientations_show_an_upright_picture() {
-        // The first counts y from the top, the second from the bottom.
+        // The first orientation counts y from the top, the second from the bottom.
         for (nodes, note, top) in [(STRAIGHT, "s follows x", 0.8), (TRANSPOSED, "t follows x", 0.8)] {
             let mesh = read("a.ol", text("", nodes).as_bytes()).unwrap();
             assert!(mesh.notes.iter().any(|text| text.contains(note)), "{:?}", mesh.notes);

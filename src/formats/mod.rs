@@ -1,16 +1,16 @@
 //! Calibration files of other tools, read and written.
 //!
-//! A reader takes bytes and the file's name, and gives what the file says or an error with the
-//! file, the line or offset, the reason and what would be right. Files come from anywhere: sizes in
-//! headers are compared with what is there before anything is allocated, archives are unpacked
-//! within limits, numbers that are none are refused. Where other programs read a format
-//! differently, ours accepts each variant that it can recognise. Its `notes` say what it assumed.
+//! A reader takes bytes and the file's name. It returns the file's content, or an error with the
+//! file, the line or offset, the reason and the expected value. Files come from anywhere: sizes in
+//! headers are compared with the file's length before anything is allocated, archives are unpacked
+//! within limits, and numbers that are not finite are refused. Where other programs read a format
+//! differently, Cupola accepts each variant that it can recognise; `notes` name its assumptions.
 //!
-//! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value
-//! for each pixel) of it; a rig's output gives the grid's values their meaning (a position in a
-//! picture, a point, a direction). At run time only [`bourke`], [`pfm`](pictures::pfm), [`obj`] and
-//! [`levels`](pictures::levels) are read; `cupola convert` turns all other formats into these, so
-//! that the injected library carries no archive and no XML.
+//! A calibration takes this way: the format's module makes a [`Grid`] of it (nodes with triangles,
+//! or a value for each pixel); a rig's output gives the grid's values their meaning (a position in
+//! a picture, a point, a direction). At run time only [`bourke`], [`pfm`](pictures::pfm), [`obj`]
+//! and [`levels`](pictures::levels) are read. `cupola convert` turns all other formats into these,
+//! so that the injected library contains no reader for archives or XML.
 
 mod camera;
 mod grid;

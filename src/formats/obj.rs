@@ -1,14 +1,13 @@
-//! Wavefront OBJ: the corners and faces of a model. Everything else of the format (normals,
-//! textures, materials, groups, curves) is passed over.
+//! Wavefront OBJ: the corners and faces of a model. Everything else in the format (normals,
+//! textures, materials, groups, curves) is ignored.
 
 use crate::error::Result;
 use crate::formats::reading::input::invalid;
 use crate::formats::reading::text::{Lines, shown};
 use glam::DVec3;
 
-/// Reads the triangles of the OBJ file `bytes` called `name`, in the file's own unit, corners
-/// counter-clockwise as the file has them. Faces with more than three corners are cut as fans from
-/// their first one.
+/// Reads the triangles of the OBJ file `bytes` called `name`, in the file's unit, corners in the
+/// file's order. Faces with more than three corners are divided into fans from their first corner.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with file and line if a corner or a face cannot be
@@ -51,8 +50,8 @@ pub fn read(name: &str, bytes: &[u8], most: usize) -> Result<Vec<[DVec3; 3]>> {
     Ok(triangles)
 }
 
-/// The corner that a word of a face names: `7`, `7/2`, `7/2/5`, `7//5`; negative numbers count back
-/// from the last one.
+/// Corner for a word of a face: `7`, `7/2`, `7/2/5`, `7//5`; negative numbers count back from the
+/// last corner.
 fn corner(lines: &Lines, word: &str, corners: &[DVec3]) -> Result<DVec3> {
     let number: Option<i64> = word.split('/').next().and_then(|number| number.parse().ok());
     let index = number.and_then(|number| match number {

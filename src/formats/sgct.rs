@@ -1,15 +1,15 @@
-//! Configurations of SGCT (JSON): the computers of a cluster, their windows, and what each viewport
-//! shows.
+//! Configurations of SGCT (JSON): the computers of a cluster, their windows, and the contents of
+//! the viewports.
 //!
-//! The geometry and the names of the files beside it are read. The settings for synchronisation,
-//! buffers and tracking of SGCT are not. Its axes are ours: x right, y up, z backward; yaw to the
-//! right, pitch up, roll clockwise.
+//! The geometry and the names of other files are read. SGCT's settings for synchronisation, buffers
+//! and tracking are not. Its axes are those of Cupola: x right, y up, z backward; yaw to the right,
+//! pitch up, roll clockwise.
 //!
 //! A window with `mirrorx` or `mirrory` is drawn without mirroring, as one picture. Then each
-//! viewport's mesh, or its rectangle, is drawn at its usual place, but looks at the mirrored place
-//! *of the window*; each mask looks at the mirrored place of its viewport. So a viewport shows the
-//! picture of the viewport at its mirrored place (itself, if it is alone). The mesh changes only in
-//! the places that its nodes look at.
+//! viewport's mesh, or its rectangle, is drawn at its usual place, but samples the mirrored place
+//! *of the window*; each mask samples the mirrored place of its viewport. So a viewport shows the
+//! picture of the viewport at its mirrored place (itself, if it is the only one). In a mesh only
+//! the sampled places change.
 
 use crate::error::Result;
 use crate::formats::reading::input::{LONGEST_DOCUMENT, MOST_PIXELS_TOGETHER, Noted, invalid};
@@ -18,8 +18,8 @@ use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Greatest numbers of computers, of a computer's windows, and of a computer's viewports, as rigs
-/// have outputs.
+/// Greatest number of computers, of a computer's windows, and of a computer's viewports: the same
+/// as the outputs of a rig.
 const MOST: usize = 64;
 /// Greatest width and height of a viewport, pixels: the greatest texture of today's graphics
 /// hardware.
@@ -41,45 +41,45 @@ fn no_viewports(root: &Key) -> String {
 /// A configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
-    /// Place of the eye point, metres.
+    /// Position of the eye point, metres.
     pub viewer: DVec3,
-    /// Each computer's viewports.
+    /// Computers with their viewports.
     pub nodes: Vec<Node>,
 }
 
 /// A computer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Its address.
+    /// Address of the computer.
     pub address: String,
-    /// Its viewports, window by window.
+    /// Viewports, window by window.
     pub viewports: Vec<Viewport>,
 }
 
 /// A part of a window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Viewport {
-    /// Place on the desktop: x, y, width, height in pixels from the top left.
+    /// Rectangle on the desktop: x, y, width, height in pixels from the top left.
     pub place: [i64; 4],
     /// Content.
     pub projection: Projection,
-    /// The file of its warp mesh.
+    /// File of its warp mesh.
     pub mesh: Option<String>,
-    /// The file of its blend mask.
+    /// File of its blend mask.
     pub mask: Option<String>,
-    /// The eye that it is for, where it is for one.
+    /// Eye to which it belongs, if it is for one eye.
     pub eye: Option<Eye>,
-    /// Along x and along y: the picture and the mask are mirrored, the mesh looks at mirrored
-    /// places.
+    /// Mirroring along x and along y: the picture and the mask are mirrored, the mesh samples
+    /// mirrored places.
     pub mirrored: [bool; 2],
 }
 
 /// An eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eye {
-    /// The left one.
+    /// Left eye.
     Left,
-    /// The right one.
+    /// Right eye.
     Right,
 }
 
@@ -88,36 +88,35 @@ pub enum Eye {
 pub enum Projection {
     /// A flat picture seen from the eye point.
     Planar {
-        /// Its axes → the axes of the configuration.
+        /// Rotation from its axes to those of the configuration.
         rotation: DMat3,
-        /// Its opening.
+        /// Opening of the picture.
         frustum: Frustum,
     },
     /// An equidistant fisheye picture around the eye point.
     Fisheye {
-        /// From rim to rim, radians.
+        /// Angle from rim to rim, radians.
         aperture: f64,
-        /// From straight up to the circle's centre, towards the front, radians.
+        /// Angle from straight up to the circle's centre, towards the front, radians.
         tilt: f64,
     },
-    /// By way of a spherical mirror: four faces of a cube, each through a warp mesh of its own.
+    /// A picture for a spherical mirror: four faces of a cube, each through a warp mesh of its own.
     Mirror {
-        /// By so much less than 45° the cube is turned up, radians.
+        /// Angle by which the cube is turned up less than 45°, radians.
         tilt: f64,
-        /// The files of the meshes in the order in which they are drawn, later ones over earlier
-        /// ones.
+        /// Files of the meshes in the order in which they are drawn, later ones over earlier ones.
         meshes: [String; 4],
     },
-    /// Another kind, by SGCT's name.
+    /// Another kind, with SGCT's name.
     Other(String),
 }
 
-/// The keys of a mirror's meshes in the order in which they are drawn. What is called the bottom is
-/// the face straight ahead, which a tilt of 0 turns up by 45°.
+/// Keys of a mirror's meshes in the order in which they are drawn. The face called bottom is the
+/// one straight ahead, which a tilt of 0 turns up by 45°.
 const MIRROR_MESHES: [&str; 4] = ["bottom", "left", "right", "top"];
 
-/// The axes of each of these faces → the axes of the configuration; a face is seen along −z, 90°
-/// wide and high.
+/// Rotations from the axes of each of these faces to those of the configuration; a face is seen
+/// along −z, 90° wide and high.
 pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
     let up = DMat3::from_rotation_x(FRAC_PI_4 - tilt);
     let faces = [
@@ -135,7 +134,7 @@ pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the key and the reason.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
     if bytes.len() > LONGEST_DOCUMENT {
-        return Err(invalid(name, format!("is longer than {LONGEST_DOCUMENT} bytes; no configuration is")));
+        return Err(invalid(name, format!("is longer than {LONGEST_DOCUMENT} bytes, the limit for configurations")));
     }
     let root: Value =
         serde_json::from_slice(bytes).map_err(|error| invalid(name, format!("this is no JSON: {error}")))?;
@@ -174,8 +173,8 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
     Ok(Noted { value: Config { viewer, nodes }, notes })
 }
 
-/// The viewports of a window with their parts of it, after `before` others of the computer;
-/// `pixels` counts those of all.
+/// Reads the viewports of a window with their parts of it, after `before` others of the computer;
+/// `pixels` counts the pixels of all.
 fn viewports_of(window: &Key, viewer: DVec3, before: usize, pixels: &mut u64) -> Result<Vec<(Part, Viewport)>> {
     let position = window.optional("pos").map_or(Ok([0.0; 2]), |position| position.pair())?;
     let size = window.required("size")?.pair()?;
@@ -194,7 +193,7 @@ fn viewports_of(window: &Key, viewer: DVec3, before: usize, pixels: &mut u64) ->
     Ok(viewports)
 }
 
-/// The viewports of a mirrored window: each shows what lies at its place in the mirror.
+/// Viewports of a mirrored window: each shows the picture at its mirrored place.
 fn mirrored_viewports(
     window: &Key,
     of_window: &[(Part, Viewport)],
@@ -233,20 +232,20 @@ impl Part {
         Self { low: [low(0), low(1)], size: self.size }
     }
 
-    /// As exactly as people write thirds.
+    /// True if both are at the same place, within the precision of thirds as people write them.
     fn is_at(&self, other: &Self) -> bool {
         (0..2).all(|k| (self.low[k] - other.low[k]).abs() < 1e-3 && (self.size[k] - other.size[k]).abs() < 1e-3)
     }
 }
 
-/// Reads the place of a viewport in its window.
+/// Reads the rectangle of a viewport in its window.
 fn part(key: &Key) -> Result<Part> {
     let low = key.optional("pos").map_or(Ok([0.0; 2]), |key| key.pair())?;
     let size = key.optional("size").map_or(Ok([1.0; 2]), |key| key.pair())?;
     Ok(Part { low, size })
 }
 
-/// A viewport of a window at `position` and of `size` pixels.
+/// Reads a viewport of a window at `position` with `size` pixels.
 fn viewport(
     key: &Key,
     Part { low, size: part }: Part,
@@ -289,7 +288,7 @@ fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
             if key.optional("offset").map_or(Ok(DVec3::ZERO), |key| key.vector())? == DVec3::ZERO {
                 Projection::Planar { rotation, frustum }
             } else {
-                // The plane is moved, the eye stays: another opening.
+                // The plane is moved and the eye is not, which changes the opening.
                 let distance = key.optional("distance").map_or(Ok(10.0), |key| key.number(1e-6, 1e6))?;
                 let offset = key.required("offset")?.vector()?;
                 let corner = |x: f64, y: f64| rotation * (DVec3::new(x, y, -1.0) * distance) + offset;
@@ -318,8 +317,8 @@ fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
     })
 }
 
-/// The flat picture in a rectangle, given by its lower left, upper left and upper right corner as
-/// seen from the eye.
+/// Flat picture in a rectangle, given by its lower left, upper left and upper right corner as seen
+/// from the eye.
 fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
     let flat = || key.wrong("its plane has no area or goes through the eye point");
     let x = (right - upper).try_normalize().ok_or_else(flat)?;
@@ -339,8 +338,8 @@ fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
     Ok(Projection::Planar { rotation, frustum })
 }
 
-/// An opening: whole angles, or the angles of the four sides, of which each counts away from the
-/// middle: `left` and `right` together are the field of view.
+/// Reads an opening: whole angles, or the angles of the four sides. Each side's angle counts away
+/// from the middle: `left` and `right` together are the field of view.
 fn frustum(key: &Key) -> Result<Frustum> {
     let angle = |name| key.required(name)?.number(-WIDEST, WIDEST);
     let whole = |name| Ok(0.5 * key.required(name)?.number(1e-3, 2.0 * WIDEST)?);
@@ -360,7 +359,7 @@ fn frustum(key: &Key) -> Result<Frustum> {
     Ok(Frustum { left: tangent(left), right: tangent(right), bottom: tangent(bottom), top: tangent(top) })
 }
 
-/// A turn: three angles in degrees, or a quaternion.
+/// Reads a rotation: three angles in degrees, or a quaternion.
 fn orientation(key: &Key) -> Result<DMat3> {
     if key.optional("w").is_some() {
         let part = |name| key.required(name)?.number(-1e6, 1e6);
@@ -374,7 +373,7 @@ fn orientation(key: &Key) -> Result<DMat3> {
     Ok(pose::rotation(angle("yaw")?, angle("pitch")?, angle("roll")?))
 }
 
-/// A value of the file and its way there.
+/// A value of the file, and its path.
 struct Key<'a> {
     name: &'a str,
     path: String,
@@ -399,7 +398,7 @@ impl<'a> Key<'a> {
         self.optional(key).ok_or_else(missing)
     }
 
-    /// The items of a list; none if it is absent.
+    /// Items of a list; none if it is absent.
     fn list(&self, key: &str) -> Result<Vec<Self>> {
         let Some(list) = self.optional(key) else { return Ok(Vec::new()) };
         let items = list.value.as_array().filter(|items| items.len() <= MOST);

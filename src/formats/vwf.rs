@@ -1,11 +1,10 @@
-//! VIOSO's `.vwf`: for each channel a header, four floats for each pixel, and pictures (BMP) of
-//! weights.
+//! VIOSO's `.vwf`: for each channel a header, four floats for each pixel, and pictures of weights
+//! (BMP).
 //!
-//! A two-dimensional map has u, v (from the top left), 1 where the pixel shows something, 0; a
-//! three-dimensional one the point in metres and 1. Encrypted and compressed maps are refused. The
-//! set's pictures after a map are blend, black and white. How black is used differs between
-//! readers; what it adds to black is the same in all of them as long as the header's other settings
-//! for it are 0…1.
+//! A two-dimensional map has u, v (from the top left), 1 where the pixel shows something, 0. A
+//! three-dimensional map has the point in metres and 1. Encrypted and compressed maps are refused.
+//! The set's pictures after a map are blend, black and white. Readers differ in their use of black,
+//! but all add the same to black as long as the header's other settings for it are 0…1.
 
 use super::grid::Raster;
 use crate::error::Result;
@@ -15,17 +14,18 @@ use crate::formats::pictures::levels::Levels;
 use crate::formats::reading::bytes::Bytes;
 use crate::formats::reading::input::{Noted, checked_size, invalid};
 
-/// The map's values are points, not positions in a picture.
+/// Flag: the map's values are points, not positions in a picture.
 const POINTS: u32 = 0x40;
 const COMPRESSED: u32 = 0x1;
-/// There is a black picture.
+/// Flag: there is a black picture.
 const BLACK_LEVEL: u32 = 0x20;
-/// The blend has 16 bits.
+/// Flag: the blend has 16 bits.
 const BLEND_OF_16_BITS: u32 = 0x100;
 /// Index of the black picture's factor among the 16 settings.
 const BLACK_SCALE: usize = 9;
 const ENCRYPTED: u32 = 0x400;
-/// Length of the oldest header, which every reader knows: 7 numbers, 2 colours, 16 numbers, a name.
+/// Length of the oldest header, which every reader accepts: 7 numbers, 2 colours, 16 numbers, a
+/// name.
 const HEADER: u32 = 4 * (7 + 8 + 16) + 256;
 /// Longest header of any version, bytes.
 const LONGEST_HEADER: u32 = 1 << 16;
@@ -37,10 +37,10 @@ const MOST_BLOCKS: u32 = 1024;
 pub struct VwfMap {
     /// Its name; may be empty.
     pub name: String,
-    /// Values are points (metres, in the axes of the program that measured them), not positions in
-    /// a picture (0…1 from the bottom left).
+    /// True if values are points (metres, in the axes of the program that measured them), false if
+    /// they are positions in a picture (0…1 from the bottom left).
     pub points: bool,
-    /// The values, NaN where nothing is shown.
+    /// Values, NaN where nothing is shown.
     pub raster: Raster,
     /// Factors on displayed values, if there are any.
     pub blend: Option<Picture>,
@@ -77,7 +77,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
     let skipped = (start as usize).saturating_sub(file.offset());
     file.take(skipped, "the set's header")?;
     let mut maps: Vec<VwfMap> = Vec::new();
-    // Of the latest map, and of all; those that nobody knows.
+    // Pictures of the latest map, of all maps, and pictures of unknown meaning.
     let (mut of_map, mut pictures, mut left_out) = (0, 0, 0);
     let mut scale = 1.0;
     while maps.len() + pictures < blocks as usize && file.left() > 0 {
@@ -117,12 +117,12 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
 }
 
 impl Picture {
-    /// The green channel.
+    /// Takes the green channel.
     fn of(Bitmap { size, values }: Bitmap) -> Self {
         Self { size, values: values.iter().map(|value| value[1]).collect() }
     }
 
-    /// All channels the same.
+    /// Gives all channels the same values.
     fn grey(&self) -> Levels {
         Levels { size: self.size, values: self.values.iter().map(|value| [*value; 3]).collect() }
     }
@@ -132,7 +132,7 @@ fn scaled(Bitmap { size, values }: Bitmap, scale: f32) -> Levels {
     Levels { size, values: values.iter().map(|value| value.map(|value| (value * scale).clamp(0.0, 1.0))).collect() }
 }
 
-/// A map, after its magic, and the factor on its black picture.
+/// Reads a map, after its magic, and the factor on its black picture.
 fn map(name: &str, file: &mut Bytes) -> Result<(VwfMap, f32)> {
     let length = file.u32("the header's length")?;
     if !(HEADER..=LONGEST_HEADER).contains(&length) {
@@ -152,7 +152,7 @@ fn map(name: &str, file: &mut Bytes) -> Result<(VwfMap, f32)> {
     }
     file.take(4 * (8 + BLACK_SCALE), "colours and settings")?;
     let scale = f32::from_le_bytes(file.array("settings")?);
-    // Writers that have no black picture leave 0 there.
+    // Writers without a black picture leave 0 there.
     let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
     file.take(4 * (15 - BLACK_SCALE), "settings")?;
     let text = file.array::<256>("the map's name")?;
@@ -166,7 +166,7 @@ fn map(name: &str, file: &mut Bytes) -> Result<(VwfMap, f32)> {
         let [a, b, c, d] =
             [0, 4, 8, 12].map(|at| f32::from_le_bytes([pixel[at], pixel[at + 1], pixel[at + 2], pixel[at + 3]]));
         let valid = if points { d } else { c };
-        // NaN counts as not valid.
+        // NaN counts as invalid.
         if valid > 0.5 {
             let value = if points { [a, b, c] } else { [a, 1.0 - b, 0.0] };
             if !value.iter().all(|value| value.is_finite()) {
@@ -186,12 +186,12 @@ fn map(name: &str, file: &mut Bytes) -> Result<(VwfMap, f32)> {
     Ok((VwfMap { name, points, raster, blend: None, black: None, white: None }, scale))
 }
 
-/// The bytes of a set with these maps and their pictures (16 bits; 8 bits of black, as readers
-/// expect).
+/// Returns the bytes of a set with these maps and their pictures (16 bits; 8 bits for black, as
+/// readers expect).
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a map is too large for the format, or a picture
-/// has not as many values as its size says.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a map is too large for the format, or the number
+/// of values of a picture does not fit its size.
 pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
     let mut bytes = b"vwf1".to_vec();
     let pictures = maps.iter().map(|map| map.pictures().len());
@@ -210,8 +210,7 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
             bytes.extend(number.to_le_bytes());
         }
         bytes.extend([1.0f32; 4].iter().chain(&[0.0; 4]).flat_map(|value| value.to_le_bytes()));
-        // The picture is not split over several channels: nothing but the factor of black is not
-        // zero.
+        // The picture is not split over several channels: only the factor of black is not zero.
         let mut settings = [0.0f32; 16];
         settings[BLACK_SCALE] = if map.black.is_some() { 1.0 } else { 0.0 };
         bytes.extend(settings.iter().flat_map(|value| value.to_le_bytes()));
@@ -240,7 +239,7 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
 }
 
 impl VwfMap {
-    /// Its pictures in the order of the file, up to the last that there is.
+    /// Pictures in the order of the file, up to the last that exists.
     fn pictures(&self) -> Vec<Option<Levels>> {
         let grey = |picture: &Option<Picture>| picture.as_ref().map(Picture::grey);
         let mut pictures = vec![grey(&self.blend), self.black.clone(), grey(&self.white)];
@@ -331,9 +330,9 @@ mod tests {
         assert!(set.value.len() == 2 && set.value[1].blend.is_none());
         assert!(set.notes[0].contains("1 pictures are more than"), "{:?}", set.notes);
         assert!((black(set) - 0.5).abs() < 1e-4);
-        // Cut off within the picture.
+        // The file ends within the picture.
         assert!(read("a.vwf", &bytes[..single.len() + 60]).is_err());
-        // A factor that is no number counts as none.
+        // A factor that is not a number counts as none.
         bytes[settings..settings + 4].copy_from_slice(&f32::NAN.to_le_bytes());
         assert!((black(read("a.vwf", &bytes).unwrap()) - 1.0).abs() < 1e-4);
     }

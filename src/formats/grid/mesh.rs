@@ -13,27 +13,27 @@ pub const MOST_NODES: usize = 1 << 20;
 /// Greatest number of entries of the index: 128 MiB.
 const MOST_ENTRIES: u64 = 1 << 25;
 /// Greatest ratio of the area of all triangles' boxes to the area of their mesh. A grid of squares
-/// has 2, a folded one a few more; beyond this the file is damaged, and finding a pixel's triangle
-/// would take too long.
+/// has 2, a folded one a few more. Beyond this limit the file is damaged, and finding a pixel's
+/// triangle would take too long.
 const MOST_LAYERS: f64 = 256.0;
 
-/// Distance outside a triangle at which a point still belongs to it, in barycentric parts: no pixel
-/// falls between two triangles by rounding.
+/// Distance outside a triangle, in barycentric parts, at which a point still belongs to it. So no
+/// pixel falls between two triangles by rounding.
 const SLACK: f64 = 1e-9;
 
 /// A node of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Its place in the output: from the middle, x to the right, y up, in the units of the
-    /// [`Grid`](super::Grid) that the mesh is in.
+    /// Position in the output: from the middle, x to the right, y up, in the units of the mesh's
+    /// [`Grid`](super::Grid).
     pub position: DVec2,
-    /// Value there, see [`Sample::value`].
+    /// Value at the position, see [`Sample::value`].
     pub value: DVec3,
     /// Factor on the displayed (encoded) value, 0…1.
     pub intensity: f64,
 }
 
-/// Triangles over an output; what is shown inside one follows linearly from its three nodes.
+/// Triangles over an output. The values inside a triangle follow linearly from its three nodes.
 #[derive(Clone, PartialEq)]
 pub struct Mesh {
     nodes: Vec<Node>,
@@ -41,7 +41,7 @@ pub struct Mesh {
     index: Index,
 }
 
-/// A sum stands for nodes and triangles, all bits of them; the index follows from these.
+/// The text has a checksum of all bits of nodes and triangles; the index follows from these.
 impl fmt::Debug for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sum = format_args!("{:x}", self.sum());
@@ -50,7 +50,7 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// As [`Debug`](fmt::Debug): a sum stands for the numbers.
+/// As in [`Debug`](fmt::Debug), a checksum replaces the numbers.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
         (self.nodes.len(), self.triangles.len(), self.sum()).serialize(to)
@@ -68,13 +68,13 @@ impl Mesh {
         nodes.chain(corners).collect()
     }
 
-    /// A mesh from its nodes and its triangles, of either orientation. Where triangles lie over
-    /// each other the later one is seen. `name` is the file's, for messages.
+    /// Makes a mesh from nodes and triangles of either orientation. Where triangles overlap, the
+    /// later one is visible. `name` is the file's, for messages.
     ///
     /// # Errors
-    /// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a triangle names a node that is not there, a
-    /// number is not finite, there are more than [`MOST_NODES`] nodes or three times as many
-    /// triangles, or the triangles lie over each other hundreds of times.
+    /// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a triangle names a node that does not exist,
+    /// a number is not finite, there are more than [`MOST_NODES`] nodes or three times as many
+    /// triangles, or the triangles overlap hundreds of times.
     pub fn new(name: &str, nodes: Vec<Node>, triangles: Vec<[u32; 3]>) -> Result<Self> {
         let finite = |node: &Node| node.position.is_finite() && node.value.is_finite() && node.intensity.is_finite();
         if nodes.len() > MOST_NODES || triangles.len() > 3 * MOST_NODES {
@@ -96,12 +96,12 @@ impl Mesh {
         }
     }
 
-    /// A mesh from a grid of `columns` × `rows` nodes, row by row; `None` = not to be used: a cell
-    /// is drawn, as two triangles with the diagonal from its first corner, if all four corners are
-    /// there. `closed`: the last column is followed by the first.
+    /// Makes a mesh from a grid of `columns` × `rows` nodes, row by row; `None` is a missing node.
+    /// A cell is drawn if all four corners exist, as two triangles with the diagonal from its first
+    /// corner. `closed`: the last column is followed by the first.
     ///
     /// # Errors
-    /// As [`Self::new`], and if there are not as many nodes as the grid has.
+    /// As [`Self::new`], and if the number of nodes is not that of the grid.
     pub fn from_grid(name: &str, columns: usize, rows: usize, grid: &[Option<Node>], closed: bool) -> Result<Self> {
         if columns.checked_mul(rows) != Some(grid.len()) || grid.len() > MOST_NODES {
             return Err(invalid(name, format!("{} nodes do not make a grid of {columns} × {rows}", grid.len())));
@@ -129,12 +129,12 @@ impl Mesh {
         Self::new(name, nodes, triangles)
     }
 
-    /// The nodes.
+    /// Nodes of the mesh.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
-    /// The triangles, as numbers of their nodes.
+    /// Triangles, as indices of their nodes.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
@@ -159,8 +159,8 @@ impl Mesh {
     }
 }
 
-/// The parts of the corners of a triangle at `point`; `None` outside, and in triangles without
-/// area.
+/// Barycentric parts of the corners of a triangle at `point`; `None` outside, and in triangles
+/// without area.
 fn barycentric([a, b, c]: [DVec2; 3], point: DVec2) -> Option<[f64; 3]> {
     let area = (b - a).perp_dot(c - a);
     let second = (point - a).perp_dot(c - a) / area;
@@ -169,29 +169,29 @@ fn barycentric([a, b, c]: [DVec2; 3], point: DVec2) -> Option<[f64; 3]> {
     parts.iter().all(|part| *part >= -SLACK).then_some(parts)
 }
 
-/// The box of a triangle.
+/// Bounding box of a triangle.
 fn bounds([a, b, c]: [DVec2; 3]) -> (DVec2, DVec2) {
     (a.min(b).min(c), a.max(b).max(c))
 }
 
-/// Index of the triangles that may hold a point: the triangles of each cell of a grid over the
-/// mesh's box.
+/// Index of the triangles that may contain a point. It lists the triangles of each cell of a grid
+/// over the mesh's box.
 #[derive(Clone, Debug, PartialEq)]
 struct Index {
     low: DVec2,
-    /// Cells for each unit of length.
+    /// Number of cells for each unit of length.
     scale: DVec2,
-    /// Columns, and as many rows.
+    /// Number of columns, and of rows.
     side: usize,
-    /// Place in `triangles` at which each cell's triangles begin, and the end.
+    /// Index in `triangles` at which each cell's triangles begin, and the end.
     starts: Vec<u32>,
-    /// In ascending order within a cell.
+    /// Indices of triangles, in ascending order within a cell.
     triangles: Vec<u32>,
 }
 
 impl Index {
-    /// About as many cells as triangles, fewer where long triangles would fill the lists; `None` if
-    /// the triangles fill the mesh's box too many times over.
+    /// Makes about as many cells as there are triangles, fewer where long triangles would fill the
+    /// lists; `None` if the triangles cover the mesh's box too many times.
     fn new(nodes: &[Node], triangles: &[[u32; 3]]) -> Option<Self> {
         let boxes = || triangles.iter().map(|triangle| bounds(triangle.map(|node| nodes[node as usize].position)));
         let low = boxes().fold(DVec2::INFINITY, |low, (corner, _)| low.min(corner));
@@ -211,7 +211,8 @@ impl Index {
             }
             side /= 2;
         }
-        // Twice over the triangles, to count and to fill, so that no cell needs a list of its own.
+        // Goes through the triangles twice, to count and to fill, so that no cell needs a list of
+        // its own.
         let mut ends = vec![0_u32; side * side + 1];
         boxes().for_each(|bounds| index.visit(bounds, |cell| ends[cell + 1] += 1));
         for cell in 1..ends.len() {
@@ -229,7 +230,7 @@ impl Index {
         Some(index)
     }
 
-    /// The cells that a box touches: first column and row, last column and row.
+    /// Cells that a box touches: first column and row, last column and row.
     fn cells(&self, (low, high): (DVec2, DVec2)) -> (usize, usize, usize, usize) {
         let ((left, bottom), (right, top)) = (self.cell(low), self.cell(high));
         (left, bottom, right, top)
@@ -248,11 +249,11 @@ impl Index {
     /// Column and row of the cell of a point, or of the one nearest to it.
     fn cell(&self, point: DVec2) -> (usize, usize) {
         let at = (point - self.low) * self.scale;
-        // The conversion saturates, and makes 0 of NaN.
+        // The conversion saturates, and turns NaN into 0.
         ((at.x as usize).min(self.side - 1), (at.y as usize).min(self.side - 1))
     }
 
-    /// The triangles whose boxes' cells hold `point`, in ascending order.
+    /// Triangles in the cell of `point`, in ascending order.
     fn candidates(&self, point: DVec2) -> Option<&[u32]> {
         if self.triangles.is_empty() || !point.is_finite() {
             return None;
@@ -285,7 +286,7 @@ mod tests {
         let mut random = Random::new(1);
         for _ in 0..20_000 {
             let at = DVec2::new(random.range(-1.0, 1.0), random.range(-1.0, 1.0));
-            // Every other one on an edge between two triangles.
+            // Every other point is on an edge between two triangles.
             let at = if random.unit() < 0.5 { DVec2::new((at.x * 6.0).round() / 6.0, at.y) } else { at };
             let sample = mesh.sample(at).unwrap();
             assert!(sample.value.distance(value(at.x, at.y)) < 1e-12);

@@ -1,4 +1,4 @@
-//! Calibrations of the pixels of an output: nodes with triangles, or pixel by pixel.
+//! Calibrations of the pixels of an output: nodes with triangles, or a value for each pixel.
 
 mod mesh;
 mod raster;
@@ -11,8 +11,8 @@ use glam::{DVec2, DVec3};
 /// Value of a calibration at one place of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// A position in a picture (x, y in 0…1 from the bottom left), a point or a direction: what it
-    /// is, the rig says.
+    /// Position in a picture (x, y in 0…1 from the bottom left), point or direction; the rig
+    /// determines which.
     pub value: DVec3,
     /// Factor on the displayed (encoded) value, 0…1.
     pub intensity: f64,
@@ -21,7 +21,7 @@ pub struct Sample {
 /// A calibration of one output.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Grid {
-    /// Nodes with triangles; an output of another aspect than the mesh's shows more or less at the
+    /// Nodes with triangles. An output of another aspect than the mesh's shows more or less at the
     /// sides.
     Mesh(Mesh),
     /// Nodes with triangles whose positions are −1…1 over the width and over the height of any

@@ -6,14 +6,14 @@ use glam::{DVec2, DVec3};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// A value for each pixel of an output, or for each of a coarser or finer raster over it.
+/// A value for each pixel of an output, or of a coarser or finer raster over it.
 #[derive(Clone, PartialEq)]
 pub struct Raster {
     size: (u32, u32),
     values: Vec<[f32; 3]>,
 }
 
-/// A sum stands for the values, all bits of them.
+/// The text has a checksum of all bits of the values.
 impl fmt::Debug for Raster {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sum = format_args!("{:x}", self.sum());
@@ -21,7 +21,7 @@ impl fmt::Debug for Raster {
     }
 }
 
-/// As [`Debug`](fmt::Debug): a sum stands for the numbers.
+/// As in [`Debug`](fmt::Debug), a checksum replaces the numbers.
 impl Serialize for Raster {
     fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
         (self.size, self.sum()).serialize(to)
@@ -33,9 +33,8 @@ impl Raster {
         self.values.iter().flatten().map(|value| f64::from(*value)).collect()
     }
 
-    /// A raster of `size` (width, height) from its values, row by row from the top; three NaN (or
-    /// one of them NaN) where nothing is shown. `None` if the size is zero or not that of the
-    /// values.
+    /// Makes a raster of `size` (width, height) from its values, row by row from the top. A pixel
+    /// with a NaN shows nothing. `None` if the size is zero or not that of the values.
     pub fn new(size: (u32, u32), values: Vec<[f32; 3]>) -> Option<Self> {
         let fits = u64::from(size.0) * u64::from(size.1) == values.len() as u64 && !values.is_empty();
         fits.then_some(Self { size, values })
@@ -46,17 +45,17 @@ impl Raster {
         self.size
     }
 
-    /// The values, row by row from the top.
+    /// Values, row by row from the top.
     pub fn values(&self) -> &[[f32; 3]] {
         &self.values
     }
 
-    /// The value at a place of the output, in parts of its width and height from the top left.
+    /// Value at a place of the output, in parts of its width and height from the top left.
     ///
-    /// Linear between the centres of the raster's pixels, and continued linearly over the outer
-    /// half of the outermost. Nothing is shown where the nearest pixel shows nothing; beside such
-    /// pixels the others are continued linearly as far as they tell, else the nearest one's value
-    /// stands alone.
+    /// It is linear between the centres of the raster's pixels, and continues linearly over the
+    /// outer half of the outermost pixels. It is `None` where the nearest pixel shows nothing.
+    /// Beside such pixels the others continue linearly where they have neighbours; otherwise the
+    /// nearest pixel's value is used.
     pub fn sample(&self, part: DVec2) -> Option<Sample> {
         if !(part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all()) {
             return None;
@@ -72,15 +71,15 @@ impl Raster {
         Some(Sample { value, intensity: 1.0 })
     }
 
-    /// The value of a pixel, if it shows something.
+    /// Value of a pixel, if it shows something.
     fn value(&self, x: u32, y: u32) -> Option<DVec3> {
         let value = self.values.get(y as usize * self.size.0 as usize + x as usize).filter(|_| x < self.size.0)?;
         let value = DVec3::from_array(value.map(f64::from));
         (!value.is_nan()).then_some(value)
     }
 
-    /// The value at `part` of a cell with corners that show nothing: the nearest one's, with the
-    /// slopes towards the pixels beside it that show something.
+    /// Value at `part` of a cell with corners that show nothing: that of the nearest corner, with
+    /// the slopes towards the pixels beside it that show something.
     fn beside_nothing(&self, [left, top]: [u32; 2], part: DVec2) -> Option<DVec3> {
         let step = [u32::from(part.x > 0.5 && self.size.0 > 1), u32::from(part.y > 0.5 && self.size.1 > 1)];
         let (x, y) = (left + step[0], top + step[1]);
@@ -98,8 +97,8 @@ impl Raster {
     }
 }
 
-/// The pixel whose centre is the last before `part` (0…1) of `count`, and how far behind it that
-/// is, in pixels: 0…1, and −½…1½ at the ends.
+/// Number of the pixel (of `count`) whose centre is the last before `part` (0…1), and the distance
+/// from there to `part`, in pixels: 0…1, and −½…1½ at the ends.
 fn cell(part: f64, count: u32) -> (u32, f64) {
     let at = part * f64::from(count) - 0.5;
     let first = at.floor().clamp(0.0, f64::from(count.saturating_sub(2)));
@@ -138,7 +137,7 @@ mod tests {
         assert_eq!(sample(&raster, 0.32, 0.5), Some(DVec3::new(1.0, 2.0, 3.0)));
     }
 
-    /// A constant value there would be a pixel without extent, which no resolution satisfies.
+    /// A constant value there would make a pixel without extent, which no resolution satisfies.
     #[test]
     fn a_linear_raster_is_linear_beside_what_shows_nothing() {
         let value = |x: f64, y: f64| [3.0 * x - y, 1.0 + x + 10.0 * y, 4.0];

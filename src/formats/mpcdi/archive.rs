@@ -1,4 +1,4 @@
-//! Files out of the zip archive, within limits.
+//! Reads files in the zip archive, within limits.
 
 use crate::error::Result;
 use crate::formats::reading::input::{LONGEST_FILE, invalid};
@@ -22,7 +22,8 @@ impl<'a> Files<'a> {
         Ok(Self { name, zip })
     }
 
-    /// The description: `mpcdi.xml`, in old archives `mpacs.xml`, else the only XML file.
+    /// Returns the description: `mpcdi.xml`, in old archives `mpacs.xml`, otherwise the only XML
+    /// file.
     pub(super) fn description(&mut self) -> Result<String> {
         let names: Vec<String> = self.zip.file_names().flatten().map(|name| name.into_owned()).collect();
         let called = |wanted: &str| names.iter().find(|name| name.eq_ignore_ascii_case(wanted));
@@ -33,7 +34,7 @@ impl<'a> Files<'a> {
         String::from_utf8(bytes).map_err(|_| invalid(&format!("{}/{found}", self.name), "is not UTF-8 text"))
     }
 
-    /// A file of at most `longest` bytes.
+    /// Unpacks a file of at most `longest` bytes.
     pub(super) fn take(&mut self, path: &str, longest: u64) -> Result<Vec<u8>> {
         let longest = longest.min(LONGEST_FILE);
         let wrong = |why: String| invalid(&format!("{}/{path}", self.name), why);
@@ -42,7 +43,7 @@ impl<'a> Files<'a> {
         }
         let file = self.zip.by_name(path).map_err(|error| wrong(format!("cannot be unpacked: {error}")))?;
         let mut bytes = Vec::new();
-        // What the directory says about the length may be a lie: counted is what comes out.
+        // The length in the directory may be wrong: the unpacked bytes count.
         let read = file.take(longest + 1).read_to_end(&mut bytes);
         read.map_err(|error| wrong(format!("cannot be unpacked: {error}")))?;
         if bytes.len() as u64 > longest {

@@ -1,4 +1,4 @@
-//! The description: which regions there are, and which files belong to each.
+//! The description: its regions, and the files of each.
 
 use super::Profile;
 use super::archive::LONGEST_DESCRIPTION;
@@ -18,7 +18,7 @@ const MOST_NODES: u32 = 100_000;
 const MOST_REGIONS: usize = 256;
 /// Greatest number of attributes of an element. The parser compares each with all before it.
 const MOST_ATTRIBUTES: usize = 256;
-/// Greatest number of namespaces. The parser gives each element a list of those that hold there.
+/// Greatest number of namespaces. The parser gives each element a list of the valid ones.
 const MOST_NAMESPACES: usize = 64;
 
 /// Content of the description.
@@ -32,20 +32,20 @@ pub(super) struct Description {
 pub(super) struct DescribedRegion {
     pub(super) id: String,
     pub(super) size: (u32, u32),
-    /// x, y, width and height in the whole picture, 0…1 from the bottom left.
+    /// Values x, y, width and height in the whole picture, 0…1 from the bottom left.
     pub(super) place: [f64; 4],
-    /// Name of the warp file; `None` if the file describes the projector alone.
+    /// Name of the warp file; `None` if the file describes only the projector.
     pub(super) warp: Option<String>,
-    /// Name and gamma.
+    /// Name of the file of weights, and its gamma.
     pub(super) alpha: Option<(String, f64)>,
-    /// The name of the black levels.
+    /// Name of the file of black levels.
     pub(super) beta: Option<String>,
     pub(super) camera: Option<Camera>,
     /// A projector with a fisheye lens.
     pub(super) fisheye: Option<Optics>,
-    /// It has a lens that is not understood.
+    /// True if it has a lens that is not understood.
     pub(super) unclear: bool,
-    /// Axes of the frame (x right, y up, z backward) → axes of the file.
+    /// Rotation from the axes of the frame (x right, y up, z backward) to those of the file.
     pub(super) axes: DMat3,
 }
 
@@ -107,13 +107,13 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
     Ok(Description { profile, regions, notes })
 }
 
-/// Refuses what would take the parser long, before it is parsed.
+/// Refuses texts that would take the parser long, before they are parsed.
 fn bounded(name: &str, text: &str) -> Result<()> {
     let refused = |what: String| Err(invalid(name, format!("the description has {what}")));
     if text.len() as u64 > LONGEST_DESCRIPTION {
         return refused(format!("{} bytes; expected at most {LONGEST_DESCRIPTION}", text.len()));
     }
-    // No element begins within another's attributes.
+    // No element begins within the attributes of another.
     let quotes = |part: &str| part.bytes().filter(|byte| matches!(byte, b'"' | b'\'')).count();
     if text.split('<').any(|part| quotes(part) > 2 * MOST_ATTRIBUTES) {
         return refused(format!("an element with too many attributes; expected at most {MOST_ATTRIBUTES}"));
@@ -132,33 +132,33 @@ pub(super) fn named<'a, 'input, 'n>(
     node.descendants().filter(move |node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
 }
 
-/// The document, and how its values are read.
+/// Document, and methods that read its values.
 pub(super) struct Reader<'a, 'input> {
     pub(super) name: &'a str,
     document: &'a Document<'input>,
 }
 
 impl Reader<'_, '_> {
-    /// An error of an element, with its line.
+    /// Error of an element, with its line.
     pub(super) fn wrong(&self, node: Node, why: impl std::fmt::Display) -> Error {
         let line = self.document.text_pos_at(node.range().start).row;
         invalid(&format!("{}/mpcdi.xml:{line}", self.name), format!("<{}> {why}", node.tag_name().name()))
     }
 
-    /// An attribute, whatever its case.
+    /// Value of an attribute; its case is ignored.
     pub(super) fn attribute<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
         let found = node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name));
         found.map(|attribute| attribute.value().trim()).ok_or_else(|| self.wrong(node, format!("has no {name}")))
     }
 
-    /// A number in an attribute.
+    /// Number in an attribute.
     fn number(&self, node: Node, name: &str) -> Result<f64> {
         let word = self.attribute(node, name)?;
         let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
         number.ok_or_else(|| self.wrong(node, format!("{name} = {} is no number", shown(word))))
     }
 
-    /// The text of the first element called `name` below `node`.
+    /// Text of the first element called `name` below `node`.
     pub(super) fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Option<&'n str> {
         named(node, name).next().and_then(|node| node.text()).map(str::trim).filter(|text| !text.is_empty())
     }
@@ -179,7 +179,8 @@ impl Reader<'_, '_> {
         let files = files.ok_or_else(|| self.wrong(region, format!("{} has no fileset", shown(id))))?;
         let warp = named(files, "geometryWarpFile").next();
         let warp = warp.and_then(|warp| self.text(warp, "path"));
-        // Programs that send maps to the projectors themselves tell the places of projectors only.
+        // Programs that send maps directly to the projectors describe only the projectors'
+        // positions.
         if warp.is_none() && profile != Profile::ShaderLamps {
             return Err(self.wrong(files, "has no geometryWarpFile with a path"));
         }
@@ -210,7 +211,7 @@ impl Reader<'_, '_> {
                 let (rotation, frustum) = (self.turn(frustum)?, self.opening(frustum)?);
                 camera = Some(Camera { offset, rotation, frustum });
             }
-            // A plane's angles mean nothing there, and are written as anything.
+            // The angles of a plane have no meaning there, and their values are arbitrary.
             (Some(frustum), Described::Fisheye(lens, circle)) => {
                 let pose = Pose { position: offset, rotation: self.turn(frustum)? };
                 fisheye = Some(Optics { pose, lens: Lens::Fisheye { lens, circle }, mirror: None });
@@ -221,20 +222,20 @@ impl Reader<'_, '_> {
         Ok(DescribedRegion { id: id.to_owned(), size, place, warp, alpha, beta, camera, fisheye, unclear, axes })
     }
 
-    /// An angle of a frustum, degrees.
+    /// Angle of a frustum, degrees.
     fn angle(&self, element: Node, name: &'static str) -> Result<f64> {
         let word = self.text(element, name).ok_or_else(|| self.wrong(element, format!("has no {name}")))?;
         let number = word.parse::<f64>().ok().filter(|number| number.abs() <= 360.0);
         number.ok_or_else(|| self.wrong(element, format!("{name} = {} is no angle", shown(word))))
     }
 
-    /// The turn of a frustum within its frame.
+    /// Rotation of a frustum within its frame.
     fn turn(&self, element: Node) -> Result<DMat3> {
         let radians = |name| Ok::<_, Error>(self.angle(element, name)?.to_radians());
         Ok(pose::rotation(radians("yaw")?, radians("pitch")?, radians("roll")?))
     }
 
-    /// The opening of a frustum.
+    /// Opening of a frustum.
     fn opening(&self, element: Node) -> Result<Frustum> {
         let side = |name| self.angle(element, name);
         let sides = [side("leftAngle")?, side("rightAngle")?, side("downAngle")?, side("upAngle")?];
@@ -249,8 +250,9 @@ impl Reader<'_, '_> {
         Ok(Frustum { left, right, bottom, top })
     }
 
-    /// Place and axes of a frame: its pitch axis points to the right, its yaw axis down, its roll
-    /// axis forward. The place is along these axes, the axes lead to those of the file.
+    /// Position and axes of a frame: its pitch axis points to the right, its yaw axis down, its
+    /// roll axis forward. The position is along these axes; the rotation leads from them to the
+    /// axes of the file.
     fn frame(&self, element: Node) -> Result<(DVec3, DMat3)> {
         let vector = |prefix: &str| {
             let part = |axis: &str| {

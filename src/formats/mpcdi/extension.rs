@@ -1,11 +1,12 @@
-//! Lenses that MPCDI has no words for, in Christie's extension `BufferExtension`: fisheyes, and
-//! pictures that are squeezed.
+//! Lenses that MPCDI itself cannot describe, in Christie's extension `BufferExtension`: fisheyes
+//! and squeezed (anamorphic) pictures.
 //!
 //! A fisheye's radius is f1·θ + f3·θ³ + f5·θ⁵ + f7·θ⁷ in half widths of the picture. Its offsets
 //! are those of the picture from the axis, in half widths and half heights, as for plane lenses. An
-//! anamorphic ratio is the height of a pixel over its width. The unit of θ is not said and differs
-//! between writers. An angle of the squeeze is only named: its public description says that it is
-//! not 0 where the lens is turned in its mount, but not what it turns, from where and which way.
+//! anamorphic ratio is the height of a pixel divided by its width. The unit of θ is not defined and
+//! differs between writers. The angle of the squeeze has only a name: its public description says
+//! that it is not 0 if the lens is turned in its mount, but not what it turns, from where and in
+//! which direction.
 
 use super::document::{Reader, named};
 use crate::error::{Error, ErrorKind, Result};
@@ -17,25 +18,25 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-/// The name of the extension.
+/// Name of the extension.
 pub(super) const NAME: &str = "BufferExtension";
 
-/// Range for the rim of a fisheye of 180°, in half widths of the picture. It is narrower than the
-/// ratio 57 between a degree and a radian, so at most one of the two units fits a lens that is
-/// nearly equidistant.
+/// Range of the radius at the rim of a fisheye of 180°, in half widths of the picture. It is
+/// narrower than the ratio 57 between a degree and a radian, so at most one of the two units fits a
+/// lens that is nearly equidistant.
 const RIM: RangeInclusive<f64> = 0.1..=4.0;
 
 /// Lens of a region, as the extension describes it.
 pub(super) enum Described {
-    /// Nothing.
+    /// No lens.
     Plain,
-    /// A fisheye, and where its circle is in the picture.
+    /// A fisheye, and the position of its circle in the picture.
     Fisheye(FisheyeLens, Circle),
-    /// A fisheye whose numbers cannot be understood; a note tells.
+    /// A fisheye whose numbers cannot be understood; a note says so.
     Unclear,
 }
 
-/// The lens of the region `id`, whose picture has `size` pixels.
+/// Lens of the region `id`, whose picture has `size` pixels.
 pub(super) fn lens(
     reader: &Reader,
     root: Node,
@@ -71,7 +72,7 @@ pub(super) fn lens(
         ratio = number(anamorphic, "ratio", 1.0, 0.01..=100.0)?;
         skew = number(anamorphic, "angle", 0.0, -360.0..=360.0)?;
     }
-    // Only archives of our own say it, in radians.
+    // Only Cupola's own archives contain it, in radians.
     let known = reader.text(fisheye, "aperture").is_some();
     let aperture = number(fisheye, "aperture", 180.0, 1e-3..=360.0)?.to_radians();
     let Some(Understood { lens, rim, unit }) = understood(factors, aperture, known) else {
@@ -100,7 +101,7 @@ pub(super) fn lens(
 /// Note about the angle `skew` of an anamorphic lens, degrees, whose rim has a radius of `rim`
 /// pixels.
 fn skew_note(title: &str, rim: f64, ratio: f64, skew: f64) -> String {
-    // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, D =
+    // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, with D =
     // diag(1, 1/ratio).
     let turned = rim * (1.0 - 1.0 / ratio).abs() * skew.to_radians().sin().abs();
     format!(
@@ -109,17 +110,17 @@ fn skew_note(title: &str, rim: f64, ratio: f64, skew: f64) -> String {
     )
 }
 
-/// A fisheye whose unit is found.
+/// A fisheye whose unit was found.
 struct Understood {
     lens: FisheyeLens,
     /// Radius of the rim, half widths of the picture.
     rim: f64,
-    /// The unit of the angle in the file.
+    /// Unit of the angle in the file.
     unit: &'static str,
 }
 
-/// The fisheye of these factors, whichever unit of the angle fits; `known`: the file says its
-/// aperture, and the unit is the radian.
+/// Makes a fisheye of these factors, with the unit of the angle that fits. `known`: the file
+/// contains its aperture, and the unit is the radian.
 fn understood(factors: [f64; 4], aperture: f64, known: bool) -> Option<Understood> {
     let units = [("radians", 1.0), ("degrees", 180.0 / PI)];
     units.iter().find_map(|(word, unit)| {
@@ -136,13 +137,13 @@ fn understood(factors: [f64; 4], aperture: f64, known: bool) -> Option<Understoo
     })
 }
 
-/// The radius at an angle.
+/// Radius at an angle.
 fn radius([f1, f3, f5, f7]: &[f64; 4], angle: f64) -> f64 {
     let square = angle * angle;
     angle * (f1 + square * (f3 + square * (f5 + square * f7)))
 }
 
-/// The extension's text for regions of these names, sizes and projectors; empty if none has a
+/// Text of the extension for regions of these names, sizes and projectors; empty if none has a
 /// fisheye.
 ///
 /// # Errors

@@ -1,12 +1,12 @@
 //! MPCDI, VESA's exchange format for calibrated displays, versions 1.0 and 2.0: a zip archive with
 //! a description in XML, a PFM for each region, and PNG pictures of weights.
 //!
-//! A description alone, without the archive, is read too: it tells where projectors are, and their
-//! lenses.
+//! A description alone, without the archive, is read too: it gives the positions of projectors and
+//! their lenses.
 //!
-//! Attributes are read whatever their case, since writers differ. Files are taken out of the
-//! archive by the names that the description gives, into memory, within limits that follow from the
-//! regions' sizes.
+//! Attributes are read regardless of their case, because writers differ. Files of the archive are
+//! read by the names in the description, into memory, within limits that follow from the regions'
+//! sizes.
 
 mod archive;
 mod document;
@@ -31,11 +31,11 @@ use glam::{DMat3, DVec3};
 pub enum Profile {
     /// `2d`: positions in one flat picture.
     Flat,
-    /// `3d`: positions in a perspective picture of each region's own.
+    /// `3d`: positions in a perspective picture for each region.
     Perspective,
     /// `a3`: points of the screen.
     Screen,
-    /// `sl`: points of the screen, which each region's projector lights from a known place.
+    /// `sl`: points of the screen, which each region's projector lights from a known position.
     ShaderLamps,
 }
 
@@ -43,7 +43,7 @@ impl Profile {
     /// All of them.
     const ALL: [Self; 4] = [Self::Flat, Self::Perspective, Self::Screen, Self::ShaderLamps];
 
-    /// As the description has it.
+    /// Word in the description.
     pub fn word(self) -> &'static str {
         match self {
             Self::Flat => "2d",
@@ -53,12 +53,12 @@ impl Profile {
         }
     }
 
-    /// Each region needs a camera.
+    /// True if each region needs a camera.
     fn has_cameras(self) -> bool {
         matches!(self, Self::Perspective | Self::ShaderLamps)
     }
 
-    /// The values are points, not positions in a picture.
+    /// True if the values are points, not positions in a picture.
     pub fn has_points(self) -> bool {
         matches!(self, Self::Screen | Self::ShaderLamps)
     }
@@ -67,9 +67,9 @@ impl Profile {
 /// A version of the format, for writing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
-    /// 1.0, which all readers know.
+    /// Version 1.0, which all readers accept.
     One,
-    /// 2.0.
+    /// Version 2.0.
     Two,
 }
 
@@ -78,29 +78,29 @@ pub enum Version {
 pub struct Archive {
     /// Meaning of the values.
     pub profile: Profile,
-    /// The regions, one for each projector.
+    /// Regions, one for each projector.
     pub regions: Vec<Region>,
 }
 
 /// Calibration of one projector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// Its name.
+    /// Name of the region.
     pub id: String,
-    /// Its resolution in pixels.
+    /// Resolution in pixels.
     pub size: (u32, u32),
     /// Position in the picture (0…1 from the bottom left) or point of the screen, NaN where nothing
-    /// is shown; of any resolution. In profile sl it may be missing; the projector is known then.
+    /// is shown, in any resolution. In profile `sl` it may be missing if the projector is known.
     pub warp: Option<Raster>,
     /// Weights, if there are any.
     pub alpha: Option<Alpha>,
     /// Black levels, if there are any: displayed values that are added after the weights, `x·(1 −
     /// level) + level`.
     pub beta: Option<Levels>,
-    /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector, if
-    /// it is a pinhole.
+    /// Camera to whose picture the positions refer (profile `3d`), or the projector if it is a
+    /// pinhole (profile `sl`).
     pub camera: Option<Camera>,
-    /// In profile sl the projector, if it has a fisheye lens.
+    /// Projector in profile `sl`, if it has a fisheye lens.
     pub fisheye: Option<Optics>,
 }
 
@@ -111,13 +111,13 @@ pub struct Alpha {
     pub size: (u32, u32),
     /// Weights 0…1, row by row from the top; weight^gamma is the part of linear light.
     pub weights: Vec<f32>,
-    /// The exponent.
+    /// Exponent of the weights.
     pub gamma: f64,
 }
 
-/// Reads an archive, or a description alone. Points, places and turns are in the axes x right, y
-/// up, z backward: where a frame tells the axes of the file, they are turned. `name` is the file's,
-/// for messages.
+/// Reads an archive, or a description alone. Points, positions and rotations are in the axes x
+/// right, y up, z backward; if a frame gives the axes of the file, they are turned. `name` is the
+/// file's, for messages.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the file in the archive and the reason.
@@ -125,7 +125,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
     read_within(name, bytes, MOST_PIXELS_TOGETHER)
 }
 
-/// As [`read`], of at most so many pixels altogether.
+/// As [`read`], with at most `most` pixels altogether.
 fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
     let (files, text) = match description_alone(bytes) {
         Some(text) => (None, text.to_owned()),
@@ -139,13 +139,13 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
     let mut parts = Parts { name, files, left: most, most };
     let mut regions = Vec::new();
     for region in described {
-        // A map may be finer than the region, but not without bound: four values for each pixel.
+        // A map may be finer than the region, but only to a limit: four values for each pixel.
         let longest = 48 * u64::from(region.size.0) * u64::from(region.size.1) + (1 << 16);
         let warp = region.warp.as_ref().map(|path| parts.warp(path, longest, profile, &region)).transpose()?;
         let alpha = region.alpha.as_ref().map(|(path, gamma)| parts.alpha(path, longest, *gamma)).transpose()?;
         let beta = region.beta.as_ref().map(|path| parts.beta(path, longest)).transpose()?;
         let (camera, fisheye) = (region.camera, region.fisheye);
-        // A fisheye that is not understood leaves the points.
+        // If a fisheye is not understood, the points remain.
         if camera.is_none() && fisheye.is_none() && profile.has_cameras() && !region.unclear {
             let why = format!("region {} has no frustum, which profile {} needs", region.id, profile.word());
             return Err(invalid(name, why));
@@ -155,20 +155,20 @@ fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
     Ok(Noted { value: Archive { profile, regions }, notes })
 }
 
-/// The files in an archive, which are read as its regions name them.
+/// Files of an archive, which are read as its regions name them.
 struct Parts<'a> {
-    /// The archive's.
+    /// Name of the archive.
     name: &'a str,
-    /// `None`: a description without its archive.
+    /// Files of the archive; `None` for a description without one.
     files: Option<Files<'a>>,
-    /// Pixels that may still be unpacked: many regions may name the same file, which is unpacked
-    /// for each.
+    /// Number of pixels that may still be unpacked. Many regions may name the same file, which is
+    /// unpacked for each.
     left: u64,
     most: u64,
 }
 
 impl Parts<'_> {
-    /// A file's name for messages, and its bytes.
+    /// Returns a file's name for messages, and its bytes.
     fn take(&mut self, path: &str, longest: u64) -> Result<(String, Vec<u8>)> {
         let inner = format!("{}/{path}", self.name);
         match &mut self.files {
@@ -216,13 +216,13 @@ impl Parts<'_> {
     }
 }
 
-/// The text of a description that is no archive, if the file is one.
+/// Text of a description without an archive, if the file is one.
 fn description_alone(bytes: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(bytes).ok()?;
     text.trim_start_matches('\u{feff}').trim_start().starts_with('<').then_some(text)
 }
 
-/// Points out of the axes of the file.
+/// Converts points from the axes of the file.
 fn turned(name: &str, warp: Raster, axes: &DMat3) -> Result<Raster> {
     if *axes == DMat3::IDENTITY {
         return Ok(warp);
@@ -232,7 +232,7 @@ fn turned(name: &str, warp: Raster, axes: &DMat3) -> Result<Raster> {
     Raster::new(warp.size(), values).ok_or_else(|| invalid(name, "has no pixels"))
 }
 
-/// Positions in a region's part (x, y, width, height) of the whole picture.
+/// Converts positions in a region's part (x, y, width, height) of the whole picture.
 fn placed(name: &str, warp: &Raster, [x, y, width, height]: [f64; 4]) -> Result<Raster> {
     let part = |start: f64, extent: f64, at: f32| (start + extent * f64::from(at)) as f32;
     let values = warp.values().iter().map(|value| [part(x, width, value[0]), part(y, height, value[1]), 0.0]);

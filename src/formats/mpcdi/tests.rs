@@ -36,7 +36,7 @@ fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
     zip.finish().unwrap().into_inner()
 }
 
-/// A description with one region of the size, whose map is `path`.
+/// A description with one region of this width, whose map is `path`.
 fn described(path: &str, width: u32) -> String {
     format!(
         "<MPCDI profile=\"2d\" geometry=\"1\" color=\"1\" version=\"2.0\"><display><buffer id=\"b\" xResolution=\"9\" yResolution=\"9\">\
@@ -107,7 +107,7 @@ fn hostile_archives_are_refused() {
     }
     refused(&with(&described("b.pfm", 2), &map), "a.mpcdi/b.pfm: cannot be unpacked");
     refused(&with(&described("a.pfm", u32::MAX), &map), "pixels altogether");
-    // A bomb: 8 MiB of nothing in a few kilobytes.
+    // A zip bomb: 8 MiB of zeroes in a few kilobytes.
     refused(&with(&described("a.pfm", 2), &vec![0; 8 << 20]), "unpacks to more than");
     let sl = described("a.pfm", 2).replace("\"2d\"", "\"sl\"");
     refused(&with(&sl, &map), "has no frustum");
@@ -124,7 +124,7 @@ fn hostile_archives_are_refused() {
     refused(&with(entities, &map), "not XML");
 }
 
-/// Regions may share one file: what is bounded is what they hold together.
+/// Regions may share one file: the bound is on what they contain together.
 #[test]
 fn the_pixels_of_all_regions_are_bounded() {
     let map = pfm::write(2, &[[0.0; 3]; 2]);
@@ -140,13 +140,13 @@ fn the_pixels_of_all_regions_are_bounded() {
     assert!(message.contains("more than 19 pixels"), "{message}");
 }
 
-/// A PNG whose header promises what no file of its length can hold, and one that does hold it.
+/// A PNG whose header promises more than a file of its length can contain, and a valid one.
 #[test]
 fn pictures_are_refused_by_their_header() {
     let mut png = Vec::new();
     let black = image::GrayImage::new(1, 1);
     black.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
-    // The size, and the sum over its part of the file.
+    // Sets the size, and the checksum of its chunk of the file.
     png[16..24].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff]);
     let sum = crc32(&png[12..29]);
     png[29..33].copy_from_slice(&sum.to_be_bytes());
@@ -154,7 +154,7 @@ fn pictures_are_refused_by_their_header() {
     assert!(message.contains("65535 × 65535 pixels; expected 1 to"), "{message}");
 }
 
-/// The sum that PNG has over its parts.
+/// Checksum of PNG chunks.
 fn crc32(bytes: &[u8]) -> u32 {
     let step = |sum: u32, byte: &u8| {
         (0..8).fold(sum ^ u32::from(*byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xEDB8_8320 } else { sum >> 1 })
@@ -162,8 +162,8 @@ fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, step)
 }
 
-/// A description alone, as Christie's Mystique writes it (z up, no files), with one region whose
-/// lens is said by `lens`.
+/// A description alone, as Christie's Mystique writes it (z up, no files), with one region that has
+/// the lens `lens`.
 fn alone(lens: &str) -> Vec<u8> {
     let text = |name: &str, value: f64| format!("<{name}>{value}</{name}>");
     let vector = |name: &str, [x, y, z]: [f64; 3]| {
@@ -173,7 +173,7 @@ fn alone(lens: &str) -> Vec<u8> {
         + &vector("yaw", [0.0, 0.0, -1.0])
         + &vector("pitch", [1.0, 0.0, 0.0])
         + &vector("roll", [0.0, 1.0, 0.0]);
-    // What such writers put there for a fisheye: angles of no use.
+    // Such writers put these angles there for a fisheye; they have no meaning.
     let sides = [("leftAngle", 89.795), ("rightAngle", 89.7957), ("downAngle", 89.8275), ("upAngle", 89.828)];
     let turns = [("yaw", -45.0), ("pitch", 20.0), ("roll", -30.0)];
     let frustum = sides.iter().chain(&turns).map(|(name, value)| text(name, *value)).collect::<String>();
@@ -234,8 +234,8 @@ fn the_angle_of_a_squeeze_is_told_with_what_it_may_move() {
         found.notes.into_iter().find(|note| note.contains("angle of its anamorphic lens"))
     };
     for (ratio, angle) in [(1.3, 10.0), (0.75, -3.5), (2.0, 90.0), (1.0, 20.0)] {
-        // The rim is 0.5 · π/2 half widths of 700 pixels from the axis; squeezed along turned axes
-        // it lies elsewhere.
+        // The rim is 0.5 · π/2 half widths of 700 pixels from the axis; with turned axes of the
+        // squeeze its position differs.
         let squeeze = DMat2::from_diagonal(DVec2::new(1.0, 1.0 / ratio));
         let turn = DMat2::from_angle(f64::to_radians(angle));
         let rim = (0..3600)
@@ -275,7 +275,7 @@ fn what_is_written_of_a_fisheye_is_read_back() {
             }
         }
     }
-    // A lens that the format cannot say.
+    // The format cannot describe this lens.
     let mut wrong = archive(Profile::ShaderLamps);
     let lens = FisheyeLens { projection: Projection::Equisolid, aperture: 3.0 };
     let lens = Lens::Fisheye { lens, circle: Circle::Inscribed };
@@ -285,7 +285,7 @@ fn what_is_written_of_a_fisheye_is_read_back() {
 
 #[test]
 fn a_fisheye_that_fits_neither_unit_is_told_and_damage_is_refused() {
-    // As a file of Christie's own has it.
+    // Numbers from one of Christie's own files.
     let message = read("a.xml", &alone(&polynomial([75.0, 0.0, 0.0, 0.0]))).unwrap_err().message;
     assert!(message.contains("is not taken over") && message.contains("117.8097"), "{message}");
     assert!(read("a.xml", &alone(&polynomial([0.5, -0.3, 0.0, 0.0]))).is_err(), "it folds");

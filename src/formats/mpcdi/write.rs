@@ -1,4 +1,4 @@
-//! Archives of our own: a buffer and a region for each projector.
+//! Writes archives: a buffer and a region for each projector.
 
 use super::{Archive, Profile, Region, Version, extension};
 use crate::error::{Error, ErrorKind, Result};
@@ -10,16 +10,16 @@ use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 use zip::write::SimpleFileOptions;
 
-/// Tangent of the widest side that is written for what is no plane.
+/// Tangent of the widest side that is written for a lens that is no plane.
 const WIDEST_PLANE: f64 = 50.0;
 
-/// The bytes of an archive. Each region has a buffer of its own that it fills; weights and levels
-/// are PNG of 16 bits.
+/// Returns the bytes of an archive. Each region has a buffer of its own, which it fills; weights
+/// and levels are PNG pictures of 16 bits.
 ///
 /// # Errors
-/// [`InvalidRig`](ErrorKind::InvalidRig) if the weights or levels of a region are not as many as
-/// their size says, or a region has no camera in a profile that needs one or a lens that the format
-/// cannot say, [`Internal`](ErrorKind::Internal) if packing fails.
+/// [`InvalidRig`](ErrorKind::InvalidRig) if the number of weights or levels of a region does not
+/// fit their size, a region lacks the camera that the profile needs, or the format cannot describe
+/// its lens; [`Internal`](ErrorKind::Internal) if packing fails.
 pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
     let failed = |error: &dyn std::fmt::Display| Error::new(ErrorKind::Internal, format!("packing MPCDI: {error}"));
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
@@ -32,7 +32,7 @@ pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
         if let Some(warp) = &region.warp {
             put(&format!("warp-{number}.pfm"), &pfm::write(warp.size().0, warp.values()))?;
         }
-        // White where there are no weights, since the format asks for a map.
+        // The picture is white if there are no weights, because the format requires a map.
         let (size, weights) = region.alpha.as_ref().map_or(((1, 1), &[1.0][..]), |alpha| (alpha.size, &alpha.weights));
         put(&format!("alpha-{number}.png"), &picture(region, size, weights)?)?;
         if let Some(beta) = &region.beta {
@@ -42,7 +42,7 @@ pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
     Ok(zip.finish().map_err(|error| failed(&error))?.into_inner())
 }
 
-/// Values 0…1 as PNG.
+/// Encodes values 0…1 as PNG.
 fn picture(region: &Region, size: (u32, u32), values: &[f32]) -> Result<Vec<u8>> {
     let values = values.iter().map(|value| (value.clamp(0.0, 1.0) * 65535.0).round() as u16).collect();
     let picture = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_raw(size.0, size.1, values);
@@ -58,7 +58,7 @@ fn picture(region: &Region, size: (u32, u32), values: &[f32]) -> Result<Vec<u8>>
 fn description(archive: &Archive, version: Version) -> Result<String> {
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let (profile, points) = (archive.profile.word(), archive.profile.has_points());
-    // Level 3 and colour 2 are those with black levels.
+    // Only level 3 and colour 2 have black levels.
     let levels = archive.regions.iter().any(|region| region.beta.is_some());
     let attributes = match version {
         Version::One => format!("level=\"{}\" version=\"1.0\"", if levels { 3 } else { 1 }),
@@ -115,7 +115,7 @@ fn description(archive: &Archive, version: Version) -> Result<String> {
     Ok(text)
 }
 
-/// A camera's opening and its turn, which a frame that follows takes over where there is one.
+/// Formats a camera's opening and its rotation, which is relative to a frame if one follows.
 fn frustum(camera: &Camera) -> String {
     let [yaw, pitch, roll] = pose::angles(&camera.rotation).map(f64::to_degrees);
     let degrees = |tangent: f64| tangent.atan().to_degrees();
@@ -131,7 +131,7 @@ fn frustum(camera: &Camera) -> String {
 }
 
 /// Returns the opening for readers that do not know fisheyes: the angles of the middles of the
-/// sides, as far as planes go.
+/// sides, as far as a plane permits.
 fn nearest_plane(optics: &Optics, size: (u32, u32)) -> Camera {
     let aspect = f64::from(size.0) / f64::from(size.1);
     let side = |x: f64, y: f64| {
@@ -158,7 +158,7 @@ fn frame(DVec3 { x, y, z }: DVec3) -> String {
     )
 }
 
-/// Text in an attribute.
+/// Escapes text for an attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

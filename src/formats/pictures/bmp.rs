@@ -1,12 +1,12 @@
-//! Windows bitmaps without compression, of 8 bits, 16 bits or 32-bit floats for each of three or
-//! four channels, as VIOSO's sets have them: weights in more bits than other readers of bitmaps
-//! know.
+//! Windows bitmaps without compression, with 8 bits, 16 bits or 32-bit floats for each of three or
+//! four channels, as in VIOSO's sets: their weights have more bits than other readers of bitmaps
+//! accept.
 
 use crate::error::Result;
 use crate::formats::reading::bytes::Bytes;
 use crate::formats::reading::input::{checked_size, invalid};
 
-/// Length of the headers that every bitmap has: of the file, and of the picture.
+/// Length of the headers of every bitmap: of the file, and of the picture.
 const HEADERS: usize = 14 + 40;
 
 /// A bitmap.
@@ -14,8 +14,8 @@ const HEADERS: usize = 14 + 40;
 pub(in crate::formats) struct Bitmap {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Red, green and blue, 0…1 of the greatest of its bits, row by row from the top; of floats as
-    /// they are, within 0…1.
+    /// Red, green and blue, row by row from the top. Integers become 0…1; floats are clamped to
+    /// 0…1.
     pub values: Vec<[f32; 3]>,
 }
 
@@ -23,8 +23,8 @@ pub(in crate::formats) struct Bitmap {
 /// file's, for messages.
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason: what is cut off, compressed, has a
-/// palette, or is too large.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason: the picture is cut off,
+/// compressed, has a palette, or is too large.
 pub(in crate::formats) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
     let mut file = Bytes::new(name, bytes);
     file.take(10, "a picture's header")?;
@@ -37,7 +37,7 @@ pub(in crate::formats) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap
     let [_, _, low, high] = file.array::<4>("a picture's bits")?;
     let bits = u16::from_le_bytes([low, high]);
     let compression = file.u32("a picture's compression")?;
-    // A mask of bits for each channel, which for 32 bits is the usual order, is no compression.
+    // A bit mask for each channel, which for 32 bits gives the usual order, is no compression.
     if !(compression == 0 || compression == 3 && bits == 32) {
         return Err(invalid(name, "has a compressed picture; expected one without compression"));
     }
@@ -89,13 +89,13 @@ pub(in crate::formats) enum Bits {
 /// A bitmap without pixels.
 pub(in crate::formats) const EMPTY: [u8; HEADERS] = headers(HEADERS as u32, 0, 0, 24);
 
-/// The headers of a bitmap whose first row is the lowest.
+/// Headers of a bitmap whose first row is the lowest.
 const fn headers(length: u32, width: u32, height: u32, bits: u8) -> [u8; HEADERS] {
     let mut bytes = [0; HEADERS];
     (bytes[0], bytes[1]) = (b'B', b'M');
     let numbers = [(2, length), (10, HEADERS as u32), (14, 40), (18, width), (22, height)];
     let mut index = 0;
-    // Constant functions know no other loop.
+    // Constant functions allow no other loop.
     while index < numbers.len() {
         let (at, number) = (numbers[index].0, numbers[index].1.to_le_bytes());
         (bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]) = (number[0], number[1], number[2], number[3]);
@@ -105,12 +105,12 @@ const fn headers(length: u32, width: u32, height: u32, bits: u8) -> [u8; HEADERS
     bytes
 }
 
-/// A bitmap of these values (0…1, row by row from the top). `name` is that of the map that it
-/// belongs to.
+/// Returns a bitmap of these values (0…1, row by row from the top). `name` is that of the map to
+/// which it belongs.
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if they are not as many as the size says, or too
-/// many for the format.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if their number does not fit the size, or is too
+/// large for the format.
 pub(in crate::formats) fn write(name: &str, size: (u32, u32), values: &[[f32; 3]], bits: Bits) -> Result<Vec<u8>> {
     let (columns, rows) = (size.0 as usize, size.1 as usize);
     let each = if bits == Bits::Eight { 1 } else { 2 };

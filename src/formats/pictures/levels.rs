@@ -1,4 +1,4 @@
-//! Pictures of what a display shows where a program shows black.
+//! Pictures that a display shows where a program shows black.
 
 use crate::digest::Digest;
 use crate::error::{Error, ErrorKind, Result};
@@ -9,7 +9,7 @@ use glam::DVec2;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// Values for each channel of each pixel, 0…1; what they are is said beside them.
+/// Values for each channel of each pixel, 0…1; their owner defines their meaning.
 #[derive(Clone, PartialEq)]
 pub struct Levels {
     /// Width and height.
@@ -24,14 +24,14 @@ impl Levels {
     }
 }
 
-/// As [`Debug`](fmt::Debug): a sum stands for the values.
+/// As in [`Debug`](fmt::Debug), a checksum replaces the values.
 impl Serialize for Levels {
     fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
         (self.size, self.sum()).serialize(to)
     }
 }
 
-/// A sum stands for the values, all bits of them.
+/// The text has a checksum of all bits of the values.
 impl fmt::Debug for Levels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sum = format_args!("{:x}", self.sum());
@@ -42,8 +42,8 @@ impl fmt::Debug for Levels {
 /// Reads a PNG of 8 or 16 bits or a PFM, grey or colour. `name` is the file's, for messages.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidRig`] with the reason: a file of another kind, or a value that is not 0…1,
-/// with its pixel.
+/// [`ErrorKind::InvalidRig`] with the reason: a file of another kind, or a value outside 0…1, with
+/// its pixel.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Levels> {
     if !pfm::is_pfm(bytes) {
         return read_png(name, bytes);
@@ -61,7 +61,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Levels> {
     Ok(Levels { size: raster.size(), values: raster.values().to_vec() })
 }
 
-/// Reads a PNG of 8 or 16 bits, grey or colour; transparency does not count.
+/// Reads a PNG of 8 or 16 bits, grey or colour; transparency is ignored.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] with the reason.
@@ -72,12 +72,12 @@ pub fn read_png(name: &str, bytes: &[u8]) -> Result<Levels> {
 }
 
 impl Levels {
-    /// The same for all channels of all pixels.
+    /// Makes levels with the same value everywhere.
     pub fn even(size: (u32, u32), level: f32) -> Self {
         Self { size, values: vec![[level; 3]; size.0 as usize * size.1 as usize] }
     }
 
-    /// True if all channels are the same.
+    /// True if all channels are equal.
     pub fn is_grey(&self) -> bool {
         self.values.iter().all(|[red, green, blue]| red == green && green == blue)
     }
@@ -88,8 +88,8 @@ impl Levels {
         values.fold((f32::INFINITY, 0.0f32), |(low, high), value| (low.min(*value), high.max(*value)))
     }
 
-    /// The values at a place (0…1 from the top left), interpolated between the centres of pixels as
-    /// textures are.
+    /// Values at a place (0…1 from the top left), interpolated between the centres of pixels as in
+    /// textures.
     pub fn at(&self, part: DVec2) -> [f64; 3] {
         let place = part * DVec2::new(f64::from(self.size.0), f64::from(self.size.1)) - 0.5;
         let (first, part) = (place.floor(), place - place.floor());
@@ -104,7 +104,7 @@ impl Levels {
         })
     }
 
-    /// The same over another number of pixels.
+    /// The same levels with another number of pixels.
     pub fn resized(&self, size: (u32, u32)) -> Self {
         if size == self.size {
             return self.clone();
@@ -114,10 +114,10 @@ impl Levels {
         Self { size, values: places.map(|place| self.at(place / extent).map(|value| value as f32)).collect() }
     }
 
-    /// As a PNG of 16 bits, grey where all channels are the same.
+    /// Encodes them as a PNG of 16 bits, grey if all channels are equal.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidRig`] if there are not as many values as the size says,
+    /// [`ErrorKind::InvalidRig`] if the number of values does not fit the size,
     /// [`ErrorKind::Internal`] if packing fails.
     pub fn png(&self, name: &str) -> Result<Vec<u8>> {
         let code = |value: &f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u16;

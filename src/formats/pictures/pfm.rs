@@ -9,10 +9,10 @@ use crate::formats::grid::Raster;
 use crate::formats::reading::input::{checked_size, invalid};
 use crate::formats::reading::text::shown;
 
-/// Longest header, bytes; ours has up to 20.
+/// Longest header, bytes; those that Cupola writes have up to 20.
 const LONGEST_HEADER: usize = 256;
 
-/// The first bytes of a PFM file.
+/// True for the first bytes of a PFM file.
 pub fn is_pfm(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PF") || bytes.starts_with(b"Pf")
 }
@@ -20,9 +20,9 @@ pub fn is_pfm(bytes: &[u8]) -> bool {
 /// Reads a PFM file; one channel gives three equal values. `name` is the file's, for messages.
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason if the header is none, there are
-/// not as many bytes as it says (nothing is allocated before that is known), or a value is
-/// infinite.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason if the header is invalid, the
+/// number of bytes is not that of the header (which is checked before anything is allocated), or a
+/// value is infinite.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
     let channels = match bytes.get(..2) {
         Some(b"PF") => 3,
@@ -36,7 +36,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
     let at = header.at;
     let size = checked_size(name, width, height)?;
     let needed = width as usize * height as usize * channels * 4;
-    // One byte ends the header; two where the text's lines end as on Windows.
+    // One byte ends the header; two if the lines end as on Windows.
     let header = at + 1 + usize::from(bytes[at..].starts_with(b"\r\n") && bytes.len() == at + 2 + needed);
     if bytes.len() != header + needed {
         return Err(invalid(
@@ -70,9 +70,9 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
     Raster::new(size, values).ok_or_else(|| invalid(name, "has no pixels"))
 }
 
-/// The words after the first of a file's header.
+/// Words of a file's header after the first.
 struct Header<'a> {
-    /// The file's.
+    /// Name of the file.
     name: &'a str,
     bytes: &'a [u8],
     /// Position of the search for the next word.
@@ -80,7 +80,7 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    /// The next word and its place; `what` says what it is.
+    /// Returns the next word and its position; `what` describes it.
     fn word(&mut self, what: &str) -> Result<(&'a str, usize)> {
         let rest = &self.bytes[self.at.min(self.bytes.len())..];
         let start = self.at + rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
@@ -93,7 +93,7 @@ impl<'a> Header<'a> {
         Ok((text, start))
     }
 
-    /// A number of pixels.
+    /// Reads a number of pixels.
     fn count(&mut self, what: &str) -> Result<u64> {
         let (text, start) = self.word(&format!("the {what} in pixels"))?;
         let wrong = |_| invalid(self.name, format!("at byte {start}: {} is no {what} in pixels", shown(text)));
@@ -108,8 +108,8 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The bytes of a PFM file with three channels, little-endian, of values row by row from the top.
-/// Their number must be a multiple of the width; NaN are written as they are.
+/// Returns the bytes of a PFM file with three channels, little-endian, of values row by row from
+/// the top. Their number must be a multiple of the width; NaN are written as they are.
 pub fn write(width: u32, values: &[[f32; 3]]) -> Vec<u8> {
     let height = values.len() / width.max(1) as usize;
     let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();

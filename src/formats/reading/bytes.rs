@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::formats::reading::input::invalid;
 
-/// Little-endian values out of a binary file, with the offset for messages.
+/// Reader of little-endian values of a binary file, with the offset for messages.
 pub(in crate::formats) struct Bytes<'a> {
     name: &'a str,
     all: &'a [u8],
@@ -11,12 +11,12 @@ pub(in crate::formats) struct Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// The bytes of the file `name`, from its start.
+    /// Starts at the beginning of the file `name`.
     pub(in crate::formats) fn new(name: &'a str, all: &'a [u8]) -> Self {
         Self { name, all, at: 0 }
     }
 
-    /// The offset of the next value.
+    /// Offset of the next value.
     pub(in crate::formats) fn offset(&self) -> usize {
         self.at
     }
@@ -26,12 +26,12 @@ impl<'a> Bytes<'a> {
         self.all.len() - self.at
     }
 
-    /// An error at the next value.
+    /// Error at the next value.
     pub(in crate::formats) fn wrong(&self, why: impl std::fmt::Display) -> Error {
         invalid(self.name, format!("at byte {}: {why}", self.at))
     }
 
-    /// The next `length` bytes, which are `what`.
+    /// Returns the next `length` bytes, which `what` describes.
     pub(in crate::formats) fn take(&mut self, length: usize, what: &str) -> Result<&'a [u8]> {
         if length > self.left() {
             return Err(
@@ -43,14 +43,14 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    /// The next `COUNT` bytes.
+    /// Returns the next `COUNT` bytes.
     pub(in crate::formats) fn array<const COUNT: usize>(&mut self, what: &str) -> Result<[u8; COUNT]> {
         let mut array = [0; COUNT];
         array.copy_from_slice(self.take(COUNT, what)?);
         Ok(array)
     }
 
-    /// A 32-bit number.
+    /// Reads a 32-bit number.
     pub(in crate::formats) fn u32(&mut self, what: &str) -> Result<u32> {
         Ok(u32::from_le_bytes(self.array(what)?))
     }

@@ -18,28 +18,28 @@ pub const LONGEST_DOCUMENT: usize = 1 << 24;
 pub struct Noted<T> {
     /// Content of the file.
     pub value: T,
-    /// Notes for people: what the file leaves open or says in a way that readers disagree about,
-    /// and how it was taken.
+    /// Notes for people: facts that the file leaves open or that readers interpret differently, and
+    /// the interpretation that was used.
     pub notes: Vec<String>,
 }
 
 /// Reads a whole file of at most [`LONGEST_FILE`] bytes.
 ///
 /// # Errors
-/// [`ErrorKind::Io`] if it cannot be read, [`ErrorKind::InvalidRig`] if it is longer, or no file:
-/// what another program writes to has no end, or never begins.
+/// [`ErrorKind::Io`] if it cannot be read, [`ErrorKind::InvalidRig`] if it is longer or no regular
+/// file. A pipe may have no end, or never begin.
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {
     read_at_most(path, LONGEST_FILE)
 }
 
-/// As [`read_file`], of at most `longest` bytes.
+/// As [`read_file`], with a limit of `longest` bytes.
 ///
 /// # Errors
-/// Those of [`read_file`].
+/// Errors of [`read_file`].
 pub fn read_at_most(path: &Path, longest: u64) -> Result<Vec<u8>> {
     let name = path.display();
     let unreadable = |error| Error::new(ErrorKind::Io, format!("{name} cannot be read: {error}"));
-    // Opening a named pipe waits until somebody writes to it.
+    // Opening a named pipe would wait for a writer.
     let about = std::fs::metadata(path).map_err(unreadable)?;
     if !about.is_file() {
         return Err(invalid(&name.to_string(), "is no file"));
@@ -57,12 +57,12 @@ pub fn read_at_most(path: &Path, longest: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An error of the file `name`.
+/// Error of the file `name`.
 pub(in crate::formats) fn invalid(name: &str, why: impl std::fmt::Display) -> Error {
     Error::new(ErrorKind::InvalidRig, format!("{name}: {why}"))
 }
 
-/// Width and height from a header, if a picture of that size can be held.
+/// Width and height from a header, if a picture of that size fits into the limits.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] if one of them is 0 or there are more than [`MOST_PIXELS`].
@@ -77,7 +77,7 @@ pub(in crate::formats) fn checked_size(name: &str, width: u64, height: u64) -> R
     }
 }
 
-/// A PNG picture of any kind, within limits.
+/// Reads a PNG picture of any kind, within limits.
 pub(in crate::formats) fn png(name: &str, bytes: &[u8]) -> Result<image::DynamicImage> {
     let reader = || {
         let mut reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Png);
@@ -87,7 +87,7 @@ pub(in crate::formats) fn png(name: &str, bytes: &[u8]) -> Result<image::Dynamic
         reader
     };
     let refused = |error| invalid(name, format!("is no PNG picture that can be read: {error}"));
-    // A few kilobytes unpack to any number of black pixels.
+    // A few kilobytes can unpack to any number of black pixels.
     let (width, height) = reader().into_dimensions().map_err(refused)?;
     checked_size(name, width.into(), height.into())?;
     reader().decode().map_err(refused)

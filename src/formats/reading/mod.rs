@@ -1,5 +1,5 @@
-//! Common parts of the readers: texts line by line, binary files value by value, limits, the form
-//! of errors.
+//! Common parts of the readers: texts line by line, binary files value by value, limits, and the
+//! form of errors.
 
 pub(super) mod bytes;
 pub(super) mod input;

@@ -3,19 +3,19 @@
 use crate::error::{Error, Result};
 use crate::formats::reading::input::invalid;
 
-/// Longest line, bytes: a face with thousands of corners.
+/// Longest line, bytes: enough for a face with thousands of corners.
 const LONGEST_LINE: usize = 1 << 16;
 
-/// The lines of a text file that have something on them, with their numbers.
+/// Lines of a text file that are not blank, with their numbers.
 pub(in crate::formats) struct Lines<'a> {
     name: &'a str,
     rest: std::iter::Enumerate<std::str::Lines<'a>>,
-    /// The line that was last given, from 1; 0 before the first.
+    /// Number of the last returned line, from 1; 0 before the first.
     number: usize,
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `bytes`, which must be UTF-8 (with or without a byte order mark), of the file
+    /// Starts with `bytes`, which must be UTF-8 (with or without a byte order mark), of the file
     /// `name`.
     pub(in crate::formats) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
@@ -29,7 +29,7 @@ impl<'a> Lines<'a> {
         Ok(Self { name, rest: text.lines().enumerate(), number: 0 })
     }
 
-    /// The next line that is not blank, trimmed.
+    /// Returns the next line that is not blank, trimmed.
     pub(in crate::formats) fn next(&mut self) -> Option<&'a str> {
         for (index, line) in self.rest.by_ref() {
             self.number = index + 1;
@@ -41,24 +41,24 @@ impl<'a> Lines<'a> {
         None
     }
 
-    /// The next line that is not blank; `what` it should be, for the error at the file's end.
+    /// Returns the next line that is not blank; `what` describes it for the error at the file's
+    /// end.
     pub(in crate::formats) fn expect(&mut self, what: &str) -> Result<&'a str> {
         self.next().ok_or_else(|| invalid(self.name, format!("ends after line {}; expected {what}", self.number)))
     }
 
-    /// An error in the line that was last given.
+    /// Error in the last returned line.
     pub(in crate::formats) fn wrong(&self, why: impl std::fmt::Display) -> Error {
         invalid(&format!("{}:{}", self.name, self.number), why)
     }
 
-    /// A finite number out of the line that was last given.
+    /// Reads a finite number of the last returned line.
     pub(in crate::formats) fn number(&self, word: &str, what: &str) -> Result<f64> {
         let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
         number.ok_or_else(|| self.wrong(format!("{} is no number that can be used; expected {what}", shown(word))))
     }
 
-    /// A whole number of at least `least` and at most `greatest` out of the line that was last
-    /// given.
+    /// Reads a whole number from `least` to `greatest` of the last returned line.
     pub(in crate::formats) fn count(&self, word: &str, what: &str, least: usize, greatest: usize) -> Result<usize> {
         let count = word.parse::<usize>().ok().filter(|count| (least..=greatest).contains(count));
         count.ok_or_else(|| {
@@ -70,7 +70,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A word of a file in quotes, cut to a length that fits into a message.
+/// Word of a file in quotes, cut to a length that fits into a message.
 pub(in crate::formats) fn shown(word: &str) -> String {
     format!("{:?}", word.chars().take(40).collect::<String>())
 }

@@ -1,4 +1,4 @@
-//! Configurations as they are read.
+//! Reads configurations.
 
 use super::*;
 
@@ -41,8 +41,8 @@ fn yaw_turns_right_and_angles_become_tangents() {
 
 #[test]
 fn a_plane_is_seen_from_the_user() {
-    // 2 m wide and 1 m high, 2 m before the user, who stands at z = 4, with its left edge straight
-    // ahead.
+    // The plane is 2 m wide and 1 m high, 2 m in front of the user, who stands at z = 4; its left
+    // edge is straight ahead.
     let viewport = only(
         r#"{ "projection": { "type": "ProjectionPlane", "lowerleft": { "x": 0, "y": 0, "z": 2 },
         "upperleft": { "x": 0, "y": 1, "z": 2 }, "upperright": { "x": 2, "y": 1, "z": 2 } } }"#,
@@ -116,11 +116,11 @@ fn viewports_of_mirrored_windows_show_what_lies_at_their_mirrored_places() {
     let (across, notes) = of(r#""mirrorx": true, "mirrory": false,"#, &both).unwrap();
     assert_eq!((seen(&across[0]), seen(&across[1]), across[0].mirrored), (20, 10, [true, false]));
     assert_eq!((across[0].eye, across[0].place, notes.len()), (Some(Eye::Right), plain[0].place, 0));
-    // Mesh and mask are those of the place.
+    // Mesh and mask belong to the place.
     assert_eq!((across[0].mesh.as_deref(), across[0].mask.as_deref()), (Some("m10.data"), Some("m10.png")));
     let (up, _) = of(r#""mirrory": true,"#, &both).unwrap();
     assert_eq!((seen(&up[0]), seen(&up[1]), up[0].mirrored), (10, 20, [false, true]));
-    // Opposite a viewport there may be none.
+    // There may be no viewport opposite another one.
     let whole = r#"{ "projection": { "type": "FisheyeProjection" } }"#;
     let (some, notes) = of(r#""mirrorx": true,"#, &format!("{}, {whole}", fisheye("", 10))).unwrap();
     assert!(some.len() == 1 && notes[0].contains("viewports[0] is left out"), "{notes:?}");

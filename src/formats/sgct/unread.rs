@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Keys that are read, or that do not concern the picture. What is below them is not looked at.
+/// Keys that are read, or that do not concern the picture. Keys below them are ignored.
 const KNOWN: &[&str] = &[
     "$schema",
     "author",
@@ -42,10 +42,10 @@ const KNOWN: &[&str] = &[
     "users.pos",
 ];
 
-/// Most keys that are named.
+/// Greatest number of keys that are named.
 const MOST_NAMED: usize = 24;
 
-/// The other keys, each once, as one line for the user. Nothing if there are none.
+/// Lists the other keys, each once, in one line for the user; `None` if there are none.
 pub(super) fn line(root: &Value) -> Option<String> {
     let mut found = BTreeSet::new();
     collect(root, String::new(), &mut found);
@@ -73,7 +73,7 @@ fn collect(value: &Value, path: String, found: &mut BTreeSet<String>) {
     }
 }
 
-/// A key as part of a message: short, and without control characters.
+/// Shows a key in a message: short, and without control characters.
 fn shown(key: &str) -> String {
     key.chars().filter(|c| !c.is_control()).take(80).collect()
 }
