@@ -229,7 +229,7 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     let stopped = show.nodes[2].frame();
     (0..2).for_each(|node| show.goes_on(node, 40));
     assert_eq!(show.nodes[2].frame(), stopped);
-    show.says("node 2 has not come to frame");
+    show.says("node 2 has not reached frame");
     kill("CONT", show.nodes[2].program);
     kill("CONT", show.nodes[2].sidecar);
     show.says("node 2 is in step again");
@@ -243,7 +243,7 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     until("it is in step", || (distance(1, 2) <= 1).then_some(()));
     // A command that ends: its program goes on alone.
     kill("KILL", show.nodes[1].sidecar);
-    show.says("node 1 has ended without a word");
+    show.says("node 1 has ended unexpectedly");
     show.says("node 1: this program has lost the other nodes");
     (0..3).for_each(|node| show.goes_on(node, 20));
     // What started them: nothing happens.
@@ -252,7 +252,7 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     until("the others are in step", || (distance(0, 2) <= 1).then_some(()));
     // Node 0.
     kill("KILL", show.nodes[0].sidecar);
-    show.says("node 2: node 0 is not reached any more");
+    show.says("node 2: node 0 cannot be reached any more");
     show.says("node 2: this program has lost the other nodes");
     (0..3).for_each(|node| show.goes_on(node, 20));
     let words = show.words();

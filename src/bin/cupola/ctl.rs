@@ -1,4 +1,4 @@
-//! `cupola ctl`: asks a running `cupola serve` to do something.
+//! `cupola ctl`: sends requests to a running `cupola serve`.
 
 use crate::failure::Failure;
 use crate::serve::control::Command;
@@ -118,7 +118,7 @@ fn command(action: &Action) -> Command {
     }
 }
 
-/// The value of a key, or what stands for it.
+/// Text for the value of a key, or for a missing one.
 fn shown(key: &Value) -> String {
     match (&key["value"], &key["default"]) {
         (Value::Null, Value::Null) => "not set".to_owned(),

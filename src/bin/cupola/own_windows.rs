@@ -1,4 +1,4 @@
-//! Outputs that have windows of their own: `cupola run` opens them by `cupola window`, and opens
+//! Outputs with windows of their own. `cupola run` opens them through `cupola window`, and opens
 //! them again when their screens come back.
 
 use crate::launch::{Environment, apply};
@@ -11,11 +11,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// So often it is looked whether a window has ended.
+/// Interval at which the end of a window is checked.
 const LOOK: Duration = Duration::from_millis(50);
 /// Time until a window that has ended is opened again.
 const PAUSE: Duration = Duration::from_secs(1);
-/// A window that was open for so long has worked: its next error is told.
+/// Time after which an open window counts as working: its next error is reported.
 const WORKED: Duration = Duration::from_secs(3);
 
 /// The windows of a run.
@@ -27,7 +27,7 @@ pub struct Windows {
 
 impl Windows {
     /// Opens a window for each output that has its own, as soon as pictures are published.
-    /// `display`: what the program is told about the X server.
+    /// `display`: variables of the X server for the program.
     pub fn open(rig: &Rig, published: &Path, display: &Environment) -> Self {
         let mut windows = Self::default();
         let here = rig.beside.iter().chain(&rig.outputs).filter(|output| output.here);
@@ -39,17 +39,17 @@ impl Windows {
         windows
     }
 
-    /// The program has ended.
+    /// Closes the windows after the end of the program.
     pub fn close(self) {
         self.is_over.store(true, Ordering::SeqCst);
         for thread in self.threads {
-            // One that has panicked has told so.
+            // A thread that panicked has printed its message.
             let _ = thread.join();
         }
     }
 }
 
-/// How a window is opened.
+/// Parameters of a window.
 struct Opening {
     output: String,
     own: OwnWindow,
@@ -116,12 +116,13 @@ impl Opening {
     }
 }
 
-/// Waits for the end of a window; when the program has ended, ends it. Whether it failed.
+/// Waits for the end of a window, and ends it when the program has ended. Returns whether it
+/// failed.
 fn wait(mut child: Child, is_over: &AtomicBool) -> bool {
     loop {
         match child.try_wait() {
             Ok(None) if is_over.load(Ordering::SeqCst) => {
-                // It may have ended meanwhile.
+                // The window may have ended meanwhile.
                 let _ = process::terminate(&child);
                 let _ = child.wait();
                 return false;

@@ -1,4 +1,4 @@
-//! `cupola play`: shows pictures and films that are already projected, by way of a player.
+//! `cupola play`: shows already projected pictures and films, with a player.
 
 use crate::failure::Failure;
 use crate::launch::loader::Scratch;
@@ -9,7 +9,7 @@ use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Width over height of a picture is told apart from others within this part.
+/// Relative tolerance of the aspect (width divided by height) of a picture.
 const SHAPE: f64 = 0.02;
 
 /// Play a picture, a folder of pictures or a film that is already projected: a domemaster, an
@@ -65,7 +65,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     run::start(options, &program, None)
 }
 
-/// The word for content of this shape.
+/// Word for content of this aspect.
 fn kind_of(aspect: f64) -> &'static str {
     let is = |shape: f64| (aspect / shape - 1.0).abs() < SHAPE;
     match aspect {
@@ -76,9 +76,9 @@ fn kind_of(aspect: f64) -> &'static str {
     }
 }
 
-/// What is played.
+/// Files for the player.
 struct Source {
-    /// As the player takes it.
+    /// Arguments for the player.
     arguments: Vec<OsString>,
 }
 
@@ -99,7 +99,8 @@ impl Source {
                 file.display()
             )));
         }
-        // A list: names may contain whatever the player takes for a pattern.
+        // The names are in a list, because they may contain characters that are patterns for the
+        // player.
         let list = scratch.join("pictures.txt");
         let lines = pictures.iter().flat_map(|picture| [picture.as_os_str().as_bytes(), b"\n"].concat());
         std::fs::write(&list, lines.collect::<Vec<u8>>()).map_err(unreadable)?;
@@ -107,7 +108,7 @@ impl Source {
         Ok(Self { arguments: vec![format!("--mf-fps={fps}").into(), "--".into(), address] })
     }
 
-    /// Width and height in pixels, as the player sees them.
+    /// Width and height in pixels, as the player finds them.
     fn size(&self) -> Result<(u32, u32), Failure> {
         let asked = ["--no-config", "--vo=null", "--ao=null", "--frames=1", "--msg-level=all=error,term-msg=info"];
         let output = Command::new(PLAYER)
@@ -126,7 +127,7 @@ impl Source {
     }
 }
 
-/// True if a file's extension is that of a picture.
+/// True if a file has the extension of a picture.
 fn is_picture(file: &Path) -> bool {
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     extension.is_some_and(|e| ["png", "jpg", "jpeg", "tif", "tiff", "exr", "tga", "bmp", "webp"].contains(&e.as_str()))

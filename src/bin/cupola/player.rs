@@ -2,14 +2,15 @@
 
 use crate::failure::Failure;
 
-/// The player: one that draws with OpenGL, keeps the picture's shape, and takes files of all kinds.
+/// Name of the player: it draws with OpenGL, keeps the picture's shape, and reads files of all
+/// kinds.
 pub const PLAYER: &str = "mpv";
 
-/// Its options for a picture and nothing else. A driver without hardware is taken, too.
+/// Options of the player for a picture and nothing else. A software driver is accepted too.
 pub const OPTIONS: [&str; 7] =
     ["--no-config", "--vo=gpu", "--gpu-sw=yes", "--no-osc", "--osd-level=0", "--no-border", "--keepaspect-window=no"];
 
-/// Why the player cannot be started.
+/// Explains why the player cannot be started.
 pub fn cannot_start(error: &std::io::Error) -> Failure {
     match error.kind() {
         std::io::ErrorKind::NotFound => Failure::new(format!(

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::{Duration, SystemTime};
 
-/// Time in which a program whose time is over may present one more frame.
+/// Time in which a program may present one more frame after its limit.
 const FOR_THE_LAST_FRAME: Duration = Duration::from_secs(2);
 
-/// Time after which a frame is inspected, if nothing else is asked for.
+/// Time after which a frame is inspected, if the user requests no other.
 const UNTIL_INSPECTED: Duration = Duration::from_secs(10);
 
 /// Run an OpenGL or Vulkan program on a dome.
@@ -93,10 +93,11 @@ pub struct Options {
     /// file: /dev/shm/cupola-USER, with the number of the user]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub publish: Option<PathBuf>,
-    /// The program waits for the readers of its pictures, and ends with this command.
+    /// True if the program waits for the readers of its pictures, and ends with this command.
     #[arg(skip)]
     pub waits_for_readers: bool,
-    /// Which of several machines this is, as `NUMBER/COUNT`, and the page by which it is let go.
+    /// Number of this machine among several, as `NUMBER/COUNT`, and the page through which its
+    /// frames are released.
     #[arg(skip)]
     pub node: Option<(String, PathBuf)>,
     /// Publish a domemaster of N × N pixels that is drawn beside the window
@@ -121,16 +122,16 @@ pub struct Options {
     pub clock: clock::Options,
 }
 
-/// What `cupola inspect` asks for beside the options of `run`.
+/// Requests of `cupola inspect` in addition to the options of `run`.
 pub struct Inspection {
-    /// The page.
+    /// Path of the page.
     pub output: PathBuf,
 }
 
 /// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     if arguments.serve {
-        // What is wrong is told before anything starts.
+        // Mistakes are reported before anything starts.
         let profile = arguments.options.profile(arguments.program.first())?;
         arguments.options.environment(profile.as_ref(), None)?;
         let given: Vec<OsString> = std::env::args_os().skip(2).collect();
@@ -140,14 +141,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     run_and_inspect(arguments, None)
 }
 
-/// Of the arguments of `run --serve`, those before the program that a run without the page has.
+/// Options of `run --serve` before the program that a run without the page has too.
 fn own_options(given: &[OsString], program: usize) -> Vec<OsString> {
     let before = &given[..given.len().saturating_sub(program)];
     before.iter().filter(|argument| *argument != "--serve" && *argument != "--").cloned().collect()
 }
 
-/// Runs the subcommand, and lets the library write a page about the last frame. Returns the exit
-/// code of the program.
+/// Runs the subcommand, with a page about the last frame if one is requested. Returns the exit code
+/// of the program.
 pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>) -> Result<ExitCode, Failure> {
     if inspection.is_some() && arguments.options.frames.is_none() {
         arguments.options.seconds = arguments.options.seconds.or(Some(UNTIL_INSPECTED));
@@ -162,7 +163,7 @@ pub fn run_and_inspect(mut arguments: Arguments, inspection: Option<Inspection>)
     start(arguments.options, &arguments.program, inspection)
 }
 
-/// Exit code for a program that has ended, as a shell gives it.
+/// Exit code for a program that has ended, as in a shell.
 fn exit_code(ended: &Ended) -> i32 {
     match ended {
         Ended::Stopped => 0,
@@ -170,7 +171,7 @@ fn exit_code(ended: &Ended) -> i32 {
     }
 }
 
-/// Command that starts `program`, as its options ask, without its environment.
+/// Command that starts `program` with these options, without its environment.
 fn command(program: &OsString, given: &[OsString], options: &Options, switched_off: bool) -> Command {
     let mut command = Command::new(program);
     command.args(given);
@@ -193,7 +194,7 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     let profile = options.profile(Some(program))?;
     let rig = options.rig_with(profile.as_ref())?;
     if options.headless && options.size.is_none() && !options.offscreen {
-        // Without a screen nobody enlarges the window for the outputs.
+        // Without a screen no window manager enlarges the window for the outputs.
         options.size = rig.extent();
     }
     let mut environment = options.environment(profile.as_ref(), inspection.as_ref())?;
@@ -223,12 +224,12 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
         Some(file) => own_windows::Windows::open(&options.on_this_node(rig)?, Path::new(file), &display),
         None => own_windows::Windows::default(),
     };
-    // The library ends the program in a frame; only one that draws none has to be stopped.
+    // The library ends the program in a frame; only a program that draws none has to be stopped.
     let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
     let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
     windows.close();
     if let Some(file) = &published {
-        // A program that was killed leaves it behind.
+        // A program that was killed leaves the file behind.
         ring::remove_if_ended(Path::new(file));
     }
     let code = exit_code(&ended);
@@ -242,17 +243,17 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
 }
 
 impl Options {
-    /// Name or file of the rig.
+    /// Name or path of the rig.
     fn rig_name(&self) -> String {
         self.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into())
     }
 
-    /// Name or file of the profile that was asked for, or `none`.
+    /// Name or path of the requested profile, or `none`.
     fn profile_name(&self) -> Option<String> {
         self.profile.clone().or_else(|| std::env::var("CUPOLA_PROFILE").ok())
     }
 
-    /// The profile that was asked for, or that is for the program of this name.
+    /// The requested profile, or the one for the program of this name.
     fn profile(&self, program: Option<&OsString>) -> Result<Option<Chosen>, Failure> {
         let profiles = Profiles::read(process::profile_folder().as_deref());
         match (self.profile_name().as_deref(), program) {
@@ -269,12 +270,12 @@ impl Options {
         }
     }
 
-    /// The rig with what the options replace in it.
+    /// The rig with the replacements of the options.
     pub fn rig(&self) -> Result<Rig, Failure> {
         self.rig_with(self.profile(None)?.as_ref())
     }
 
-    /// The rig with what a profile adds and the options replace.
+    /// The rig with the additions of a profile and the replacements of the options.
     fn rig_with(&self, profile: Option<&Chosen>) -> Result<Rig, Failure> {
         let overrides = Overrides {
             camera: self.camera.clone(),
@@ -286,13 +287,13 @@ impl Options {
         Ok(overrides.apply(cupola::rig::load_with(&self.rig_name(), &defaults)?)?)
     }
 
-    /// The rig with the outputs of this machine, where there are several.
+    /// The rig with the outputs of this machine, if there are several machines.
     fn on_this_node(&self, rig: Rig) -> Result<Rig, Failure> {
         let place = self.node.as_ref().and_then(|(place, _)| Place::parse(place, system::host_name()));
         Ok(place.map_or(Ok(rig.clone()), |place| rig.on_node(&place))?)
     }
 
-    /// The file of published pictures, if there are any to publish.
+    /// File of published pictures, if there are any to publish.
     fn published(&self, rig: &Rig) -> Result<Option<OsString>, Failure> {
         let environment = || std::env::var_os("CUPOLA_PUBLISH").filter(|file| !file.is_empty() && file != "1");
         let file = match &self.publish {
@@ -308,7 +309,7 @@ impl Options {
 
     /// Environment variables that configure the library.
     fn environment(&self, profile: Option<&Chosen>, inspection: Option<&Inspection>) -> Result<Environment, Failure> {
-        // Wrong options are told before anything starts.
+        // Wrong options are reported before anything starts.
         let rig = self.rig_with(profile)?;
         let mut environment = settings(self, &self.rig_name())?;
         let name = profile_variable(self.profile_name(), profile);
@@ -327,8 +328,8 @@ impl Options {
     }
 }
 
-/// What the library is told of the profile: `none`, a name or a file; nothing where it has to
-/// choose.
+/// Value of the variable that names the profile to the library: `none`, a name or a path; not set
+/// if the library has to choose.
 fn profile_variable(given: Option<String>, profile: Option<&Chosen>) -> Option<OsString> {
     match profile.map(|chosen| &chosen.profile) {
         Some(Profile { file: Some(file), .. }) => Some(file.into()),
@@ -337,16 +338,16 @@ fn profile_variable(given: Option<String>, profile: Option<&Chosen>) -> Option<O
     }
 }
 
-/// The profile's variables of the environment. What the user has set stays.
+/// Environment variables of a profile. Those that the user has set stay.
 fn variables(chosen: &Chosen) -> impl Iterator<Item = (&str, &str)> {
     let variables = chosen.profile.environment.iter().map(|(name, value)| (name.as_str(), value.as_str()));
     variables.filter(|(name, _)| std::env::var_os(name).is_none())
 }
 
-/// A file, with what tells that it was written again: its time and its length.
+/// A file, with its time and length, which show whether it was written again.
 type Stamp = (PathBuf, SystemTime, u64);
 
-/// The files that are there for `file` now; of a capture of several outputs all that have its name.
+/// Files that exist for `file` now; for a capture of several outputs all that have its name.
 fn stamps(file: &Path, several: bool) -> Vec<Stamp> {
     let stem = format!("{}-", file.file_stem().unwrap_or_default().to_string_lossy());
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -360,7 +361,7 @@ fn stamps(file: &Path, several: bool) -> Vec<Stamp> {
     files.filter_map(stamp).collect()
 }
 
-/// Files that were asked for, with what was there before the program started.
+/// Requested files, with the state before the program started.
 struct Expected(Vec<(PathBuf, bool, Vec<Stamp>)>);
 
 impl Expected {
@@ -372,7 +373,7 @@ impl Expected {
         Self(files.map(|(file, several)| (file.clone(), several, stamps(file, several))).collect())
     }
 
-    /// Those that were not written. Of several outputs one picture is enough.
+    /// Files that were not written. One picture is enough for several outputs.
     fn missing(&self) -> impl Iterator<Item = &Path> {
         let is_written = |file: &Path, several: bool, before: &[Stamp]| {
             stamps(file, several).iter().any(|stamp| !before.contains(stamp))
@@ -380,7 +381,7 @@ impl Expected {
         self.0.iter().filter(move |(file, several, before)| !is_written(file, *several, before)).map(|file| &*file.0)
     }
 
-    /// Fails if one of them was not written.
+    /// Fails if one of the files was not written.
     fn check(&self, arguments: &Options) -> Result<(), Failure> {
         let Some(file) = self.missing().next() else { return Ok(()) };
         let frames = arguments.frames.map_or_else(|| "no frame".to_owned(), |n| format!("fewer than {n} frames"));
@@ -461,7 +462,7 @@ fn absolute(path: &Path) -> Result<OsString, Failure> {
     Ok(absolute.into())
 }
 
-/// The failure for a program that cannot be started, with the exit code that a shell returns.
+/// Failure for a program that cannot be started, with the exit code of a shell.
 fn cannot_start(program: &OsString, error: &std::io::Error) -> Failure {
     let name = program.to_string_lossy();
     match error.kind() {

@@ -1,4 +1,4 @@
-//! `cupola simulate`: the picture on the dome that captured frames of all outputs add up to.
+//! `cupola simulate`: sum of the captured frames of all outputs on the dome.
 
 use crate::failure::Failure;
 use crate::terminal;
@@ -86,7 +86,7 @@ fn captures(rig: &Rig, folder: &Path) -> Result<Vec<Picture>, Failure> {
 /// The file in `files` that shows the output `name`.
 fn find(name: &str, names: &[&str], files: &[PathBuf], folder: &Path) -> Result<PathBuf, Failure> {
     let stem = |file: &PathBuf| file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    // `a-back-left` belongs to `back-left` and not to `left`: the longest name that fits counts.
+    // `a-back-left` belongs to `back-left` and not to `left`: the longest matching name counts.
     let owner = |stem: &str| {
         let fits = |name: &&&str| stem == **name || stem.ends_with(&format!("-{name}"));
         names.iter().filter(fits).max_by_key(|name| name.len()).copied()
@@ -125,7 +125,7 @@ fn white(rig: &Rig) -> Result<Vec<Picture>, Failure> {
         let mask = described.mask.as_deref().map(cupola::rig::read_mask).transpose()?;
         let value = |index: u32| {
             let pixel = DVec2::new(f64::from(index % width) + 0.5, f64::from(index / width) + 0.5);
-            // A mask is mirrored as its picture is.
+            // A mask is mirrored with its picture.
             let place = described.flip.pixel(pixel, (width, height)) / DVec2::new(f64::from(width), f64::from(height));
             let masked = mask.as_ref().map_or(1.0, |(size, values)| mask_at(values, *size, place));
             let light = weights.weight(output, pixel).unwrap_or(0.0) * masked;
@@ -136,8 +136,8 @@ fn white(rig: &Rig) -> Result<Vec<Picture>, Failure> {
     sizes.iter().enumerate().map(picture).collect()
 }
 
-/// The weight of a mask at a place, parts of width and height from the top left: between the four
-/// nearest pixels.
+/// Weight of a mask at a place, in parts of width and height from the top left, interpolated
+/// between the four nearest pixels.
 fn mask_at(values: &[u16], (width, height): (u32, u32), place: DVec2) -> f64 {
     let at = (place * DVec2::new(f64::from(width), f64::from(height)) - 0.5).max(DVec2::ZERO);
     let last = |size: u32| size.saturating_sub(1);

@@ -1,7 +1,7 @@
 //! `cupola window`: an output in a window of its own, on any screen or monitor.
 //!
-//! It is a process of its own, which reads published frames: a screen that goes away takes nothing
-//! else with it.
+//! It is a process of its own, which reads published frames. If its screen goes away, nothing else
+//! ends.
 
 use crate::failure::Failure;
 use crate::pipe::nut;
@@ -17,7 +17,7 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-/// So often it is looked whether there is a program.
+/// Interval at which the command checks whether there is a program.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Show an output that a program publishes in a window of its own, on another screen or monitor.
@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Shows what comes by the standard input until that ends.
+/// Shows the pictures of the standard input until it ends.
 fn show_input(screen: &Output) -> Result<ExitCode, Failure> {
     let mut reading = nut::Reading::new(std::io::stdin().lock());
     let (mut picture, mut window) = (Picture::default(), None);
@@ -106,16 +106,16 @@ fn show_input(screen: &Output) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The screen of an output.
+/// Screen of an output.
 struct Output {
     connection: RustConnection,
     name: String,
     screen: Screen,
-    /// Place of what is filled: x, y, width and height in pixels.
+    /// Rectangle to fill: x, y, width and height in pixels.
     filled: Option<(i16, i16, u16, u16)>,
 }
 
-/// A window and what is needed to draw into it.
+/// A window, with the objects that draw into it.
 #[derive(Clone, Copy)]
 struct Window {
     window: u32,
@@ -167,7 +167,7 @@ impl Output {
         Ok(Self { connection, name, screen, filled })
     }
 
-    /// Opens the window of a picture.
+    /// Opens the window for a picture.
     fn window(&self, picture: &Picture) -> Result<Window, Failure> {
         let failed = Self::failed(&self.name);
         let side = |side: u32| u16::try_from(side).unwrap_or(u16::MAX);
@@ -183,7 +183,7 @@ impl Output {
         let open = || -> Result<Window, x11rb::errors::ReplyOrIdError> {
             let (window, context) = (self.connection.generate_id()?, self.connection.generate_id()?);
             let root = self.screen.root;
-            // Window managers leave it where it is.
+            // Window managers do not move this window.
             let looks = CreateWindowAux::new().override_redirect(1).background_pixel(self.screen.black_pixel);
             let class = WindowClass::INPUT_OUTPUT;
             self.connection.create_window(0, window, root, x, y, width, height, 0, class, 0, &looks)?;
@@ -201,7 +201,7 @@ impl Output {
             (picture.size.0.min(window.size.0.into()) as u16, picture.size.1.min(window.size.1.into()));
         let row = picture.size.0 as usize * 4;
         let shown = usize::from(width) * 4;
-        // What a request has beside its pixels is less than a hundred bytes.
+        // A request without its pixels has less than a hundred bytes.
         let rows = (self.connection.maximum_request_bytes().saturating_sub(100) / shown.max(1)).max(1);
         let all: Vec<&[u8]> = picture.rgba.chunks_exact(row).take(height as usize).collect();
         let mut bytes = Vec::new();
@@ -220,7 +220,7 @@ impl Output {
         self.wait()
     }
 
-    /// Waits until the screen has done all that was asked for.
+    /// Waits until the screen has executed all requests.
     fn wait(&self) -> Result<(), Failure> {
         let failed = Self::failed(&self.name);
         let answer = self.connection.get_input_focus().map_err(|error| failed(&error))?;

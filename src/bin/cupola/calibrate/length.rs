@@ -1,7 +1,7 @@
-//! One measured length: angles and photographs do not tell how large a dome is.
+//! A measured length: angles and photographs do not determine the size of a dome.
 //!
-//! A factor on all lengths changes no direction from the dome's centre and no photograph. So what
-//! was solved with the radius of the rig becomes right by the factor of one length.
+//! A factor on all lengths changes neither directions from the dome's centre nor photographs. So a
+//! result that was solved with the radius of the rig becomes right by the factor of one length.
 
 use super::Found;
 use crate::failure::Failure;
@@ -9,14 +9,14 @@ use cupola::calibrate::Camera;
 use cupola::rig::Rig;
 use glam::DVec3;
 
-/// The distance between two outputs, or between an output and the camera.
+/// Distance between two outputs, or between an output and the camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Length {
     ends: [String; 2],
     metres: f64,
 }
 
-/// The name of the camera.
+/// Name of the camera.
 const CAMERA: &str = "camera";
 
 /// Reads `FROM,TO,METRES`.
@@ -30,20 +30,18 @@ pub fn length(text: &str) -> Result<Length, String> {
 }
 
 impl Length {
-    /// Multiplies all lengths that were found so that this one is right. Returns the radius of the
+    /// Multiplies all lengths of the result so that this one is right. Returns the radius of the
     /// dome.
     ///
     /// # Errors
-    /// The rig has lengths that are known, or an end was not found.
+    /// The rig contains known lengths, or an end was not solved.
     pub fn apply(&self, rig: &Rig, found: &mut [Found], camera: Option<&mut Camera>) -> Result<f64, Failure> {
         if rig.screen.is_some() {
             return Err(Failure::usage("--length finds the radius of a [dome]; this rig has a [screen] of its own"));
         }
         if let Some(found) = found.iter().find(|found| found.solved.optics.mirror.is_some()) {
             let name = &rig.outputs[found.output].name;
-            return Err(Failure::usage(format!(
-                "--length: {name} has a mirror, whose radius is a length that is known"
-            )));
+            return Err(Failure::usage(format!("--length: {name} has a mirror, whose radius is a known length")));
         }
         let place = |name: &String| -> Result<DVec3, Failure> {
             let own = found.iter().find(|found| rig.outputs[found.output].name == *name);

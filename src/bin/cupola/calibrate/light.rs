@@ -1,4 +1,4 @@
-//! What was found of the light: a mask for each output, and keys of the rig.
+//! Results about the light: a mask for each output, and keys of the rig.
 
 use super::written::{Changes, number, numbers};
 use crate::convert;
@@ -10,13 +10,13 @@ use glam::DVec2;
 use std::path::Path;
 use toml_edit::{Array, InlineTable, Value};
 
-/// Pixels of an output in one of its mask: light changes slowly.
+/// Number of pixels of an output, in each direction, for one of its mask: light changes slowly.
 const COARSER: u32 = 8;
 
 /// Writes the masks beside the rig file `out`, and returns the keys that name them.
 ///
 /// # Errors
-/// A file is there already, or cannot be written.
+/// A file exists already, or cannot be written.
 pub fn masks(rig: &Rig, light: &Found, out: &Path, replace: bool) -> Result<Vec<Changes>, Failure> {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
     let file = |lit: &Lit| out.with_file_name(format!("{stem}-{}-light.png", rig.outputs[lit.output].name));
@@ -36,7 +36,7 @@ pub fn masks(rig: &Rig, light: &Found, out: &Path, replace: bool) -> Result<Vec<
     Ok(all)
 }
 
-/// The mask of an output: what evens out its light, times the mask that it has.
+/// Mask of an output: the dimming that evens out its light, times the mask that it has.
 fn mask(rig: &Rig, light: &Found, index: usize) -> Result<((u32, u32), Vec<u16>), Failure> {
     let output = light.outputs[index].output;
     let (width, height) = native_size(rig, output);
@@ -53,7 +53,7 @@ fn mask(rig: &Rig, light: &Found, index: usize) -> Result<((u32, u32), Vec<u16>)
     Ok((size, values.collect()))
 }
 
-/// The keys of an output.
+/// Keys of an output.
 fn changes(rig: &Rig, lit: &Lit, image: &str) -> Changes {
     let output = &rig.outputs[lit.output];
     let points: Array = lit.response.iter().map(|point| numbers(point)).collect();
@@ -66,6 +66,6 @@ fn changes(rig: &Rig, lit: &Lit, image: &str) -> Changes {
             .filter(|_| output.blend.overlap)
             .map(|contrast| (vec!["blend", "contrast"], number(contrast.round()))),
     );
-    // The mask evens out the light; the response has its own exponents.
+    // The mask evens out the light, and the response has its own exponents.
     Changes { name: output.name.clone(), removed: vec![vec!["even_light"], vec!["blend", "gamma"]], keys }
 }

@@ -7,7 +7,7 @@ use cupola::rig::Rig;
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
-/// A mark with its place in the file.
+/// A mark with its line in the file.
 #[derive(Debug)]
 pub struct Line {
     /// Number of the line, from 1.
@@ -20,7 +20,7 @@ pub struct Line {
     pub direction: DVec3,
 }
 
-/// The name of the photographs.
+/// Name of the photographs.
 const PHOTO: &str = "photo";
 /// Largest photograph, pixels.
 const LARGEST_PHOTO: u32 = 65535;
@@ -30,25 +30,25 @@ const LONGEST: u64 = 64 << 20;
 const HORIZON: [&str; 5] = ["output", "x", "y", "azimuth", "elevation"];
 const DOME: [&str; 5] = ["output", "x", "y", "polar", "around"];
 
-/// What the last two columns are.
+/// Meaning of the last two columns.
 #[derive(Clone, Copy, PartialEq)]
 enum Angles {
     /// Azimuth and elevation.
     Horizon,
-    /// From the dome's pole, and around it.
+    /// Angle from the dome's pole, and around it.
     Dome,
 }
 
 /// Reads the marks for the outputs of a rig.
 ///
 /// # Errors
-/// The first mistake with file, line and column.
+/// The first mistake, with file, line and column.
 pub fn read(file: &Path, rig: &Rig) -> Result<Vec<Line>, Failure> {
     let name = file.display().to_string();
     let unreadable = |why: String| Failure::usage(format!("{name}: {why}"));
     let length = std::fs::metadata(file).map_err(|error| unreadable(error.to_string()))?.len();
     if length > LONGEST {
-        return Err(unreadable(format!("is longer than {LONGEST} bytes; no file of marks is")));
+        return Err(unreadable(format!("is longer than {LONGEST} bytes, the limit for files of marks")));
     }
     let text = std::fs::read_to_string(file).map_err(|error| unreadable(error.to_string()))?;
     let lines =
@@ -59,7 +59,7 @@ pub fn read(file: &Path, rig: &Rig) -> Result<Vec<Line>, Failure> {
     Ok(lines)
 }
 
-/// A mistake: line, column, and what is wrong.
+/// A mistake: line, column, and message.
 pub type Mistake = (usize, usize, String);
 
 /// Reads the text of a file of marks.
@@ -94,7 +94,7 @@ pub fn parse(text: &str, rig: &Rig) -> Result<Vec<Line>, Mistake> {
     Ok(lines)
 }
 
-/// The fields of a line with their columns, from 1.
+/// Fields of a line with their columns, from 1.
 fn fields(line: &str) -> Vec<(usize, &str)> {
     let mut column = 1;
     let mut fields = Vec::new();
@@ -106,7 +106,7 @@ fn fields(line: &str) -> Vec<(usize, &str)> {
     fields
 }
 
-/// The number of the output (`None` for the photographs), the place in it, and the direction.
+/// Number of the output (`None` for the photographs), place in it, and direction.
 type Place = (Option<usize>, DVec2, DVec3);
 
 fn mark(fields: &[(usize, &str)], angles: Angles, rig: &Rig) -> Result<Place, (usize, String)> {
@@ -145,7 +145,7 @@ fn number((column, text): &(usize, &str), least: f64, most: f64, what: &str) -> 
     }
 }
 
-/// The unit vector of an azimuth and an elevation in degrees.
+/// Unit vector of an azimuth and an elevation in degrees.
 fn towards(azimuth: f64, elevation: f64) -> DVec3 {
     let ((sine, cosine), (up, level)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
     DVec3::new(level * sine, up, -level * cosine)

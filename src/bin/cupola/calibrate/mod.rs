@@ -76,18 +76,18 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Reads a part of a projector.
+/// Reads the name of a part of a projector.
 pub fn part(word: &str) -> Result<Part, String> {
     let words = || Part::ALL.map(Part::word).join(", ");
-    Part::ALL.into_iter().find(|part| part.word() == word).ok_or_else(|| format!("expected some of {}", words()))
+    Part::ALL.into_iter().find(|part| part.word() == word).ok_or_else(|| format!("expected one or more of {}", words()))
 }
 
-/// An output that was solved.
+/// A solved output.
 struct Found {
     /// Number of the output in the rig.
     output: usize,
     solved: Solved,
-    /// Lines of the file of marks; none for photographs.
+    /// Lines of the file of marks; empty for photographs.
     lines: Vec<usize>,
 }
 

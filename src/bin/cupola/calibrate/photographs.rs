@@ -14,7 +14,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The outputs that get patterns, with their codes.
+/// Outputs that get patterns, with their codes.
 fn series(rig: &Rig, cell: u32) -> Vec<(usize, Codes)> {
     let projectors = (0..rig.outputs.len()).filter(|output| rig.outputs[*output].kind.is_projector());
     projectors.map(|output| (output, Codes::new(native_size(rig, output), cell))).collect()
@@ -63,14 +63,14 @@ pub fn write_patterns(arguments: &Arguments, folder: &Path) -> Result<ExitCode, 
     Ok(ExitCode::SUCCESS)
 }
 
-/// A picture that is photographed.
+/// A picture to photograph.
 #[derive(Clone, Copy)]
 enum Shown {
     Code(Picture),
     Grey(u8),
 }
 
-/// The pictures of an output in their order.
+/// Pictures of an output in their order.
 fn shown(codes: &Codes, light: bool) -> Vec<Shown> {
     // White and black are the first two codes.
     let greys = LEVELS.into_iter().filter(|level| light && !matches!(level, 0 | 255)).map(Shown::Grey);
@@ -97,15 +97,16 @@ impl Shown {
     }
 }
 
-/// What photographs tell.
+/// Results from photographs.
 pub struct Photographed {
     pub outputs: Vec<Found>,
     pub camera: Camera,
-    /// How bright the outputs are, if grey pictures were photographed.
+    /// Brightness of the outputs, if grey pictures were photographed.
     pub light: Option<light::Found>,
 }
 
-/// Failure of a folder with another number of photographs than there are patterns: `[is, wanted]`.
+/// Failure of a folder in which the number of photographs is not that of the patterns: `[is,
+/// wanted]`.
 fn wrong_number(arguments: &Arguments, rig: &Rig, folder: &Path, [is, wanted]: [usize; 2]) -> Failure {
     Failure::usage(format!(
         "{} has {is} photographs (*.png, *.jpg); the patterns of {} with --cell {}{} are {wanted}",
@@ -176,7 +177,7 @@ pub fn solve(
     Ok(Photographed { outputs: outputs.collect(), camera: found.camera, light })
 }
 
-/// The light of the projectors where they were found.
+/// Solves the light of the solved projectors.
 fn solved_light(
     rig: &Rig,
     sizes: &[(u32, u32)],
@@ -191,14 +192,14 @@ fn solved_light(
     light::solve(&calibrated, sizes, &found.camera, readings)
 }
 
-/// The light of each value of a photograph, 0…1.
+/// Light of each value of a photograph, 0…1.
 fn values(linear: bool) -> Vec<f32> {
     let srgb = Blend { transfer: Transfer::Srgb, ..Blend::default() };
     let light = |value: f64| if linear { value } else { blend::light_of(value, &srgb, blend::GREEN) };
     (0..=u16::MAX).map(|value| light(f64::from(value) / f64::from(u16::MAX)) as f32).collect()
 }
 
-/// The photographs of a folder by their names.
+/// Photographs of a folder, sorted by their names.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let unreadable = |error: std::io::Error| Failure::usage(format!("{} cannot be read: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?.flatten().map(|entry| entry.path());
@@ -211,7 +212,7 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// The photographs in their order.
+/// Photographs in their order.
 struct Photographs<'a, I> {
     files: &'a mut I,
     size: &'a mut (u32, u32),
@@ -249,7 +250,7 @@ impl<'a, I: Iterator<Item = &'a PathBuf>> Photographs<'_, I> {
         Ok((decoder, white, black))
     }
 
-    /// The light of the places that were seen of an output, from the grey pictures that follow.
+    /// Reads the light of the sightings of an output from the grey pictures that follow.
     fn readings(
         &mut self,
         decoder: &Decoder,
@@ -276,7 +277,7 @@ impl<'a, I: Iterator<Item = &'a PathBuf>> Photographs<'_, I> {
     }
 }
 
-/// All sizes have been compared by then.
+/// Failure for other sizes. All sizes have been compared before.
 fn unlike() -> Failure {
     Failure::new("the photographs are not of the same size")
 }

@@ -1,4 +1,4 @@
-//! What was found, in words and as JSON.
+//! Results in words and as JSON.
 
 use super::Found;
 use cupola::calibrate::{Camera, CameraLens, Quality, light};
@@ -7,7 +7,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Angles in the text are minutes of arc.
+/// Converts an angle to minutes of arc, for the text.
 fn minutes(radians: f64) -> f64 {
     60.0 * radians.to_degrees()
 }
@@ -28,14 +28,14 @@ pub fn summary(quality: &Quality) -> String {
     )
 }
 
-/// The lines of marks that were left out, with their distances.
+/// Lines of marks that were left out, with their distances.
 fn wrong(found: &Found) -> impl Iterator<Item = (usize, f64)> + '_ {
     let quality = &found.solved.quality;
     let marks = found.lines.iter().zip(&quality.distances).zip(&quality.used);
     marks.filter(|(_, used)| !**used).map(|((line, distance), _)| (*line, *distance))
 }
 
-/// What was found of an output.
+/// Describes the result for an output.
 pub fn words(rig: &Rig, found: &Found, marks: Option<&Path>) -> String {
     let marks = marks.unwrap_or(Path::new(""));
     let name = &rig.outputs[found.output].name;
@@ -47,7 +47,7 @@ pub fn words(rig: &Rig, found: &Found, marks: Option<&Path>) -> String {
     words
 }
 
-/// The same of all outputs as JSON; lengths in metres, angles in degrees.
+/// The results for all outputs as JSON; lengths in metres, angles in degrees.
 pub fn json(
     rig: &Rig,
     found: &[Found],
@@ -103,7 +103,7 @@ fn lens(camera: &Camera) -> &'static str {
     }
 }
 
-/// What was found of the camera.
+/// Describes the result for the camera.
 pub fn camera_words(camera: &Camera) -> String {
     let [x, y, z] = camera.pose.position.to_array();
     format!(
@@ -115,7 +115,7 @@ pub fn camera_words(camera: &Camera) -> String {
     )
 }
 
-/// What was found of the light.
+/// Describes the results about the light.
 pub fn light_words(rig: &Rig, light: &light::Found) -> String {
     let mut words = format!(
         "light: brightest to darkest place {:.2}, now as the darkest; photographs differ from this by {:.2} % rms\n",

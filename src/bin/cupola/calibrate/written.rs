@@ -1,4 +1,4 @@
-//! The rig file with what was found: everything else and its comments stay.
+//! The rig file with the results: everything else and its comments stay.
 
 use super::{Found, report};
 use crate::failure::Failure;
@@ -10,13 +10,13 @@ use glam::DVec2;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
-/// What the comments of this command begin with. They are replaced by the next calibration.
+/// Beginning of this command's comments, which the next calibration replaces.
 const MARK: &str = "# calibrated:";
 
-/// Writes the rig called `name` with what was found to `out`.
+/// Writes the rig called `name` with the results to `out`.
 ///
 /// # Errors
-/// The file cannot be written, or the rig would be refused; nothing is changed then.
+/// The file cannot be written, or the rig would be refused; then nothing is changed.
 pub fn write(
     name: &str,
     rig: &Rig,
@@ -51,7 +51,7 @@ pub fn write(
         tune::set(document.as_table_mut(), &["dome", "radius"], &number(radius))
             .map_err(|why| Failure::usage(format!("{name}: {why}")))?;
     }
-    // Files of the light are beside the new rig.
+    // The files of the light are beside the new rig.
     for changes in light {
         if let Some(table) = output_mut(&mut document, &changes.name) {
             changes.removed.iter().for_each(|path| remove(table, path));
@@ -63,16 +63,16 @@ pub fn write(
     }
     let text = document.to_string();
     rig::parse(&text, &out.display().to_string(), out.parent().unwrap_or(Path::new(""))).map_err(|error| {
-        Failure::new(format!("what was found is no valid rig; nothing was written\n{}", error.message))
+        Failure::new(format!("the result is not a valid rig; nothing was written\n{}", error.message))
     })?;
     tune::replace(out, &text).map_err(|error| Failure::new(format!("{} cannot be written: {error}", out.display())))
 }
 
 /// Changes of an output's keys.
 pub struct Changes {
-    /// Its name.
+    /// Name of the output.
     pub name: String,
-    /// Keys that go.
+    /// Keys that are removed.
     pub removed: Vec<Vec<&'static str>>,
     /// Keys with their values.
     pub keys: Vec<(Vec<&'static str>, Value)>,
@@ -91,17 +91,17 @@ fn remove(table: &mut dyn TableLike, path: &[&str]) {
     }
 }
 
-/// The changes of the rig `text` that make it what was found, as `cupola tune` takes them.
+/// Returns the changes that write the results to the rig `text`, in the form for `cupola tune`.
 ///
 /// # Errors
-/// The text is no TOML.
+/// The text is not TOML.
 pub fn changes(text: &str, name: &str, optics: &Optics, parts: &[Part]) -> Result<Vec<String>, String> {
     let document: DocumentMut = text.parse().map_err(|error| format!("{error}"))?;
     let keys = keys(&document, name, optics, parts).into_iter();
     Ok(keys.map(|(path, value)| format!("output.{name}.{}={value}", path.join("."))).collect())
 }
 
-/// The table of an output, `output-N` if it has no name.
+/// Table of an output, which is called `output-N` if it has no name.
 fn output_mut<'a>(document: &'a mut DocumentMut, name: &str) -> Option<&'a mut toml_edit::Table> {
     let outputs = document.get_mut("output").and_then(Item::as_array_of_tables_mut)?;
     let own = |(index, output): &(usize, &mut toml_edit::Table)| {
@@ -119,7 +119,7 @@ fn comment(table: &mut toml_edit::Table, text: &str) {
     key.leaf_decor_mut().set_prefix(kept);
 }
 
-/// The keys of a projector that were free, with their values.
+/// Keys of a projector that were free, with their values.
 fn keys(document: &DocumentMut, name: &str, optics: &Optics, parts: &[Part]) -> Vec<(Vec<&'static str>, Value)> {
     let mut keys = Vec::new();
     let mut add = |path: &[&'static str], value: Value| keys.push((path.to_vec(), value));
@@ -150,7 +150,8 @@ fn keys(document: &DocumentMut, name: &str, optics: &Optics, parts: &[Part]) -> 
             }
         }
         Lens::Fisheye { circle, .. } if has(Part::Fov) || has(Part::Shift) => {
-            // A placed circle does not depend on the aspect; an inscribed one is placed by now.
+            // A placed circle does not depend on the aspect; an inscribed one has become a placed
+            // one.
             let center = circle.to_picture(DVec2::ZERO, 1.0);
             add(&["fisheye", "size"], numbers(&(circle.to_picture(DVec2::ONE, 1.0) - center).to_array()));
             add(&["fisheye", "center"], numbers(&(0.5 * center).to_array()));
@@ -169,7 +170,7 @@ fn has_angles(document: &DocumentMut, name: &str) -> bool {
     output_mut(&mut document.clone(), name).is_some_and(|table| TableLike::contains_key(table, "angles"))
 }
 
-/// A number with nine decimal places: far below what can be measured.
+/// Formats a number with nine decimal places: far below what can be measured.
 pub fn number(value: f64) -> Value {
     Value::from((value * 1e9).round() / 1e9 + 0.0)
 }

@@ -1,4 +1,4 @@
-//! What is possible in a rig, and rarely meant.
+//! Remarks about values that are possible in a rig, but rarely meant.
 
 use super::numbers::{degrees, number};
 use cupola::geom::{Lens, Screen, screen::Shape};
@@ -6,13 +6,13 @@ use cupola::rig::{OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::DVec3;
 
-/// Radii of domes in metres that there are, with room to spare.
+/// Usual radii of domes in metres, with a margin.
 const RADII: std::ops::RangeInclusive<f64> = 0.2..=60.0;
-/// A projector that opens less in both directions, radians, is one whose angles are in radians.
+/// Opening of a projector, radians, below which its angles were probably given in radians.
 const NARROW: f64 = 0.07;
-/// Directions in which the dome is looked at.
+/// Number of directions in which the dome is examined.
 const PLACES: u32 = 2000;
-/// Part of the screen that should be lit.
+/// Part of the screen that is usually lit.
 const LIT: f64 = 0.5;
 
 /// Remarks about a rig whose outputs have these sizes.
@@ -57,7 +57,7 @@ fn lit(rig: &Rig, sizes: &[(u32, u32)]) -> Option<f64> {
     let half = 0.5 * rig.dome.coverage;
     let (mut screen, mut lit) = (0u32, 0u32);
     for place in 0..PLACES {
-        // Evenly over the cap, in a spiral.
+        // The directions lie evenly over the cap, in a spiral.
         let part = (f64::from(place) + 0.5) / f64::from(PLACES);
         let up = 1.0 - part * (1.0 - half.cos());
         let around = 2.399_963_229_728_653 * f64::from(place);
@@ -98,8 +98,8 @@ mod tests {
         }
     }
 
-    /// A projector in the middle of a hemisphere that looks up with 90° × 90° lights what lies
-    /// within a pyramid: a third of the half sphere, 2π/3 of 2π.
+    /// A projector in the middle of a hemisphere that looks up with 90° × 90° lights a pyramid: a
+    /// third of the half sphere, 2π/3 of 2π.
     #[test]
     fn the_lit_part_is_that_of_a_pyramid() {
         let text = "[[output]]\nkind = \"projector\"\npitch = 90.0\nfov = [90.0, 90.0]\n";

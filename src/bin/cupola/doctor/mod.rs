@@ -45,7 +45,7 @@ pub struct Arguments {
 struct Finding {
     /// Name of the subject, also used in JSON.
     key: &'static str,
-    /// Whether this is as it should be; `None` for mere information.
+    /// True if this is as it should be; `None` for mere information.
     good: Option<bool>,
     /// The finding, and the remedy if there is one.
     words: String,
@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Tells about the Vulkan device, and what can lock displays together.
+/// Reports the Vulkan device, and the means to synchronise displays.
 fn tell_devices(display: &Environment, tell: &mut impl FnMut(&'static str, Option<bool>, String)) {
     let device = vk::driver::headless::Headless::new(&[]);
     let (good, words) = vulkan_device(device.as_ref().map_err(|error| error.message.clone()));
@@ -131,7 +131,7 @@ fn tell_devices(display: &Environment, tell: &mut impl FnMut(&'static str, Optio
     tell("swap groups", None, screens::swap_groups(display, device.as_ref().ok()));
 }
 
-/// Tells about the library. Returns the environment of a program that it corrects.
+/// Reports the library. Returns the environment of a program that it corrects.
 fn hooked(
     scratch: &loader::Scratch,
     display: &Environment,
@@ -159,8 +159,8 @@ fn hooked(
     Some(environment)
 }
 
-/// Whether Vulkan programs can be corrected, and a description; `None` where there is no Vulkan
-/// driver, which OpenGL programs do not need.
+/// Reports whether Vulkan programs can be corrected, and a description; `None` if there is no
+/// Vulkan driver, which OpenGL programs do not need.
 fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, String) {
     let driver = match probe::ask(Way::Vulkan, plain) {
         Ok(answer) => answer.driver,
@@ -181,7 +181,7 @@ fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, S
     }
 }
 
-/// The capabilities of the Vulkan device for programs that embed Cupola, through the crate or
+/// Capabilities of the Vulkan device for programs that embed Cupola, through the crate or
 /// `cupola_vk.h`.
 fn vulkan_device(device: Result<&vk::driver::headless::Headless, String>) -> (Option<bool>, String) {
     let device = match device {
@@ -206,7 +206,7 @@ fn vulkan_device(device: Result<&vk::driver::headless::Headless, String>) -> (Op
     (Some(true), words)
 }
 
-/// The programs that the layer shows flat on this device.
+/// Describes the programs that the layer shows flat on this device.
 fn vulkan_flat(device: &vk::driver::headless::Headless) -> String {
     format!(
         "a program is shown flat, and the log says why, if it uses all {} descriptor sets of a pipeline, links \
@@ -216,7 +216,7 @@ fn vulkan_flat(device: &vk::driver::headless::Headless) -> String {
     )
 }
 
-/// Whether programs that use this way to the driver can be corrected, and the reason.
+/// Reports whether programs that use this API can be corrected, and the reason.
 fn route(way: Way, plain: &Environment, hooked: Option<&Environment>) -> (bool, String) {
     let without = match probe::ask(way, plain) {
         Ok(answer) => answer,

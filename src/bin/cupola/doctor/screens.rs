@@ -1,4 +1,4 @@
-//! Screens, monitors and graphics cards, and whether outputs can be swapped together.
+//! Screens, monitors and graphics cards, and the ability to swap outputs together.
 
 use crate::launch::Environment;
 use crate::launch::probe::{self, Way};
@@ -9,8 +9,8 @@ use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::xproto::{ConnectionExt as _, Screen};
 use x11rb::rust_connection::RustConnection;
 
-/// A line for each X screen, with its monitors: what the keys `display` and `monitor` of outputs may
-/// name.
+/// Returns a line for each X screen, with its monitors: the names for the keys `display` and
+/// `monitor` of outputs.
 pub fn screens(display: Option<&str>) -> Vec<String> {
     let Ok((connection, _)) = x11rb::connect(display) else { return Vec::new() };
     let name = display.map(str::to_owned).or_else(|| std::env::var("DISPLAY").ok()).unwrap_or_default();
@@ -24,7 +24,7 @@ pub fn screens(display: Option<&str>) -> Vec<String> {
     connection.setup().roots.iter().enumerate().map(describe).collect()
 }
 
-/// Names and places of the monitors of a screen.
+/// Names and positions of the monitors of a screen.
 fn monitors(connection: &RustConnection, screen: &Screen) -> Option<Vec<String>> {
     let monitors = connection.randr_get_monitors(screen.root, true).ok()?.reply().ok()?.monitors;
     let describe = |monitor: &x11rb::protocol::randr::MonitorInfo| {
@@ -35,7 +35,7 @@ fn monitors(connection: &RustConnection, screen: &Screen) -> Option<Vec<String>>
     Some(monitors.iter().filter_map(describe).collect())
 }
 
-/// A line for each graphics card that the kernel drives, from its folder of cards.
+/// Returns a line for each graphics card with a kernel driver, from the kernel's folder of cards.
 pub fn cards(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -67,7 +67,7 @@ pub fn cards(folder: &Path) -> Vec<String> {
     if found.is_empty() { vec!["the kernel drives none; the processor draws".to_owned()] } else { found }
 }
 
-/// Whether the drivers can swap windows of several screens and machines at the same time.
+/// Reports whether the drivers can swap windows of several screens and machines at the same time.
 pub fn swap_groups(display: &Environment, device: Option<&Headless>) -> String {
     let glx = probe::ask(Way::Glx, display).map(|answer| answer.extensions).unwrap_or_default();
     let glx = glx.iter().any(|name| name == "GLX_NV_swap_group");

@@ -1,4 +1,4 @@
-//! Options of the virtual clock, and the library that is it.
+//! Options of the virtual clock, and its library.
 
 use super::{Environment, library};
 use crate::failure::Failure;
@@ -20,7 +20,7 @@ pub struct Options {
     clock_start: Option<Start>,
 }
 
-/// Frames in a time.
+/// A frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rate {
     /// Number of frames.
@@ -32,19 +32,19 @@ pub struct Rate {
 /// Start of the program's time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Start {
-    /// When the program starts.
+    /// Time at which the program starts.
     Now,
     /// Seconds since 1970.
     At(u64),
 }
 
 impl Options {
-    /// Whether the program's dates start at the time of its start.
+    /// True if the program's dates start at the time of its start.
     pub fn starts_now(&self) -> bool {
         self.clock_start == Some(Start::Now)
     }
 
-    /// Environment variables of the clock; none without one.
+    /// Environment variables of the clock; empty without a clock.
     pub fn environment(&self) -> Result<Environment, Failure> {
         let Some(rate) = self.clock else {
             return match self.seed.is_some() || self.clock_start.is_some() {

@@ -7,9 +7,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Finds `libcupola.so`, or the name that packages without files for developers have it under: the
-/// path in `CUPOLA_LIBRARY`, or the folder of this command, or one of the folders for libraries
-/// beside it.
+/// Finds `libcupola.so`, or the name that packages without development files use: the path in
+/// `CUPOLA_LIBRARY`, the folder of this command, or one of the library folders beside it.
 pub fn find() -> Result<PathBuf, Failure> {
     if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
         let path = PathBuf::from(path);
@@ -25,15 +24,15 @@ pub fn find() -> Result<PathBuf, Failure> {
     places.iter().find_map(|place| place.canonicalize().ok()).ok_or_else(|| {
         let listed = places.iter().map(|place| format!("  {}", place.display())).collect::<Vec<_>>().join("\n");
         Failure::new(format!(
-            "libcupola.so was not found. It was looked for as\n{listed}\n\
+            "libcupola.so was not found. These paths were tried:\n{listed}\n\
              `cargo install` brings the command alone: run `make && sudo make install` in the folder with Cupola's \
              sources, or set CUPOLA_LIBRARY to the path of a libcupola.so that `cargo build --release` has made there"
         ))
     })
 }
 
-/// Finds `libcupola_clock.so`: beside `libcupola.so`, or above the folder of what cargo links for
-/// tests.
+/// Finds `libcupola_clock.so`: beside `libcupola.so`, or in the parent of the folder in which cargo
+/// links tests.
 pub fn find_clock() -> Result<PathBuf, Failure> {
     let library = find()?;
     let folder = library.parent().unwrap_or(Path::new("/"));
@@ -47,8 +46,8 @@ pub fn find_clock() -> Result<PathBuf, Failure> {
     })
 }
 
-/// Where the library may be, for a command in `folder`: beside it, as cargo leaves both, or in the
-/// folders for libraries of the prefix, as distributions have them.
+/// Possible paths of the library for a command in `folder`: beside it, as cargo places both, or in
+/// the library folders of the prefix, as in distributions.
 fn places(folder: &Path) -> Vec<PathBuf> {
     let of_debian = format!("lib/{}-linux-gnu", std::env::consts::ARCH);
     let of_prefix = ["lib", &of_debian, "lib64"].map(|lib| folder.join("..").join(lib));
@@ -58,8 +57,8 @@ fn places(folder: &Path) -> Vec<PathBuf> {
     folders.flat_map(|folder| names.clone().map(|name| folder.join(name))).collect()
 }
 
-/// Whether a file contains `bytes`. Reads no further than necessary: the string table is near the
-/// start of a library, which has 40 MB without optimisation.
+/// True if a file contains `bytes`. Stops reading as early as possible: the string table is near
+/// the start of a library, which has 40 MB without optimisation.
 fn contains(path: &Path, bytes: &[u8]) -> std::io::Result<bool> {
     let mut file = File::open(path)?;
     let (mut found, mut chunk) = (Vec::new(), vec![0; 1 << 16]);
@@ -72,7 +71,7 @@ fn contains(path: &Path, bytes: &[u8]) -> std::io::Result<bool> {
         if found.windows(bytes.len()).any(|window| window == bytes) {
             return Ok(true);
         }
-        // What may be the start of them.
+        // The rest may be the beginning of `bytes`.
         found.drain(..found.len().saturating_sub(bytes.len() - 1));
     }
 }

@@ -1,29 +1,31 @@
-//! What node 0 decides: when a frame may be shown, and who is late, gone or different.
+//! Decisions of node 0: release of frames, and nodes that are late, gone or different.
 //!
-//! A state machine: it gets arrivals and the time, and answers with what is to be sent and said.
+//! This is a state machine: its input are arrivals and the time, its output are messages to send
+//! and to show.
 
 use super::sums::Sums;
 use cupola::nodes::{Arrival, FIRST_FRAMES};
 use std::time::Duration;
 
-/// The longest wait for each of the first frames, less than that of the programs.
+/// Longest wait for each of the first frames, shorter than that of the programs.
 const START: Duration = Duration::from_secs(55);
 
-/// What has to be done.
+/// An action that follows from a decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// All nodes may show frames up to this number; the program's time after it, 0: not said.
+    /// All nodes may show frames up to this number. `time` is the program's time after it; 0 leaves
+    /// it open.
     Release { frame: u64, time: u64 },
-    /// The user has to know this.
+    /// A message for the user.
     Say(String),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     InStep,
-    /// The others have gone on without it.
+    /// The others have gone on without this node.
     Late,
-    /// Its program has ended, or it is not reached any more.
+    /// The node's program has ended, or its connection is lost.
     Gone,
 }
 
@@ -31,37 +33,38 @@ enum State {
 struct Node {
     arrived: Arrival,
     state: State,
-    /// It was told that this node is late.
+    /// True if the user knows that this node is late.
     told: bool,
 }
 
-/// The real time of the programs' time.
+/// Start of the programs' time in real time.
 #[derive(Clone, Copy, Debug)]
 struct Start {
-    /// The machine's time.
+    /// Time of the machine.
     real: u64,
-    /// The program's time then.
+    /// Time of the program at that moment.
     program: u64,
 }
 
-/// The decisions of node 0. Times are nanoseconds of its monotonic clock.
+/// State of node 0. Times are nanoseconds of its monotonic clock.
 pub struct Head {
     nodes: Vec<Node>,
     released: u64,
-    /// When the first node came to the frame that is not released yet.
+    /// Time at which the first node arrived at the frame that is not released yet.
     first_came: Option<u64>,
     patience: Duration,
-    /// Length of a frame, if the programs' time follows the real one.
+    /// Length of a frame, if the programs' time follows real time.
     length: Option<u64>,
     start: Option<Start>,
-    /// All are at a frame that may be shown from then on.
+    /// Time from which a frame may be shown at which all nodes have arrived.
     early: Option<u64>,
     sums: Sums,
 }
 
 impl Head {
-    /// For so many nodes. The others wait for one that is late for `patience`. `length`: of a
-    /// frame, if frames are released in real time; `None`: as soon as all nodes are there.
+    /// Starts with `count` nodes. The others wait for a late node no longer than `patience`.
+    /// `length`: length of a frame, if frames are released in real time; `None`: frames are
+    /// released as soon as all nodes have arrived.
     pub fn new(count: usize, patience: Duration, length: Option<Duration>) -> Self {
         let node = Node { arrived: Arrival::default(), state: State::InStep, told: false };
         let length = length.map(|length| nanoseconds(length).max(1));
@@ -77,14 +80,14 @@ impl Head {
         }
     }
 
-    /// A node's program is at the end of a frame.
+    /// Handles the arrival of a node's program at the end of a frame.
     pub fn arrived(&mut self, number: usize, arrival: Arrival, now: u64) -> Vec<Action> {
         let mut actions = Vec::new();
         let Some(node) = self.nodes.get_mut(number).filter(|node| node.arrived.frame < arrival.frame) else {
             return actions;
         };
         if node.state == State::Gone {
-            // Its connection was lost for good.
+            // The connection to this node is lost for good.
             return actions;
         }
         node.arrived = arrival;
@@ -101,7 +104,7 @@ impl Head {
         actions
     }
 
-    /// A node's program has ended, or the node is not reached any more.
+    /// Handles the end of a node's program, or of the connection to it.
     pub fn gone(&mut self, number: usize, now: u64) -> Vec<Action> {
         let mut actions = Vec::new();
         if let Some(node) = self.nodes.get_mut(number).filter(|node| node.state != State::Gone) {
@@ -111,7 +114,7 @@ impl Head {
         actions
     }
 
-    /// Time has passed.
+    /// Handles the passage of time.
     pub fn tick(&mut self, now: u64) -> Vec<Action> {
         let mut actions = Vec::new();
         self.look(now, &mut actions);
@@ -123,18 +126,18 @@ impl Head {
         self.nodes.iter().filter(|node| node.state != State::Gone).count()
     }
 
-    /// When [`Head::tick`] has something to do, unless another node comes before.
+    /// Time at which [`Head::tick`] has something to do, unless another node arrives before.
     pub fn due(&self) -> Option<u64> {
         let patience = self.patience();
         self.early.or(self.first_came.map(|came| came.saturating_add(nanoseconds(patience))))
     }
 
-    /// What was seen, for the end; `times`: also of the differences in time.
+    /// Summary at the end; `times`: includes the differences in time.
     pub fn summary(&self, times: bool) -> String {
         format!("{} frames on {} nodes{}", self.released, self.nodes.len(), self.sums.summary(times))
     }
 
-    /// The same as JSON.
+    /// The summary as JSON.
     pub fn json(&self, times: bool) -> serde_json::Value {
         let mut json = serde_json::json!({
             "frames": self.released,
@@ -147,24 +150,24 @@ impl Head {
         json
     }
 
-    /// Whether a node is not gone.
+    /// True if a node is not gone.
     pub fn is_there(&self, number: usize) -> bool {
         self.nodes.get(number).is_some_and(|node| node.state != State::Gone)
     }
 
-    /// The longest wait for a node that is late at the next frame.
+    /// Longest wait for a late node at the next frame.
     fn patience(&self) -> Duration {
         if self.released < FIRST_FRAMES { START.max(self.patience) } else { self.patience }
     }
 
-    /// Releases the frame to which the nodes have come, if it is time for that.
+    /// Releases the frame at which the nodes have arrived, if it is time.
     fn look(&mut self, now: u64, actions: &mut Vec<Action>) {
         let here = self.nodes.iter().filter(|node| node.state != State::Gone);
         let Some(newest) = here.map(|node| node.arrived.frame).max().filter(|newest| *newest > self.released) else {
             return;
         };
         if newest > self.released + 1 {
-            // A program that was on its own is ahead: it has shown the frames before.
+            // A program that went on by itself is ahead: it has shown the frames before.
             self.released = newest - 1;
             self.first_came = None;
             actions.push(Action::Release { frame: self.released, time: 0 });
@@ -185,7 +188,7 @@ impl Head {
                     node.state = State::Late;
                     if !node.told {
                         actions.push(Action::Say(format!(
-                            "node {number} has not come to frame {newest} in time: the others go on without it, and it \
+                            "node {number} has not reached frame {newest} in time: the others go on without it, and it \
                              leaves out frames until it is there again"
                         )));
                     }
@@ -207,13 +210,13 @@ impl Head {
         }
     }
 
-    /// The program's time after a frame that all have come to; `None`: it is too early for it.
+    /// Time of the program after a frame at which all have arrived; `None` if it is too early.
     fn time(&mut self, frame: u64, now: u64) -> Option<u64> {
         let Some(length) = self.length else { return Some(0) };
         let there = self.nodes.iter().filter(|node| node.state != State::Gone && node.arrived.frame == frame);
         let program = there.map(|node| node.arrived.time).max().unwrap_or(0);
         if frame < FIRST_FRAMES {
-            // What a program loads at its start takes none of its time.
+            // While a program loads at its start, its time stands still.
             return Some(program);
         }
         let start = *self.start.get_or_insert(Start { real: now, program });
@@ -223,12 +226,12 @@ impl Head {
         if now < due {
             return None;
         }
-        // Times of frames that were drawn too slowly are left out, by whole frames.
+        // Frames that were drawn too slowly are skipped: the time advances by whole frames.
         Some(program.max(start.program + real / length * length))
     }
 }
 
-/// A length in nanoseconds.
+/// Converts a length to nanoseconds.
 fn nanoseconds(length: Duration) -> u64 {
     u64::try_from(length.as_nanos()).unwrap_or(u64::MAX)
 }
@@ -284,16 +287,16 @@ mod tests {
         assert_eq!(released(&head.tick(49 * MS)), None);
         let actions = head.tick(51 * MS);
         assert_eq!(released(&actions), Some(20));
-        assert!(said(&actions).contains("node 2 has not come to frame 20"), "{actions:?}");
+        assert!(said(&actions).contains("node 2 has not reached frame 20"), "{actions:?}");
         for frame in 21..100 {
             head.arrived(0, at(frame), 60 * MS);
             assert_eq!(head.arrived(1, at(frame), 60 * MS), [Action::Release { frame, time: 0 }]);
-            // It draws what it has missed: nobody waits for that.
+            // The node draws the frames that it has missed, and no node waits for it.
             assert_eq!(head.arrived(2, at(frame - 1), 60 * MS), []);
         }
         head.arrived(0, at(100), 70 * MS);
         assert!(said(&head.arrived(2, at(100), 71 * MS)).contains("node 2 is in step again at frame 100"));
-        // It is waited for again. What was told once is not told again.
+        // The others wait for it again. No message is repeated.
         assert_eq!(released(&head.tick(90 * MS)), None);
         assert_eq!(released(&head.arrived(1, at(100), 91 * MS)), Some(100));
         head.arrived(0, at(101), 100 * MS);
@@ -312,7 +315,7 @@ mod tests {
         assert_eq!(released(&head.arrived(1, at(3), 0)), Some(3));
     }
 
-    /// Node 0 was stopped, and the others went on alone.
+    /// Node 0 was stopped, and the others went on by themselves.
     #[test]
     fn all_meet_at_the_frame_of_the_one_that_is_ahead() {
         let mut head = head(3);
@@ -326,7 +329,7 @@ mod tests {
     #[test]
     fn frames_follow_the_real_time() {
         let mut head = Head::new(1, Duration::from_millis(50), Some(Duration::from_millis(16)));
-        // Frames at the start take no time, and none is left out.
+        // The first frames take no time, and none is skipped.
         for frame in 1..10 {
             let time = frame * 16 * MS;
             assert_eq!(head.arrived(0, at(frame), frame * 7000 * MS), [Action::Release { frame, time }]);
@@ -336,7 +339,7 @@ mod tests {
         assert_eq!(head.arrived(0, at(11), start + MS), []);
         assert_eq!(head.tick(start + 15 * MS), []);
         assert_eq!(head.tick(start + 16 * MS), [Action::Release { frame: 11, time: 176 * MS }]);
-        // Too slow by two frames and a half.
+        // The frame is too slow by two and a half frames.
         assert_eq!(head.arrived(0, at(12), start + 72 * MS), [Action::Release { frame: 12, time: 224 * MS }]);
     }
 

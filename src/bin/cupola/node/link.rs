@@ -1,28 +1,28 @@
-//! Messages between the nodes, and how they travel.
+//! Messages between the nodes, and their transport.
 
 use cupola::nodes::Arrival;
 
 /// Words of a message.
 pub const WORDS: usize = 6;
 
-/// What nodes tell each other.
+/// A message between nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Message {
     /// To node 0: the program is at the end of a frame.
     Arrived(Arrival),
     /// To node 0: the program has ended.
     Gone,
-    /// From node 0: frames up to this number may be shown; the program's time after it, 0: not
-    /// said.
+    /// From node 0: frames up to this number may be shown. `time` is the program's time after it; 0
+    /// leaves it open.
     Release { frame: u64, time: u64 },
-    /// From node 0: its program has ended, and so shall the others.
+    /// From node 0: its program has ended, and the others have to end.
     End,
-    /// From node 0: all nodes have ended; whether each has said so.
+    /// From node 0: all nodes have ended. `is_clean`: each of them has said so.
     Over { is_clean: bool },
 }
 
 impl Message {
-    /// As numbers.
+    /// Encodes the message as numbers.
     pub fn words(&self) -> [u64; WORDS] {
         match *self {
             Self::Arrived(Arrival { frame, digest, time, went, size: (width, height) }) => {
@@ -35,7 +35,7 @@ impl Message {
         }
     }
 
-    /// From numbers; `None` for those of another release.
+    /// Decodes a message; `None` for one of another release.
     pub fn of(words: [u64; WORDS]) -> Option<Self> {
         let [kind, frame, digest, time, went, size] = words;
         Some(match kind {
@@ -49,20 +49,20 @@ impl Message {
     }
 }
 
-/// The way from this node to others. Node 0 reaches all, the others reach node 0.
+/// Connection from this node to others. Node 0 is connected to all, the others to node 0.
 pub trait Link: Send + Sync {
-    /// Sends a message, and does not wait for the other to take it. A node that is not reached any
-    /// more gets nothing.
+    /// Sends a message without waiting until it is received. Does nothing if the connection is
+    /// lost.
     fn send(&self, to: usize, message: &Message);
 
-    /// All nodes are on this machine, and have one clock.
+    /// True if all nodes are on this machine, and share one clock.
     fn is_one_machine(&self) -> bool;
 
-    /// Nothing is sent any more. `is_clean`: no node was lost.
+    /// Ends sending. `is_clean`: no node was lost.
     fn close(&self, is_clean: bool);
 }
 
-/// Takes what comes from a node; `None`: it is not reached any more.
+/// Callback for messages of a node; `None`: its connection is lost.
 pub type Deliver = dyn Fn(usize, Option<Message>) + Send + Sync;
 
 #[cfg(test)]

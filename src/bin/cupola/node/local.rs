@@ -1,4 +1,4 @@
-//! Nodes on one machine, by a socket, without MPI: to try a rig out, and for tests.
+//! Nodes on one machine, through a socket, without MPI: to try out a rig, and for tests.
 
 use super::link::{Deliver, Link, Message, WORDS};
 use crate::failure::Failure;
@@ -10,9 +10,9 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-/// The longest wait for the other nodes at the start.
+/// Longest wait for the other nodes at the start.
 const START: Duration = Duration::from_secs(20);
-/// A node that takes nothing for so long, although its buffer is full, is not reached any more.
+/// Time after which a node that receives nothing, although its buffer is full, counts as lost.
 const FULL: Duration = Duration::from_millis(5);
 
 /// Connections to the other nodes by their number.
@@ -24,7 +24,7 @@ impl Link for Sockets {
         let Ok(mut socket) = socket.lock() else { return };
         let bytes: Vec<u8> = message.words().iter().flat_map(|word| word.to_ne_bytes()).collect();
         if socket.write_all(&bytes).is_err() {
-            // What was sent in part cannot be taken back.
+            // A message that was sent in part cannot be taken back.
             let _ = socket.shutdown(Shutdown::Both);
         }
     }
@@ -40,9 +40,9 @@ impl Link for Sockets {
     }
 }
 
-/// Connects this node with the others by the socket `path`, which node 0 makes.
+/// Connects this node with the others through the socket `path`, which node 0 creates.
 pub fn connect(place: &Place, path: &Path, deliver: Arc<Deliver>) -> Result<Box<dyn Link>, Failure> {
-    let failed = |error: io::Error| Failure::new(format!("the other nodes are not reached: {error}"));
+    let failed = |error: io::Error| Failure::new(format!("the other nodes cannot be reached: {error}"));
     let count = place.count as usize;
     let sockets = Sockets((0..count).map(|_| OnceLock::new()).collect());
     if place.number == 0 {
@@ -55,7 +55,7 @@ pub fn connect(place: &Place, path: &Path, deliver: Arc<Deliver>) -> Result<Box<
             let number = usize::try_from(u64::from_ne_bytes(number)).unwrap_or(usize::MAX);
             add(&sockets, number, socket, &deliver).map_err(failed)?;
         }
-        // All have come.
+        // All nodes are connected.
         let _ = std::fs::remove_file(path);
     } else {
         let begin = Instant::now();
@@ -72,7 +72,7 @@ pub fn connect(place: &Place, path: &Path, deliver: Arc<Deliver>) -> Result<Box<
     Ok(Box::new(sockets))
 }
 
-/// Keeps a connection, and reads from it on a thread.
+/// Stores a connection, and reads from it on a thread.
 fn add(sockets: &Sockets, number: usize, socket: UnixStream, deliver: &Arc<Deliver>) -> io::Result<()> {
     socket.set_read_timeout(None)?;
     socket.set_write_timeout(Some(FULL))?;

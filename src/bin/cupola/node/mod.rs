@@ -1,8 +1,8 @@
 //! `cupola node`: a program on several machines, each of which shows its own outputs of a rig.
 //!
-//! Every machine runs the program with the virtual clock and this command beside it. `sidecar` lets
-//! the program's frames go, when `head`, which runs beside the program of node 0, says so. What
-//! they tell each other (`link`) travels by `mpi` or, on one machine, by `local`.
+//! Every machine runs the program with the virtual clock, and this command beside it. `sidecar`
+//! releases the program's frames when `head` decides so, which runs beside the program of node 0.
+//! Messages between them (`link`) travel through `mpi` or, on one machine, through `local`.
 
 pub mod head;
 mod link;
@@ -57,10 +57,10 @@ pub struct Arguments {
     program: Vec<OsString>,
 }
 
-/// Frames in a second where nothing else is asked for.
+/// Frame rate if the user requests no other.
 const USUAL: Rate = Rate { frames: 60, seconds: 1 };
 
-/// The variable that tells a node of `--local` where the socket is.
+/// Variable with the path of the socket for a node of `--local`.
 const SOCKET: &str = "CUPOLA_NODE_SOCKET";
 
 /// Runs the subcommand. Returns the exit code of the program.
@@ -74,7 +74,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             show(arguments, &place, |deliver| local::connect(&place, &socket, deliver))
         }
         (None, Some(count)) => {
-            // What is wrong is told once, and before anything starts.
+            // Mistakes are reported once, before anything starts.
             prepared(&arguments, &Place { number: 0, count, host: system::host_name() })?;
             start_local(count)
         }
@@ -100,14 +100,14 @@ fn by_mpi(_arguments: Arguments) -> Result<ExitCode, Failure> {
     )))
 }
 
-/// Beginning of what is said to someone who has started one node alone.
+/// Beginning of messages to a user who has started a single node.
 const NOT_STARTED: &str = "this command is one of several nodes; start all of them by ";
 
-/// The rig on each of the machines as far as they are known, or an error for this one.
+/// Prepares the rig of each known machine. Returns that of this machine, or an error.
 fn prepared(arguments: &Arguments, place: &Place) -> Result<(Rig, Option<(u32, u32)>), Failure> {
     if arguments.options.clock.starts_now() {
         return Err(Failure::usage(
-            "--clock-start now is another time on each node; give a date, for example 2030-12-24T18:00:00",
+            "--clock-start now differs from node to node; give a date, for example 2030-12-24T18:00:00",
         ));
     }
     let rig = arguments.options.rig()?;
@@ -163,7 +163,7 @@ fn show(
     code
 }
 
-/// The file of this node's page. Pages of commands that were killed are removed.
+/// Path of this node's page. Pages of commands that were killed are removed.
 fn page_path() -> PathBuf {
     let usual = cupola::ring::default_path();
     let name = format!("{}-node-", usual.file_name().unwrap_or_default().to_string_lossy());
@@ -178,7 +178,7 @@ fn page_path() -> PathBuf {
     folder.join(format!("{name}{}", std::process::id()))
 }
 
-/// A file of this node, beside those of the others.
+/// Path of a file of this node, beside those of the others.
 fn of_node(file: &Path, place: &Place) -> PathBuf {
     let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     let (stem, extension) = (part(file.file_stem()), part(file.extension()));
@@ -203,7 +203,7 @@ fn start_local(count: u32) -> Result<ExitCode, Failure> {
     let mut is_told = false;
     while !nodes.is_empty() {
         if process::end_was_asked_for() && !std::mem::replace(&mut is_told, true) {
-            // They may have ended meanwhile.
+            // The processes may have ended meanwhile.
             nodes.iter().for_each(|node| drop(process::terminate(node)));
         }
         nodes.retain_mut(|node| match node.try_wait() {

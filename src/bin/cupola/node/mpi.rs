@@ -1,7 +1,7 @@
-//! Nodes that `mpirun` has started, on any number of machines.
+//! Nodes on any number of machines, started by `mpirun`.
 //!
-//! Calls of MPI have no time-out and may wait for a node that is stopped. So each node that is sent
-//! to has a thread that waits for it alone, and what comes is asked for and not waited for.
+//! Calls of MPI have no time-out and may wait for a node that is stopped. So each destination has a
+//! thread that waits only for it, and incoming messages are polled.
 
 use super::link::{Deliver, Link, Message, WORDS};
 use crate::failure::Failure;
@@ -16,18 +16,18 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// So often messages are asked for.
+/// Interval of polling for messages.
 const LOOK: Duration = Duration::from_micros(50);
 
-/// What `mpirun` has started.
+/// Processes that `mpirun` has started.
 pub struct Job {
     universe: Universe,
-    /// This node.
+    /// This node among them.
     pub place: Place,
     is_one_machine: bool,
 }
 
-/// Whether `mpirun` has started this process.
+/// True if `mpirun` has started this process.
 pub fn is_there() -> bool {
     ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"].iter().any(|name| std::env::var_os(name).is_some())
 }
@@ -96,7 +96,7 @@ struct Messages {
 impl Link for Messages {
     fn send(&self, to: usize, message: &Message) {
         if let Some(Some(sender)) = self.senders.get(to) {
-            // Its thread lives as long as this does.
+            // The thread lives as long as this link.
             let _ = sender.send(*message);
         }
     }
@@ -113,7 +113,7 @@ impl Link for Messages {
             if is_clean {
                 drop(universe);
             } else {
-                // The end of MPI waits for all nodes, also for those that were lost.
+                // The end of MPI would wait for all nodes, including lost ones.
                 std::mem::forget(universe);
             }
         }

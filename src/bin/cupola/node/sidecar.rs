@@ -1,4 +1,5 @@
-//! What runs beside the program of a node: it tells node 0 how far the program is, and lets it go.
+//! The part beside the program of a node: it reports the program's progress to node 0, and releases
+//! its frames.
 
 use super::head::{Action, Head};
 use super::link::{Deliver, Link, Message};
@@ -12,16 +13,16 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// So often threads look whether there is something else to do.
+/// Interval at which threads check for work.
 const LOOK: Duration = Duration::from_millis(10);
-/// Time that the other programs have at least to end by themselves after that of node 0.
+/// Shortest time that the other programs have to end by themselves after that of node 0.
 const LAST: Duration = Duration::from_secs(1);
-/// Time that they have to end when they were asked to.
+/// Time that they have to end after they were asked to.
 const GRACE: Duration = Duration::from_secs(10);
-/// A node that waits for the end of others, and hears nothing for so long, waits no more.
+/// Time without a message after which a node no longer waits for the end of others.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// What runs beside a program.
+/// State beside a program.
 pub struct Sidecar(Arc<Shared>);
 
 struct Shared {
@@ -29,21 +30,22 @@ struct Shared {
     page: Page,
     path: PathBuf,
     link: OnceLock<Box<dyn Link>>,
-    /// On node 0.
+    /// Decisions of node 0; only on node 0.
     head: Option<Mutex<Head>>,
-    /// The head has to be asked again soon.
+    /// Signalled if `tick` has to run earlier than planned.
     changed: Condvar,
-    /// The program has ended.
+    /// True if the program has ended.
     has_ended: AtomicBool,
-    /// A node is not reached any more.
+    /// True if the connection to a node is lost.
     has_lost: AtomicBool,
-    /// Node 0 has said that all is over: 1, and 2 if all nodes have said so.
+    /// Message of node 0 that all nodes have ended: 1, and 2 if each of them has said so.
     over: AtomicU64,
-    /// When another node was heard last.
+    /// Time of the last message of another node.
     heard: AtomicU64,
 }
 
-/// Tells the user. What started this command may have ended, and with it the way to the terminal.
+/// Prints a message for the user. The terminal may be gone, if the process that started this
+/// command has ended.
 pub fn say(words: &str) {
     let _ = std::io::stderr().write_all(format!("cupola: {words}\n").as_bytes());
 }
@@ -53,8 +55,8 @@ fn locked(head: &Mutex<Head>) -> MutexGuard<'_, Head> {
 }
 
 impl Sidecar {
-    /// Makes the page at `path`, and connects with the other nodes. `limit`: the longest wait;
-    /// `length` of a frame; `paced`: that length, if frames are shown in real time.
+    /// Creates the page at `path`, and connects with the other nodes. `limit`: longest wait;
+    /// `length`: length of a frame; `paced`: that length, if frames are shown in real time.
     pub fn start(
         place: &Place,
         path: &Path,
@@ -65,7 +67,8 @@ impl Sidecar {
     ) -> Result<Self, Failure> {
         let page =
             Page::create(path, limit, length).map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
-        // The others give up after the limit: by then they have to be told.
+        // The other programs go on by themselves after the limit: they have to get an answer
+        // before.
         let head = (place.number == 0).then(|| Mutex::new(Head::new(place.count as usize, limit / 2, paced)));
         let shared = Arc::new(Shared {
             place: place.clone(),
@@ -82,7 +85,7 @@ impl Sidecar {
         let receiver = Arc::clone(&shared);
         let link = connect(Arc::new(move |from, message| receiver.receive(from, message)));
         let link = link.inspect_err(|_| shared.remove_page())?;
-        // It is set here alone.
+        // Only this thread sets the link.
         let _ = shared.link.set(link);
         let watcher = Arc::clone(&shared);
         std::thread::spawn(move || watcher.watch());
@@ -93,7 +96,8 @@ impl Sidecar {
         Ok(Self(shared))
     }
 
-    /// The program has ended; `well`: by itself and without an error. Waits for the others.
+    /// Handles the end of the program and waits for the others. `well`: it ended by itself and
+    /// without an error.
     pub fn finish(&self, well: bool, summary: Option<&Path>) {
         let shared = &*self.0;
         shared.has_ended.store(true, Ordering::SeqCst);
@@ -109,7 +113,7 @@ impl Sidecar {
                     }
                 };
                 if well {
-                    // The others may end with the same frame by themselves.
+                    // The others may end by themselves with the same frame.
                     let by_themselves = shared.page.limit().max(LAST);
                     wait(by_themselves);
                     shared.send_all(&Message::End);
@@ -141,7 +145,7 @@ impl Sidecar {
 
 impl Shared {
     fn remove_page(&self) {
-        // It may be gone meanwhile.
+        // The file may be gone already.
         let _ = std::fs::remove_file(&self.path);
     }
 
@@ -155,13 +159,13 @@ impl Shared {
         (1..self.place.count as usize).for_each(|to| self.send(to, message));
     }
 
-    /// Time since another node was heard.
+    /// Time since the last message of another node.
     fn silence(&self) -> Duration {
         Duration::from_nanos(system::monotonic().saturating_sub(self.heard.load(Ordering::SeqCst)))
     }
 
-    /// Does what the head has decided. To be called while it is locked, so that releases go out in
-    /// their order.
+    /// Executes the actions of the head. The caller holds the head's lock, so that releases are
+    /// sent in their order.
     fn act(&self, actions: Vec<Action>) {
         for action in actions {
             match action {
@@ -174,7 +178,7 @@ impl Shared {
         }
     }
 
-    /// Takes a message of another node.
+    /// Handles a message of another node.
     fn receive(&self, from: usize, message: Option<Message>) {
         let now = system::monotonic();
         self.heard.store(now, Ordering::SeqCst);
@@ -194,12 +198,12 @@ impl Shared {
             (None, Some(head)) => {
                 let mut head = locked(head);
                 if head.is_there(from) {
-                    say(&format!("node {from} has ended without a word: the others go on without it"));
+                    say(&format!("node {from} has ended unexpectedly: the others go on without it"));
                 }
                 self.act(head.gone(from, now));
             }
             (None, None) if self.over.load(Ordering::SeqCst) == 0 => {
-                say(&format!("node {}: node 0 is not reached any more", self.place.number));
+                say(&format!("node {}: node 0 cannot be reached any more", self.place.number));
                 self.page.leave();
             }
             (Some(Message::Release { frame, time }), None) => self.page.release(frame, time),
@@ -211,14 +215,14 @@ impl Shared {
         }
     }
 
-    /// Wakes the thread that releases frames in time, if it has to look sooner than it would.
+    /// Wakes the thread that releases frames in time, if it has work earlier than it expects.
     fn look_at(&self, head: &Head, now: u64) {
         if head.due().is_some_and(|due| due < now + LOOK.as_nanos() as u64) {
             self.changed.notify_one();
         }
     }
 
-    /// Watches how far the program is.
+    /// Watches the program's progress.
     fn watch(&self) {
         let mut known = 0;
         while !self.has_ended.load(Ordering::SeqCst) {
@@ -236,7 +240,7 @@ impl Shared {
         }
     }
 
-    /// Lets the head decide what time decides.
+    /// Executes the decisions of the head that depend on time.
     fn tick(&self) {
         let Some(mutex) = &self.head else { return };
         let mut head = locked(mutex);
@@ -249,7 +253,7 @@ impl Shared {
         }
     }
 
-    /// Says and writes what was seen.
+    /// Prints and writes the summary.
     fn report(&self, head: &Head, file: Option<&Path>) {
         let is_one_machine = self.link.get().is_some_and(|link| link.is_one_machine());
         say(&head.summary(is_one_machine));

@@ -1,32 +1,33 @@
-//! Comparison of what the programs of several nodes do: sums of their calls in each frame.
+//! Comparison of the programs on several nodes: sums of their calls in each frame.
 
 use cupola::nodes::Arrival;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Frames whose sum is kept for nodes that are late.
+/// Number of frames whose sum is stored for late nodes.
 const KEPT: usize = 4096;
-/// Frames in which a node has to be like the others again before that is said.
+/// Number of equal frames after which a node counts as equal to the others again.
 const ALIKE: u64 = 10;
-/// Differences between nodes in the time of a frame that are kept.
+/// Greatest number of stored differences in time between nodes.
 const SKEWS: usize = 1 << 20;
 
-/// How a node differed.
+/// Difference of a node.
 #[derive(Clone, Copy)]
 struct Difference {
     first: u64,
     last: u64,
     frames: u64,
-    /// It was told that the node is like the others again.
+    /// True if the user knows that the node is equal to the others again.
     is_told_alike: bool,
 }
 
-/// Sums of the newest frames, and what was found.
+/// Sums of the newest frames, and results.
 #[derive(Default)]
 pub struct Sums {
-    /// Frames that not all nodes have come to: node, sum, and when it showed the frame before.
+    /// Frames at which not all nodes have arrived: node, sum, and time at which it showed the frame
+    /// before.
     open: BTreeMap<u64, Vec<(usize, u64, u64)>>,
-    /// The sum that most nodes had.
+    /// Sum of most nodes, for each frame.
     settled: BTreeMap<u64, u64>,
     /// Nodes that differed.
     different: BTreeMap<usize, Difference>,
@@ -35,7 +36,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Adds what a node says. Returns what the user has to know of it.
+    /// Adds the sum of a node. Returns a message for the user.
     pub fn add(&mut self, node: usize, arrival: &Arrival) -> Option<String> {
         match self.settled.get(&arrival.frame) {
             Some(sum) => self.compared(node, arrival.frame, *sum == arrival.digest),
@@ -46,13 +47,13 @@ impl Sums {
         }
     }
 
-    /// All nodes that are in step, `members`, have come to a frame. Returns what the user has to
-    /// know of it.
+    /// Compares a frame at which all nodes that are in step, `members`, have arrived. Returns a
+    /// message for the user.
     pub fn settle(&mut self, frame: u64, members: &[usize]) -> Option<String> {
         let sums = self.open.remove(&frame).unwrap_or_default();
         self.open.retain(|open, _| *open > frame);
         let count = |sum: u64| sums.iter().filter(|(_, other, _)| *other == sum).count();
-        // Of two sums that are equally frequent the one of the lowest node counts.
+        // Of two equally frequent sums, that of the lowest node counts.
         let usual = sums.iter().rev().max_by_key(|(node, sum, _)| (count(*sum), std::cmp::Reverse(*node)))?.1;
         self.settled.insert(frame, usual);
         if self.settled.len() > KEPT {
@@ -70,7 +71,7 @@ impl Sums {
         words.reduce(|all, next| format!("{all}\n{next}"))
     }
 
-    /// A node's sum was compared with the others'. Returns what the user has to know of it.
+    /// Records whether a node's sum is that of the others. Returns a message for the user.
     fn compared(&mut self, node: usize, frame: u64, is_alike: bool) -> Option<String> {
         if is_alike {
             let known = self.different.get_mut(&node)?;
@@ -90,7 +91,7 @@ impl Sums {
         ))
     }
 
-    /// What was found, as the end of a sentence; `times`: also of the differences in time.
+    /// Results, as the end of a sentence; `times`: includes the differences in time.
     pub fn summary(&self, times: bool) -> String {
         let mut text = if self.different.is_empty() { ", all alike".to_owned() } else { String::new() };
         for (node, Difference { first, last, frames, .. }) in &self.different {
@@ -108,15 +109,15 @@ impl Sums {
         text
     }
 
-    /// The nodes that differed, as JSON.
+    /// Nodes that differed, as JSON.
     pub fn different(&self) -> Vec<Value> {
         let different = self.different.iter();
         let json = |(node, known): (&usize, &Difference)| json!({ "node": node, "first": known.first, "last": known.last, "frames": known.frames });
         different.map(json).collect()
     }
 
-    /// Numbers of frames, by microseconds between the first node and the last: up to each power of
-    /// two.
+    /// Number of frames for each range of microseconds between the first node and the last: up to
+    /// each power of two.
     pub fn histogram(&self) -> Vec<(u64, usize)> {
         let mut counts = BTreeMap::new();
         for skew in &self.skews {

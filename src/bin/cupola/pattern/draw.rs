@@ -1,4 +1,4 @@
-//! One output's pattern, through its exact map.
+//! Pattern of one output, through its exact map.
 
 use crate::canvas::{Canvas, Color, Letters};
 use crate::failure::Failure;
@@ -31,13 +31,13 @@ const AXIS: Color = [1.0, 0.85, 0.2];
 const CROSS: Color = [1.0, 0.2, 0.2];
 const WHITE: Color = [1.0; 3];
 
-/// Half the width of lines, pixels.
+/// Half of the lines' width, pixels.
 const HALF: f64 = 0.75;
-/// Every so many degrees lines are brighter and have labels.
+/// Distance of lines that are brighter and have labels, degrees.
 const LABELLED: f64 = 30.0;
 /// Length of the arms of a cross, radians.
 const ARM: f64 = 0.09;
-/// Side of the squares in which overlaps are looked at, pixels.
+/// Side of the squares in which overlaps are drawn, pixels.
 const SQUARE: u32 = 8;
 
 /// A pattern for a rig.
@@ -45,14 +45,15 @@ pub struct Pattern<'a> {
     rig: &'a Rig,
     maps: Vec<WarpMap>,
     parts: &'a [Part],
-    /// Degrees.
+    /// Distance of lines, degrees.
     step: f64,
-    /// Unit vectors, dome axes.
+    /// Directions of crosses: unit vectors, dome axes.
     crosses: Vec<DVec3>,
 }
 
 impl<'a> Pattern<'a> {
-    /// For outputs of these sizes; `step` and the azimuth and elevation of crosses in degrees.
+    /// Makes a pattern for outputs of these sizes; `step` and the azimuth and elevation of crosses
+    /// in degrees.
     pub fn new(
         rig: &'a Rig,
         sizes: &[(u32, u32)],
@@ -65,7 +66,7 @@ impl<'a> Pattern<'a> {
         Ok(Self { rig, maps: maps.collect::<Result<_, _>>()?, parts, step, crosses })
     }
 
-    /// The picture of an output.
+    /// Draws the picture of an output.
     pub fn draw(&self, index: usize) -> Canvas {
         let (width, height) = self.maps[index].size();
         let mut canvas = Canvas::new(width as usize, height as usize, [0.0; 3]);
@@ -78,7 +79,7 @@ impl<'a> Pattern<'a> {
                 Part::Focus => focus(&mut canvas),
                 Part::Overlap => self.overlap(index, &mut canvas),
                 Part::Horizon => self.grid(index, &directions, DMat3::IDENTITY, HORIZON, &mut canvas),
-                // The pole to the top, the front ahead.
+                // These axes have the pole at the top and the front ahead.
                 Part::Dome => {
                     let axes = DMat3::from_rotation_x(self.rig.dome.tilt);
                     self.grid(index, &directions, axes, DOME, &mut canvas);
@@ -92,17 +93,17 @@ impl<'a> Pattern<'a> {
         canvas
     }
 
-    /// The direction from the dome's centre to the point that a pixel lights, dome axes.
+    /// Direction from the dome's centre to the point that a pixel lights, dome axes.
     fn direction(&self, index: usize, pixel: DVec2) -> Option<DVec3> {
         let map = &self.maps[index];
         match self.rig.outputs[index].kind {
-            // It has no place on the screen.
+            // The output has no place on the screen.
             OutputKind::Perspective { .. } => Some(map.viewer().rotation * map.direction(pixel)?),
             _ => map.hit(pixel)?.try_normalize(),
         }
     }
 
-    /// The directions of all pixels and of one column and one row more, row by row.
+    /// Directions of all pixels and of one more column and row, row by row.
     fn directions(&self, index: usize) -> Vec<Option<DVec3>> {
         let (width, height) = self.maps[index].size();
         let centre = |column: u32, row: u32| DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
@@ -110,14 +111,15 @@ impl<'a> Pattern<'a> {
         places.map(|place| self.direction(index, place)).collect()
     }
 
-    /// Lines where `axes` times a direction has multiples of the step as latitude or longitude.
+    /// Draws lines where `axes` times a direction has a multiple of the step as latitude or
+    /// longitude.
     fn grid(&self, index: usize, directions: &[Option<DVec3>], axes: DMat3, color: Color, canvas: &mut Canvas) {
         let latitude = |d: DVec3| d.y.clamp(-1.0, 1.0).asin().to_degrees();
         let longitude = |d: DVec3| d.x.atan2(-d.z).to_degrees();
         let step = self.step;
         each_pixel(canvas, directions, |here, right, below| {
             let [here, right, below] = [here, right, below].map(|direction| axes * direction);
-            // Around the poles lines would be nothing but a blot.
+            // Around the poles the lines would merge into a blot.
             let crowded = here.x.hypot(here.z) < 0.04;
             let mut covered = [(0.0, color); 2];
             let angles = [
@@ -138,7 +140,7 @@ impl<'a> Pattern<'a> {
         });
         for (azimuth, elevation) in labelled() {
             let direction = axes.transpose() * towards(azimuth, elevation);
-            // Of the dome, angles are counted from the pole.
+            // Angles of the dome count from its pole.
             let text = if axes == DMat3::IDENTITY {
                 format!("{azimuth:.0}/{elevation:.0}")
             } else {
@@ -150,7 +152,7 @@ impl<'a> Pattern<'a> {
         }
     }
 
-    /// Where an output shows a direction from the dome's centre.
+    /// Place at which an output shows a direction from the dome's centre.
     fn place(&self, index: usize, direction: DVec3) -> Option<DVec2> {
         let map = &self.maps[index];
         let point = match self.rig.outputs[index].kind {
@@ -160,7 +162,7 @@ impl<'a> Pattern<'a> {
         map.pixel(point)
     }
 
-    /// Two arcs that cross in a direction.
+    /// Draws two arcs that cross in a direction.
     fn cross(&self, index: usize, directions: &[Option<DVec3>], target: DVec3, canvas: &mut Canvas) {
         let right = DVec3::Y.cross(-target).try_normalize().unwrap_or(DVec3::X);
         let up = target.cross(-right);
@@ -179,7 +181,7 @@ impl<'a> Pattern<'a> {
         }
     }
 
-    /// Squares in the colour of the number of outputs that light them.
+    /// Draws squares in the colour of the number of outputs that light them.
     fn overlap(&self, index: usize, canvas: &mut Canvas) {
         let (width, height) = self.maps[index].size();
         for (row, column) in
@@ -213,31 +215,31 @@ impl<'a> Pattern<'a> {
     }
 }
 
-/// The unit vector of an azimuth and an elevation in degrees.
+/// Unit vector of an azimuth and an elevation in degrees.
 fn towards(azimuth: f64, elevation: f64) -> DVec3 {
     let ((sine, cosine), (up, level)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
     DVec3::new(level * sine, up, -level * cosine)
 }
 
-/// Directions with labels: where lines of 30° cross.
+/// Directions of labels: crossings of the lines of 30°.
 fn labelled() -> impl Iterator<Item = (f64, f64)> {
     let elevations = (-2..=2).map(|step| LABELLED * f64::from(step));
     elevations.flat_map(|elevation| (-5..=6).map(move |step| (LABELLED * f64::from(step), elevation)))
 }
 
-/// An angle in degrees as one of −180…180.
+/// Converts an angle in degrees to one in −180…180.
 fn turned(angle: f64) -> f64 {
     angle - (angle / 360.0).round() * 360.0
 }
 
-/// How much a line covers a pixel whose value is so far from the line's, if values change by
-/// `slope` over a pixel.
+/// Part of a pixel that a line covers. `distance` is that of the pixel's value from the line's;
+/// values change by `slope` over a pixel.
 fn coverage(distance: f64, slope: f64) -> f64 {
-    // A leap is no slope.
+    // A discontinuity is no slope.
     if (1e-12..20.0).contains(&slope) { (HALF + 0.5 - distance / slope).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Blends two colours over each pixel that shows something, given the directions of the pixel, of
+/// Blends two colours over each pixel that shows something, from the directions of the pixel, of
 /// the next one to the right and of the next one below.
 fn each_pixel(
     canvas: &mut Canvas,
@@ -248,7 +250,7 @@ fn each_pixel(
     for (row, column) in (0..canvas.height).flat_map(|row| (0..width).map(move |column| (row, column))) {
         let at = row * columns + column;
         let Some(here) = directions[at] else { continue };
-        // At the right and the lower side what lies before is as good.
+        // At the right and the lower side the pixel before serves as well.
         let beside = |next: usize, before: Option<usize>| {
             let mirrored = || Some(2.0 * here - directions[before?]?);
             directions[next].or_else(mirrored).unwrap_or(here)
@@ -261,7 +263,7 @@ fn each_pixel(
     }
 }
 
-/// Sixteen steps of grey and a ramp of each primary, and of all.
+/// Draws sixteen steps of grey, and a ramp of each primary and of all.
 fn ramps(canvas: &mut Canvas) {
     let (width, height) = (canvas.width as f32, canvas.height as f32);
     canvas.fill(|x, y| {
@@ -274,7 +276,7 @@ fn ramps(canvas: &mut Canvas) {
     });
 }
 
-/// Squares of upright, level and crossed lines of one, two and four pixels.
+/// Draws squares of upright, level and crossed lines of one, two and four pixels.
 fn focus(canvas: &mut Canvas) {
     const FIELD: usize = 48;
     canvas.fill(|x, y| {
@@ -299,8 +301,8 @@ mod tests {
         canvas.at(x as usize, y as usize).iter().sum()
     }
 
-    /// On a domemaster with the zenith in its middle, an elevation is a circle: the radius falls
-    /// evenly.
+    /// On a domemaster with the zenith in its middle, an elevation is a circle, whose radius
+    /// decreases evenly.
     #[test]
     fn lines_are_where_the_closed_form_says() {
         let rig = rig("[[output]]\nkind = \"domemaster\"\n");
@@ -311,7 +313,7 @@ mod tests {
             let (sine, cosine) = azimuth.to_radians().sin_cos();
             let at = |elevation: f64| {
                 let radius = 200.0 * (90.0 - elevation) / 90.0;
-                // The front is at the bottom. Of the pixels around the place one has the line.
+                // The front is at the bottom. One of the pixels around the place has the line.
                 let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (f64::from(x), f64::from(y))));
                 let (x, y) = (200.0 + radius * sine, 200.0 + radius * cosine);
                 around.map(|(by_x, by_y)| brightness(&canvas, x + by_x, y + by_y)).fold(0.0, f32::max)
@@ -319,7 +321,7 @@ mod tests {
             assert!(at(elevation) > 0.3, "{elevation}: {}", at(elevation));
             assert!(at(elevation + 5.0) == 0.0, "{elevation}: {}", at(elevation + 5.0));
         }
-        // The rim's outside stays dark.
+        // Outside the circle the picture stays dark.
         assert_eq!(brightness(&canvas, 2.0, 2.0), 0.0);
     }
 

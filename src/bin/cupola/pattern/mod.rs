@@ -51,7 +51,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Patterns with the number and the name of each output, and its grid.
+    /// Arguments for patterns with the number and the name of each output, and its grid.
     pub fn numbered(rig: String, folder: Option<PathBuf>, show: bool) -> Self {
         let parts = vec![Part::Horizon, Part::Border];
         Self { rig, parts, step: 10.0, at: Vec::new(), only: None, size: None, folder, json: false, show }
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The pattern of each output, in its place's size.
+/// Patterns of the outputs, in the sizes of their rectangles.
 fn pictures(arguments: &Arguments, rig: &Rig) -> Result<Vec<Canvas>, Failure> {
     let window = window_size(rig, arguments.size);
     let sizes: Vec<(u32, u32)> =
@@ -130,7 +130,7 @@ fn window_size(rig: &Rig, given: Option<(u32, u32)>) -> (u32, u32) {
     given.or_else(|| rig.extent()).unwrap_or((1920, 1200))
 }
 
-/// The window with all outputs in their places.
+/// Picture of the window with all outputs in their rectangles.
 fn assembled(rig: &Rig, size: Option<(u32, u32)>, pictures: &[Canvas]) -> Canvas {
     let (width, height) = window_size(rig, size);
     let mut window = Canvas::new(width as usize, height as usize, [0.0; 3]);

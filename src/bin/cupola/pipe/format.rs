@@ -1,4 +1,4 @@
-//! The forms in which pictures go through a pipe.
+//! Formats in which pictures go through a pipe.
 
 use super::{Form, nut, y4m};
 use std::io::{Result, Write};
@@ -22,17 +22,17 @@ pub struct TimeBase {
 }
 
 impl TimeBase {
-    /// The unit of live pictures, as in MPEG.
+    /// Time base of live pictures, as in MPEG.
     pub const LIVE: Self = Self { numerator: 1, denominator: 90_000 };
 
-    /// A time in nanoseconds, in these units.
+    /// Converts a time in nanoseconds to these units.
     pub fn units(self, nanoseconds: u64) -> u64 {
         let units = u128::from(nanoseconds) * u128::from(self.denominator);
         u64::try_from(units / (1_000_000_000 * u128::from(self.numerator))).unwrap_or(u64::MAX)
     }
 }
 
-/// Pictures of one size on their way.
+/// Writer of pictures of one size.
 pub struct Writing {
     form: Form,
     size: (u32, u32),
@@ -45,7 +45,7 @@ impl Writing {
         Self { form, size, has_begun: false, bytes: Vec::new() }
     }
 
-    /// Writes a picture, and before the first one what the format begins with.
+    /// Writes a picture, after the beginning of the format if it is the first one.
     pub fn add(&mut self, output: &mut impl Write, rgba: &[u8], time: u64) -> Result<()> {
         let is_first = !std::mem::replace(&mut self.has_begun, true);
         self.bytes.clear();

@@ -1,5 +1,5 @@
-//! Pictures to the standard input of other programs, which encode, send or show them: for `cupola
-//! stream` and for `cupola record --film` and `--pipe`.
+//! Writes pictures to the standard input of other programs, which encode, send or show them: for
+//! `cupola stream` and for `cupola record --film` and `--pipe`.
 
 mod format;
 pub mod nut;
@@ -13,16 +13,16 @@ use cupola::ring::Picture;
 use std::io::ErrorKind;
 use std::process::{Child, Command, Stdio};
 
-/// A program that takes pictures.
+/// A program that receives pictures.
 pub struct Receiver {
     child: Child,
-    /// For messages.
+    /// Name for messages.
     name: String,
     size: (u32, u32),
     writing: Writing,
 }
 
-/// How many pictures there are in a second, and in what form they go.
+/// Rate and format of the pictures.
 #[derive(Clone, Copy, Debug)]
 pub struct Form {
     pub format: Format,
@@ -41,7 +41,7 @@ impl Receiver {
         Ok(Self { child, name, size: picture.size, writing: Writing::new(form, picture.size) })
     }
 
-    /// A command of the user's, for the shell. Variables tell it what the pictures are like.
+    /// Makes a shell command from the user's text. Variables describe the pictures.
     pub fn shell(command: &str, rate: Rate, picture: &Picture) -> Command {
         let mut shell = Command::new("/bin/sh");
         shell.args(["-c", command]);
@@ -50,12 +50,12 @@ impl Receiver {
         shell
     }
 
-    /// Width and height of the pictures that it takes.
+    /// Width and height of the pictures that it receives.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// Hands over a picture of this size; waits until it is taken. `time`: in units of the time
+    /// Writes a picture of this size, and waits until it is received. `time`: in units of the time
     /// base.
     pub fn add(&mut self, picture: &Picture, time: u64) -> Result<(), Failure> {
         let Some(input) = self.child.stdin.as_mut() else { return Ok(()) };
@@ -66,7 +66,7 @@ impl Receiver {
         })
     }
 
-    /// All pictures were handed over: waits for the program's end.
+    /// Ends the pictures and waits for the program's end.
     pub fn finish(&mut self) -> Result<(), Failure> {
         drop(self.child.stdin.take());
         let status = self.child.wait().map_err(|error| Failure::new(format!("{}: {error}", self.name)))?;
@@ -79,7 +79,7 @@ impl Receiver {
 
 impl Drop for Receiver {
     fn drop(&mut self) {
-        // It ends when its input ends, and keeps what it has.
+        // The program ends when its input ends, and keeps its result.
         drop(self.child.stdin.take());
         let _ = self.child.wait();
     }

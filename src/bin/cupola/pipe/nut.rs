@@ -1,6 +1,6 @@
 //! The NUT container with one stream of RGBA pictures: version 3 of its specification.
 //!
-//! Every picture has a syncpoint before it, so that a reader may begin at any of them.
+//! Every picture has a syncpoint before it, so that a reader may begin at any picture.
 
 use super::TimeBase;
 use cupola::ring::Picture;
@@ -17,16 +17,16 @@ const HAS_TIME: u64 = 8;
 const HAS_SIZE: u64 = 32;
 const HAS_CHECKSUM: u64 = 64;
 const HAS_FLAGS: u64 = 4096;
-/// Those of each frame here.
+/// Flags of each frame that is written here.
 const FLAGS: u64 = KEY | HAS_TIME | HAS_SIZE | HAS_CHECKSUM;
-/// Bits of a time that may stand alone; a larger number is the whole time plus two to their power.
+/// Number of bits of a short time. A larger number is the whole time plus two to the power of this.
 const TIME_BITS: u32 = 7;
 
 const fn start_code(letter: u8, number: u64) -> u64 {
     ((b'N' as u64) << 56) | ((letter as u64) << 48) | number
 }
 
-/// A number in groups of seven bits, the highest first.
+/// Appends a number in groups of seven bits, the highest first.
 fn number(bytes: &mut Vec<u8>, value: u64) {
     let groups = (64 - value.leading_zeros()).div_ceil(7).max(1);
     for group in (0..groups).rev() {
@@ -35,7 +35,7 @@ fn number(bytes: &mut Vec<u8>, value: u64) {
     }
 }
 
-/// Sum of the polynomial 0x04C11DB7, highest bit first, without complements.
+/// Checksum with the polynomial 0x04C11DB7, highest bit first, without complements.
 fn checksum(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0, |sum: u32, byte| {
         (0..8).fold(
@@ -54,33 +54,33 @@ fn packet(bytes: &mut Vec<u8>, code: u64, content: &[u8]) {
     bytes.extend(checksum(content).to_be_bytes());
 }
 
-/// Adds what stands before the first picture.
+/// Appends the part before the first picture.
 pub fn begin(bytes: &mut Vec<u8>, (width, height): (u32, u32), base: TimeBase) {
     bytes.extend(FILE);
     let mut main = Vec::new();
-    // Version, streams, the farthest syncpoint, one time base.
+    // Version, number of streams, farthest distance of syncpoints, one time base.
     [3, 1, 32_767, 1, base.numerator, base.denominator].iter().for_each(|value| number(&mut main, *value));
-    // One kind of frame, whose flags stand in the frame: 6 numbers, of which the last is how many
-    // codes are of this kind; the code N is of none.
+    // One kind of frame, whose flags are in the frame: 6 numbers, of which the last is the number
+    // of codes of this kind; the code N has no kind.
     [HAS_FLAGS, 6, 0, 1, 0, 0, 0, 255].iter().for_each(|value| number(&mut main, *value));
-    // No shortened heads of frames.
+    // There are no shortened frame headers.
     number(&mut main, 0);
     packet(bytes, MAIN, &main);
     let mut stream = Vec::new();
-    // Number, class video, code of the codec.
+    // Number, class (video), length of the codec's code.
     [0, 0, 4].iter().for_each(|value| number(&mut stream, *value));
     stream.extend(b"RGBA");
-    // Time base, bits, the largest step of time, delay, flags, no data of the codec.
+    // Time base, bits, largest step of time, delay, flags, no codec data.
     [0, TIME_BITS.into(), 1 << 32, 0, 0, 0].iter().for_each(|value| number(&mut stream, *value));
-    // Square pixels, no word on colours.
+    // Pixels are square; the colours are not defined.
     [width.into(), height.into(), 1, 1, 0].iter().for_each(|value| number(&mut stream, *value));
     packet(bytes, STREAM, &stream);
 }
 
-/// Adds what stands before the `size` bytes of a picture.
+/// Appends the part before the `size` bytes of a picture.
 pub fn frame(bytes: &mut Vec<u8>, time: u64, size: usize) {
     let mut sync = Vec::new();
-    // The picture that follows is the one to begin with.
+    // Decoding can begin with the next picture.
     [time, 0].iter().for_each(|value| number(&mut sync, *value));
     packet(bytes, SYNCPOINT, &sync);
     let mut head = vec![0];
@@ -90,11 +90,11 @@ pub fn frame(bytes: &mut Vec<u8>, time: u64, size: usize) {
     bytes.extend(sum.to_be_bytes());
 }
 
-/// The longest packet that is read, and the greatest width and height of pictures.
+/// Longest packet that is read, and greatest width and height of pictures.
 const LONGEST_PACKET: u64 = 4096;
 const LARGEST: u64 = 16384;
 
-/// Reads pictures as they are written here; no other kind of NUT.
+/// Reader of the pictures that this file writes; it reads no other kind of NUT.
 pub struct Reading<R> {
     input: R,
     size: Option<(u32, u32)>,
@@ -127,7 +127,7 @@ impl<R: Read> Reading<R> {
         }
     }
 
-    /// Reads the next picture; `false`: there are no more.
+    /// Reads the next picture. Returns false if there are no more.
     pub fn next(&mut self, picture: &mut Picture) -> Result<bool> {
         loop {
             let first = match self.byte() {
@@ -156,7 +156,7 @@ impl<R: Read> Reading<R> {
         }
         let mut content = vec![0; length as usize];
         self.input.read_exact(&mut content)?;
-        // With its own sum at the end the sum is 0.
+        // The checksum of a packet with its own checksum at the end is 0.
         if checksum(&content) != 0 {
             return Err(other());
         }
@@ -246,7 +246,7 @@ mod tests {
         assert_eq!((most.len(), most[0]), (10, 0x81));
     }
 
-    /// The sum of a packet with its own sum is 0, as readers check it.
+    /// The checksum of a packet with its own checksum is 0; readers check it this way.
     #[test]
     fn a_sum_over_itself_is_zero() {
         let mut bytes = b"123456789".to_vec();

@@ -1,19 +1,19 @@
-//! YUV4MPEG2: a line of text, and for each picture a word and three planes.
+//! YUV4MPEG2: a line of text, then a word and three planes for each picture.
 
 use crate::launch::clock::Rate;
 
 /// Luminance of red, green and blue by ITU-R BT.709.
 const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
-/// Fractional bits of the numbers below.
+/// Number of fractional bits of the numbers below.
 const BITS: u32 = 16;
 
-/// The line at the beginning.
+/// Line at the beginning.
 pub fn head((width, height): (u32, u32), rate: Rate) -> String {
     let Rate { frames, seconds } = rate;
     format!("YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 C444 XCOLORRANGE=LIMITED\n")
 }
 
-/// Adds a picture of RGBA.
+/// Appends a picture of RGBA.
 pub fn frame(bytes: &mut Vec<u8>, rgba: &[u8]) {
     bytes.extend_from_slice(b"FRAME\n");
     let (pixels, _) = rgba.as_chunks::<4>();
@@ -22,7 +22,7 @@ pub fn frame(bytes: &mut Vec<u8>, rgba: &[u8]) {
     }
 }
 
-/// A plane's value as a sum of red, green and blue.
+/// Value of a plane as a sum of red, green and blue.
 struct Plane {
     weights: [i32; 3],
     offset: i32,
@@ -41,10 +41,10 @@ impl Plane {
     }
 }
 
-/// Y from 16 to 235, Cb and Cr from 16 to 240.
+/// Planes with Y from 16 to 235, Cb and Cr from 16 to 240.
 fn planes() -> [Plane; 3] {
     let difference = |own: usize| {
-        // The difference reaches ±(1 - its own weight).
+        // The difference reaches ±(1 − its own weight).
         let scale = 224.0 / 255.0 / (2.0 * (1.0 - LUMA[own]));
         std::array::from_fn(|color| scale * (f64::from(u8::from(color == own)) - LUMA[color]))
     };
@@ -56,7 +56,7 @@ fn planes() -> [Plane; 3] {
 mod tests {
     use super::*;
 
-    /// Numbers of BT.709 for 8 bits: black, white, and the full colours.
+    /// Compares with the numbers of BT.709 for 8 bits: black, white, and the full colours.
     #[test]
     fn colours_are_those_of_television() {
         let of = |red: u8, green: u8, blue: u8| {

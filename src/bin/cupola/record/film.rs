@@ -1,5 +1,5 @@
-//! Pictures to the standard input of other programs, one for each output: films by way of ffmpeg,
-//! and commands of the user's.
+//! Pictures to the standard input of other programs, one for each output: films with ffmpeg, and
+//! commands of the user.
 
 use super::{Sink, file_name};
 use crate::failure::Failure;
@@ -39,11 +39,11 @@ impl Preset {
     }
 }
 
-/// Who takes the pictures.
+/// Receiver of the pictures.
 pub enum Taker {
     /// ffmpeg, for a film.
     Film(Preset),
-    /// A command for the shell, and the form of what it gets.
+    /// A shell command, and the format of its input.
     Command(String, Format),
 }
 
@@ -59,7 +59,7 @@ pub struct Receivers {
 struct One {
     receiver: Receiver,
     output: String,
-    /// A film's name until it is complete, and from then on.
+    /// Name of a film until it is complete, and its final name.
     files: Option<(PathBuf, PathBuf)>,
 }
 
@@ -109,7 +109,7 @@ fn encoder(preset: Preset, rate: Rate, (width, height): (u32, u32), file: &Path)
     encoder
 }
 
-/// Codecs want even sides and pictures in the colours of television.
+/// Arguments for even sides and the colours of television, which codecs require.
 pub const TELEVISION: [&str; 10] = [
     "-vf",
     "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
@@ -128,7 +128,7 @@ impl One {
         let (old, new) = (self.receiver.size(), picture.size);
         if old != new {
             return Err(Failure::new(format!(
-                "{}: the picture changed its size from {} × {} to {} × {}, which a film cannot",
+                "{}: the picture changed its size from {} × {} to {} × {}, which a film does not allow",
                 self.output, old.0, old.1, new.0, new.1
             )));
         }
@@ -153,7 +153,7 @@ impl Sink for Receivers {
                 pictures.iter().map(|picture| self.start(picture, pictures.len() > 1)).collect::<Result<_, _>>()?;
         }
         if pictures.len() != self.receivers.len() {
-            return Err(Failure::new("the number of outputs changed, which a film cannot"));
+            return Err(Failure::new("the number of outputs changed, which a film does not allow"));
         }
         self.receivers.iter_mut().zip(pictures).try_for_each(|(one, picture)| one.add(picture, number - 1))
     }

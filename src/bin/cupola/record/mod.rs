@@ -1,5 +1,5 @@
-//! `cupola record`: writes all frames of a program to numbered pictures or to a film, or hands them
-//! to a command.
+//! `cupola record`: writes all frames of a program to numbered pictures or to a film, or passes
+//! them to a command.
 //!
 //! The program gets the virtual clock and publishes its frames; a thread of this command reads and
 //! writes them, and the program waits for it.
@@ -21,10 +21,10 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often a reader looks whether the program still runs.
+/// Interval at which a reader checks whether the program still runs.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// How often the space on the disk is asked for.
+/// Interval at which the space on the disk is checked.
 const ASK: Duration = Duration::from_secs(1);
 
 /// Record each frame of a program: numbered pictures, or a film by way of ffmpeg.
@@ -59,11 +59,11 @@ pub struct Arguments {
     program: Vec<OsString>,
 }
 
-/// Where the pictures of a recording go.
+/// Destination of a recording's pictures.
 trait Sink: Send {
     /// Takes the pictures of frame `number`, counted from 1.
     fn take(&mut self, number: u64, pictures: &[Picture]) -> Result<(), Failure>;
-    /// All frames were taken. Returns what is said at the end.
+    /// Ends the recording. Returns a message for the user.
     fn finish(&mut self) -> Result<String, Failure>;
 }
 
@@ -98,7 +98,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         let recording = scope.spawn(|| {
             let result = recorder.record();
             if result.is_err() {
-                // What it would draw from here on is lost.
+                // Later frames of the program would be lost.
                 process::stop_foreground();
             }
             result
@@ -107,7 +107,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         has_ended.store(true, Ordering::SeqCst);
         let recorded =
             recording.join().unwrap_or_else(|_| Err(Failure::new("the recording failed by a defect of Cupola")));
-        // A program that cannot be started is the reason why nothing was recorded.
+        // A program that cannot be started is the reason for an empty recording.
         let code = code?;
         match recorded {
             Ok(words) => {
@@ -119,7 +119,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     })
 }
 
-/// The file of this recording's frames. Those of recordings that were killed are removed.
+/// File of this recording's frames. Files of recordings that were killed are removed.
 fn own_ring() -> PathBuf {
     let usual = ring::default_path();
     let name = format!("{}-record-", usual.file_name().unwrap_or_default().to_string_lossy());
@@ -155,7 +155,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// Reads and writes all frames. Returns what is said at the end.
+    /// Reads and writes all frames. Returns a message for the user.
     fn record(mut self) -> Result<String, Failure> {
         let mut reader = self.open()?;
         let mut frame = Frame::default();
@@ -195,7 +195,7 @@ impl Recorder<'_> {
     }
 }
 
-/// A name as part of a file's name.
+/// Converts a name to a part of a file name.
 fn file_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c == '/' || c.is_control() { '_' } else { c }).collect();
     safe.strip_prefix('.').map_or_else(|| safe.clone(), |rest| format!("_{rest}"))

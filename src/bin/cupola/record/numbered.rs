@@ -1,4 +1,4 @@
-//! Numbered pictures, as makers of films for domes exchange them: `Name_000001.png`.
+//! Numbered pictures in the form that makers of dome films exchange: `Name_000001.png`.
 
 use super::{Sink, file_name};
 use crate::failure::Failure;
@@ -7,11 +7,11 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::path::{Path, PathBuf};
 
-/// A folder of pictures; of several outputs a folder for each.
+/// A folder of pictures, with a folder for each output if there are several.
 pub struct Folder {
     path: PathBuf,
     name: Option<String>,
-    /// The first frame of which a picture was missing at the start; 0 before the first frame.
+    /// First frame of which a picture was missing at the start; 0 before the first frame.
     first_missing: u64,
     written: u64,
 }
@@ -27,7 +27,7 @@ impl Folder {
         folder.join(format!("{}_{number:06}.png", self.name.as_ref().unwrap_or(&output)))
     }
 
-    /// Looks what an earlier run has written.
+    /// Finds the pictures that an earlier run has written.
     fn begin(&mut self, pictures: &[Picture]) -> Result<(), Failure> {
         let several = pictures.len() > 1;
         for picture in pictures {
@@ -51,7 +51,7 @@ impl Sink for Folder {
             self.begin(pictures)?;
         }
         let is_there = number < self.first_missing;
-        // Two frames are enough to tell that the pictures are of another recording.
+        // Two frames show whether the pictures belong to another recording.
         let is_compared = is_there && (number == 1 || number + 1 == self.first_missing);
         if is_there && !is_compared {
             return Ok(());
@@ -81,10 +81,10 @@ impl Sink for Folder {
     }
 }
 
-/// Writes a file that is whole when it has its name.
+/// Writes a file that gets its name only when it is complete.
 fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let part = file.with_extension("png.part");
-    // A name that is a link, or a part of an earlier run, is replaced and not written through.
+    // A name that is a link, or a part of an earlier run, is removed instead of written through.
     let _ = std::fs::remove_file(&part);
     let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, file));
     written.inspect_err(|_| drop(std::fs::remove_file(&part)))
@@ -100,7 +100,7 @@ fn failed(path: &Path, error: &std::io::Error) -> Failure {
     Failure::new(format!("{}: {error}{more}", path.display()))
 }
 
-/// A picture as an RGB PNG file. The same pixels are the same bytes.
+/// Encodes a picture as an RGB PNG file. Equal pixels give equal bytes.
 fn png(picture: &Picture) -> image::ImageResult<Vec<u8>> {
     let rgb: Vec<u8> = picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut bytes = Vec::new();

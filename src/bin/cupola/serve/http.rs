@@ -205,7 +205,7 @@ fn head_of(bytes: &[u8], access: &Access) -> Result<Option<(Request, usize, usiz
     let head = match parsed.parse(&bytes[..bytes.len().min(LONGEST_HEAD + 1)]) {
         Ok(httparse::Status::Complete(head)) => head,
         Ok(httparse::Status::Partial) => return Ok(None),
-        Err(_) => return Err(Answer::words(400, "This is no request that is understood.")),
+        Err(_) => return Err(Answer::words(400, "This request is not understood.")),
     };
     let header = |name: &str| {
         let found = parsed.headers.iter().find(|header| header.name.eq_ignore_ascii_case(name))?;
@@ -217,11 +217,11 @@ fn head_of(bytes: &[u8], access: &Access) -> Result<Option<(Request, usize, usiz
     let is_post = match parsed.method {
         Some("GET") => false,
         Some("POST") => true,
-        _ => return Err(Answer::words(400, "GET and POST are understood.")),
+        _ => return Err(Answer::words(400, "Only GET and POST are understood.")),
     };
     let length = match header("content-length") {
         None => 0,
-        Some(length) => length.parse().map_err(|_| Answer::words(400, "The length of the request is no number."))?,
+        Some(length) => length.parse().map_err(|_| Answer::words(400, "The length of the request is not a number."))?,
     };
     if header("transfer-encoding").is_some() || length > LONGEST_BODY {
         return Err(Answer::words(413, "The request is too long."));

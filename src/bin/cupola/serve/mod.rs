@@ -217,7 +217,7 @@ fn answer(server: &Server, request: &Request) -> Answer {
     match (request.is_post, request.path.as_str()) {
         (false, "/") => return Answer::new(200, "text/html; charset=utf-8", PAGE),
         _ if !request.has_token => {
-            return Answer::words(403, "Open the address that cupola printed, with all of its end.");
+            return Answer::words(403, "Open the complete address that cupola printed.");
         }
         _ => {}
     }
@@ -246,7 +246,7 @@ fn answer(server: &Server, request: &Request) -> Answer {
         }
         (true, "/do") => {
             let command =
-                serde_json::from_slice::<Command>(&request.body).map_err(|error| format!("no request: {error}"));
+                serde_json::from_slice::<Command>(&request.body).map_err(|error| format!("not a request: {error}"));
             answered(command.and_then(|command| server.run(command, false)))
         }
         _ => Answer::words(404, "There is nothing here."),

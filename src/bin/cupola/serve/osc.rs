@@ -88,7 +88,7 @@ fn command(message: &OscMessage) -> Result<Command, String> {
         ["undo"] => Command::Undo {},
         ["redo"] => Command::Redo {},
         ["save"] => Command::Save { replace: false },
-        ["rig"] => Command::Rig { name: first().ok_or("which rig?")?, replace: false },
+        ["rig"] => Command::Rig { name: first().ok_or("the name of the rig is missing")?, replace: false },
         ["pattern"] => Command::Pattern(Choice { parts: words, ..Choice::default() }),
         ["start"] => Command::Start { program: first(), command: None },
         ["stop"] => Command::Stop {},

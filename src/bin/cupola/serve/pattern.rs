@@ -84,7 +84,7 @@ pub fn changes(
         return Err(format!("there is no output {name:?}"));
     }
     if cursor.is_some_and(|cursor| !cursor.x.is_finite() || !cursor.y.is_finite()) {
-        return Err("the place of the crosshair is no place".to_owned());
+        return Err("the position of the crosshair is not finite".to_owned());
     }
     let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
     std::fs::create_dir_all(folder).map_err(failed)?;

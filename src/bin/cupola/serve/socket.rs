@@ -91,7 +91,7 @@ fn converse(stream: UnixStream, server: &Server) -> std::io::Result<()> {
 }
 
 fn answer(line: &str, server: &Server) -> Value {
-    let command = serde_json::from_str::<Command>(line).map_err(|error| format!("this is no request: {error}"));
+    let command = serde_json::from_str::<Command>(line).map_err(|error| format!("this is not a request: {error}"));
     match command.and_then(|command| server.run(command, true)) {
         Ok(value) => json!({ "ok": value }),
         Err(message) => json!({ "error": message }),

@@ -1,5 +1,5 @@
-//! `cupola setup`: a first rig, from monitors, a few measures and the places of projectors, or from
-//! another program's calibration.
+//! `cupola setup`: writes a first rig, from monitors, a few measures and the positions of
+//! projectors, or from another program's calibration.
 
 mod monitors;
 mod options;
@@ -36,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Converts a calibration, and says what was taken over: what `cupola check` says about each rig.
+/// Converts a calibration, and prints the description of each rig by `cupola check`.
 fn take_over(source: &str, arguments: &Arguments) -> Result<(), Failure> {
     let conversion = convert::convert(&convert::Arguments::to_rig(source, &arguments.file, arguments.force))?;
     let mut answer = conversion.json();
@@ -45,7 +45,7 @@ fn take_over(source: &str, arguments: &Arguments) -> Result<(), Failure> {
     for file in conversion.rigs() {
         let name = file.display().to_string();
         let rig = cupola::rig::load(&name)
-            .map_err(|error| Failure::usage(format!("{name} is written, but is no rig yet:\n{}", error.message)))?;
+            .map_err(|error| Failure::usage(format!("{name} is written, but not valid yet:\n{}", error.message)))?;
         let request = window_request(&rig, None);
         let plan = cupola::views::plan(&rig, &request)?;
         rigs.push(describe::json(&rig, request.window, &plan));
@@ -61,7 +61,7 @@ fn take_over(source: &str, arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Asks for what the options leave open, and writes the rig.
+/// Asks for values that the options leave open, and writes the rig.
 fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
     let mut notes = Vec::new();
     let found = match Monitors::find(arguments.xrandr.as_deref()) {
@@ -99,7 +99,7 @@ fn write_first_rig(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Fails if `cupola check` would refuse the rig: nothing is written then.
+/// Fails, and writes nothing, if `cupola check` would refuse the rig.
 fn accepted(text: &str, file: &Path) -> Result<(), Failure> {
     let folder = file.parent().unwrap_or(Path::new("."));
     let planned = cupola::rig::parse(text, ANSWERS, folder).and_then(|rig| {
@@ -112,16 +112,16 @@ fn accepted(text: &str, file: &Path) -> Result<(), Failure> {
     })
 }
 
-/// What stands for a file in messages about a rig that was not written.
+/// Replaces the name of the file in messages about a rig that was not written.
 const ANSWERS: &str = "the rig";
 
-/// A message without the line number of a text that nobody sees.
+/// Removes the line number from a message, because the user never sees the text.
 fn without_line(message: &str) -> &str {
     let rest = message.strip_prefix(ANSWERS).unwrap_or(message);
     rest.trim_start_matches(|c: char| c == ':' || c.is_ascii_digit()).trim_start()
 }
 
-/// Writes and shows the numbered patterns that were asked for.
+/// Writes and shows the requested numbered patterns.
 fn patterns(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.patterns.is_some() || arguments.show {
         let rig = arguments.file.display().to_string();
@@ -130,7 +130,7 @@ fn patterns(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says what comes after a first rig.
+/// Prints the next steps after a first rig.
 fn next_steps(arguments: &Arguments) {
     let file = arguments.file.display();
     let see = format!("see how the projectors meet with `cupola pattern {file} --show`");

@@ -9,9 +9,9 @@ use std::process::{Command, Stdio};
 pub struct Monitor {
     /// Name of the connector, such as `DP-1`.
     pub name: String,
-    /// Pixels.
+    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Place of the upper left corner on the desktop, pixels.
+    /// Position of the upper left corner on the desktop, pixels.
     pub corner: (i64, i64),
     /// True if the desktop has its panel there.
     pub primary: bool,
@@ -27,8 +27,8 @@ impl Monitors {
         Self(Vec::new())
     }
 
-    /// The monitors of this display, or those in a file with the output of `xrandr --query`. An
-    /// error says why there are none.
+    /// Finds the monitors of this display, or those in a file with the output of `xrandr --query`.
+    /// The error says why there are none.
     pub fn find(file: Option<&Path>) -> Result<Self, String> {
         let listed = match file {
             Some(file) => std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?,
@@ -38,7 +38,7 @@ impl Monitors {
         if found.is_empty() { Err("xrandr lists no connected monitor".to_owned()) } else { Ok(Self(found)) }
     }
 
-    /// The place of each monitor in a window that spans all of them: `[x, y, width, height]`.
+    /// Rectangle of each monitor in a window that spans all of them: `[x, y, width, height]`.
     /// `None` if two of them show the same part of the desktop.
     pub fn windows(&self) -> Option<Vec<[i64; 4]>> {
         let left = self.0.iter().map(|monitor| monitor.corner.0).min()?;
@@ -68,7 +68,7 @@ impl Monitor {
         [self.corner.0 - origin.0, self.corner.1 - origin.1, self.size.0.into(), self.size.1.into()]
     }
 
-    /// Name, size and place in words.
+    /// Name, size and position in words.
     pub fn words(&self) -> String {
         let ((width, height), (x, y)) = (self.size, self.corner);
         let primary = if self.primary { ", the desktop's main monitor" } else { "" };

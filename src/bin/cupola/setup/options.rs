@@ -66,7 +66,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Fails for values that no rig can have, before anything is asked or written.
+    /// Fails for values that no rig can have, before the command asks or writes anything.
     pub fn check(&self) -> Result<(), Failure> {
         if self.file.extension().is_none_or(|ending| ending != "toml") {
             return Err(Failure::usage(format!(

@@ -1,11 +1,11 @@
-//! Places of projectors: what is said of one, and the keys of the rig that follow.
+//! Positions of projectors: their descriptions, and the keys of the rig that follow.
 
 use glam::DVec3;
 
-/// What is said of a projector. Angles in degrees, lengths in metres.
+/// Description of a projector. Angles in degrees, lengths in metres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Place {
-    /// Direction to it from the dome's centre: 0 front, 90 right.
+    /// Direction to the projector from the dome's centre: 0 front, 90 right.
     pub azimuth: Option<f64>,
     /// Horizontal distance from the centre.
     pub distance: Option<f64>,
@@ -13,9 +13,9 @@ pub struct Place {
     pub height: Option<f64>,
     /// Horizontal field of view.
     pub fov: Option<f64>,
-    /// Azimuth and angle from the pole of the place in the middle of its picture.
+    /// Azimuth and angle from the pole of the point in the middle of its picture.
     pub aim: Option<[f64; 2]>,
-    /// Pixels.
+    /// Width and height in pixels.
     pub size: Option<(u32, u32)>,
     /// Name of the output.
     pub name: Option<String>,
@@ -26,11 +26,11 @@ pub struct Place {
 pub struct Room {
     /// Radius of the dome.
     pub radius: f64,
-    /// From the zenith to the pole, towards the front.
+    /// Angle from the zenith to the pole, towards the front.
     pub tilt: f64,
     /// Opening angle.
     pub coverage: f64,
-    /// Where the heads are.
+    /// Position of the heads.
     pub seat: [f64; 3],
 }
 
@@ -73,7 +73,7 @@ fn set(place: &mut Place, key: &str, value: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Horizontal field of view of a throw ratio (distance over width), degrees.
+/// Horizontal field of view of a throw ratio (distance divided by width), degrees.
 pub fn field_of_throw(ratio: f64) -> f64 {
     2.0 * (0.5 / ratio).atan().to_degrees()
 }
@@ -83,15 +83,15 @@ pub fn field_of_throw(ratio: f64) -> f64 {
 pub struct Pose {
     /// Position of the lens.
     pub position: DVec3,
-    /// To the right.
+    /// Angle to the right.
     pub yaw: f64,
-    /// Upwards.
+    /// Angle upwards.
     pub pitch: f64,
 }
 
 impl Place {
-    /// What is not said: projector `index` of `count` stands near the dome's rim, one behind the
-    /// audience and the others at equal angles, and lights the opposite side.
+    /// Completes a description. Projector `index` of `count` stands near the dome's rim, one behind
+    /// the audience and the others at equal angles, and lights the opposite side.
     pub fn completed(&self, index: usize, count: usize, room: &Room) -> Self {
         let azimuth = self.azimuth.unwrap_or_else(|| (180.0 + 360.0 * index as f64 / count.max(1) as f64) % 360.0);
         let polar = if count == 1 { 30.0 } else { 50.0 };
@@ -106,13 +106,14 @@ impl Place {
         }
     }
 
-    /// Position and direction of a completed place. `None` if it stands where it aims.
+    /// Position and direction of a completed description. `None` if the projector stands where it
+    /// aims.
     pub fn pose(&self, room: &Room) -> Option<Pose> {
         let azimuth = self.azimuth?.to_radians();
         let (distance, height) = (self.distance?, self.height?);
         let position = DVec3::new(distance * azimuth.sin(), height, -distance * azimuth.cos());
         let aim = on_dome(self.aim?, room) - position;
-        // Nearer than a centimetre, a direction is rounding or a typing error.
+        // Below a centimetre, the direction comes from rounding or a typing error.
         let direction = Some(aim).filter(|aim| aim.length() > 0.01)?.try_normalize()?;
         let yaw = direction.x.atan2(-direction.z).to_degrees();
         Some(Pose { position, yaw, pitch: direction.y.asin().to_degrees() })

@@ -1,4 +1,4 @@
-//! Questions on a terminal, for what the options leave open.
+//! Questions on a terminal, for values that the options leave open.
 
 use super::monitors::{Monitor, Monitors};
 use super::options::Arguments;
@@ -7,24 +7,24 @@ use super::text::{Kind, Output};
 use crate::failure::Failure;
 use std::io::{BufRead, Write};
 
-/// Size of an output of which neither monitor nor size is known.
+/// Size of an output without a known monitor or size.
 const USUAL_SIZE: (u32, u32) = (1920, 1080);
 
-/// Somebody to ask, or nobody.
+/// A user to ask, or none.
 pub struct Questions<'a>(Option<(Box<dyn BufRead + 'a>, Box<dyn Write + 'a>)>);
 
 impl<'a> Questions<'a> {
-    /// Somebody who reads `output` and types into `input`.
+    /// Asks a user who reads `output` and types into `input`.
     pub fn of(input: impl BufRead + 'a, output: impl Write + 'a) -> Self {
         Self(Some((Box::new(input), Box::new(output))))
     }
 
-    /// Nobody: what has no default has to be an option.
+    /// Asks nobody: values without a default have to be options.
     pub fn none() -> Self {
         Self(None)
     }
 
-    /// The monitors of the projectors.
+    /// Monitors of the projectors.
     pub fn monitors(&mut self, arguments: &Arguments, found: &Monitors) -> Result<Monitors, Failure> {
         let chosen = |names: &[String]| -> Result<Vec<Monitor>, String> {
             let named = |name: &String| {
@@ -55,7 +55,7 @@ impl<'a> Questions<'a> {
         Ok(answer.map_or_else(|| found.clone(), Monitors))
     }
 
-    /// The dome and the audience.
+    /// Dome and audience.
     pub fn room(&mut self, arguments: &Arguments) -> Result<Room, Failure> {
         let diameter = match arguments.diameter {
             Some(given) => given,
@@ -80,7 +80,7 @@ impl<'a> Questions<'a> {
         Ok(Room { radius: diameter / 2.0, tilt, coverage, seat: arguments.seat.unwrap_or_default() })
     }
 
-    /// The outputs, on their monitors.
+    /// Outputs, on their monitors.
     pub fn outputs(
         &mut self,
         arguments: &Arguments,
@@ -108,7 +108,7 @@ impl<'a> Questions<'a> {
         Ok(on_monitors(kinds, monitors, notes))
     }
 
-    /// The number of projectors; 0 for a fisheye lens.
+    /// Number of projectors; 0 for a fisheye lens.
     fn count(&mut self, arguments: &Arguments, monitors: &Monitors) -> Result<usize, Failure> {
         if arguments.fisheye {
             return Ok(0);
@@ -127,7 +127,7 @@ impl<'a> Questions<'a> {
         answer.ok_or_else(|| missing("--fisheye, --projectors N or --projector PLACE"))
     }
 
-    /// The place of one projector.
+    /// Description of one projector.
     fn place(&mut self, index: usize, count: usize, room: &Room) -> Result<Place, Failure> {
         let usual = Place::default().completed(index, count, room);
         self.tell(&format!("Projector {} of {count}:", index + 1))?;
@@ -143,7 +143,7 @@ impl<'a> Questions<'a> {
         Ok(Place { azimuth, distance, height, fov: throw.map(field_of_throw), ..Place::default() })
     }
 
-    /// Says something, if there is somebody.
+    /// Prints a message, if there is a user.
     fn tell(&mut self, words: &str) -> Result<(), Failure> {
         match &mut self.0 {
             Some((_, output)) => writeln!(output, "{words}").map_err(|error| gone(&error.to_string())),
@@ -151,7 +151,7 @@ impl<'a> Questions<'a> {
         }
     }
 
-    /// Asks until the answer can be read. `None` if there is nobody to ask.
+    /// Asks until the answer can be read. `None` if there is no user.
     fn ask<T>(
         &mut self,
         question: &str,
@@ -186,7 +186,7 @@ fn missing(option: &str) -> Failure {
     Failure::usage(format!("{option} is needed, because there is no terminal to ask on"))
 }
 
-/// Reads a number of a range.
+/// Reads a number in a range.
 fn number(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> {
     move |text| {
         let read = text.parse::<f64>().ok().filter(|number| (least..=most).contains(number));

@@ -1,4 +1,4 @@
-//! The text of a first rig.
+//! Text of a first rig.
 
 use super::places::{Place, Pose, Room};
 use crate::convert::quoted;
@@ -6,11 +6,11 @@ use std::fmt::Write;
 
 /// An output of the rig.
 pub struct Output {
-    /// What is shown.
+    /// Kind of the output.
     pub kind: Kind,
-    /// Pixels.
+    /// Width and height in pixels.
     pub size: Option<(u32, u32)>,
-    /// Place in the program's window.
+    /// Rectangle in the program's window.
     pub window: Option<[i64; 4]>,
     /// Name of its monitor.
     pub monitor: Option<String>,
@@ -20,7 +20,7 @@ pub struct Output {
 pub enum Kind {
     /// A fisheye picture of the whole dome.
     Fisheye,
-    /// A projector, with what was said of it.
+    /// A projector, with its description.
     Projector(Place, Pose),
 }
 
@@ -71,8 +71,8 @@ fn projector(place: &Place, pose: &Pose, size: Option<(u32, u32)>) -> String {
     )
 }
 
-/// A number with at most three digits after the point: nobody measures finer than a millimetre by
-/// hand.
+/// Rounds a number to three digits after the point: measures by hand are not finer than a
+/// millimetre.
 fn rounded(number: f64) -> String {
     let number = (number * 1000.0).round() / 1000.0;
     format!("{:?}", if number == 0.0 { 0.0 } else { number })

@@ -1,4 +1,4 @@
-//! Where live pictures go, and what ffmpeg is told for it.
+//! Destination of live pictures, and ffmpeg's arguments for it.
 
 use crate::failure::Failure;
 use crate::launch::clock::Rate;
@@ -8,14 +8,14 @@ use std::process::{Command, Stdio};
 
 const ENCODER: &str = "ffmpeg";
 
-/// Where live pictures go.
+/// Destination of live pictures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Destination {
-    /// The standard output of this command, as they are.
+    /// The standard output of this command, without encoding.
     Output,
     /// An address or a file, encoded by ffmpeg.
     Encoded { muxer: Muxer, place: String },
-    /// A device of v4l2loopback, by way of ffmpeg.
+    /// A device of v4l2loopback, through ffmpeg.
     Camera(String),
 }
 
@@ -24,16 +24,16 @@ pub enum Destination {
 pub enum Muxer {
     /// MPEG transport stream, for SRT and others.
     Transport,
-    /// For RTMP.
+    /// Flash video, for RTMP.
     Flash,
     /// A playlist and its parts.
     Playlist,
-    /// A file; its ending says which.
+    /// A file, whose extension selects the container.
     File,
 }
 
 impl Destination {
-    /// From what was given on the command line.
+    /// Reads the text of the command line.
     pub fn parse(text: &str) -> Result<Self, String> {
         let encoded = |muxer| Ok(Self::Encoded { muxer, place: text.to_owned() });
         match text.split_once("://").map(|(scheme, _)| scheme) {
@@ -51,22 +51,22 @@ impl Destination {
     }
 }
 
-/// How pictures are encoded.
+/// Encoding of the pictures.
 #[derive(Clone, Debug)]
 pub struct Encoding {
-    /// As ffmpeg calls it.
+    /// Name of the encoder in ffmpeg.
     pub encoder: String,
-    /// Bits in a second, as ffmpeg takes them; none: by quality.
+    /// Bits per second, in ffmpeg's form; `None`: by quality.
     pub bitrate: Option<String>,
     pub rate: Rate,
 }
 
 impl Encoding {
-    /// ffmpeg for a destination other than the standard output.
+    /// Makes the command of ffmpeg for a destination other than the standard output.
     pub fn command(&self, destination: &Destination) -> Result<Command, Failure> {
         let mut ffmpeg = Command::new(ENCODER);
         ffmpeg.args(["-hide_banner", "-loglevel", "error", "-y"]);
-        // It would wait for more pictures to guess what these are.
+        // Otherwise ffmpeg would wait for more pictures to guess their format.
         ffmpeg.args(["-probesize", "32", "-analyzeduration", "0", "-f", "nut", "-i", "-"]);
         // Pictures keep their times.
         ffmpeg.args(["-fps_mode", "passthrough"]);
@@ -100,7 +100,7 @@ impl Encoding {
             None => {}
         }
         if muxer != Muxer::File {
-            // Who joins later waits for a key frame: one each second.
+            // A receiver that joins later waits for a key frame: there is one each second.
             let second = (self.rate.frames / self.rate.seconds.max(1)).max(1);
             ffmpeg.args(["-bf", "0", "-g", &second.to_string()]);
         }

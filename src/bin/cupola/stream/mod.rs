@@ -1,5 +1,5 @@
-//! `cupola stream`: an output that a program publishes, live, to the network, a camera device, a
-//! file, or any command.
+//! `cupola stream`: sends an output that a program publishes, live, to the network, a camera
+//! device, a file, or any command.
 //!
 //! The program never waits: frames that come while the receiver is busy are lost, and counted.
 
@@ -19,9 +19,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// So often it is looked whether there is a program, and whether this command is to end.
+/// Interval at which the command checks whether there is a program, and whether to end.
 const LOOK: Duration = Duration::from_millis(50);
-/// A receiver that takes nothing for so long does not keep this command from ending.
+/// Time after which a receiver that receives nothing no longer delays the end of this command.
 const GRACE: Duration = Duration::from_secs(3);
 
 /// Send an output that a program publishes, live: to the network, a camera device, a file or a command.
@@ -85,17 +85,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     sent.map(|()| ExitCode::SUCCESS)
 }
 
-/// A receiver may hang while this command is to end.
+/// Ends this command in time, even if a receiver hangs.
 fn end_in_time() {
     while !process::end_was_asked_for() {
         std::thread::sleep(LOOK);
     }
     std::thread::sleep(GRACE);
-    eprintln!("cupola: the receiver takes no pictures, and is left");
+    eprintln!("cupola: the receiver takes no more pictures; it is not waited for");
     std::process::exit(1);
 }
 
-/// Waits for a program that publishes; `None`: this command is to end.
+/// Waits for a program that publishes; `None` if this command has to end.
 fn wait_for(file: &std::path::Path) -> Option<Reader> {
     let mut is_told = false;
     while !process::end_was_asked_for() {
@@ -110,7 +110,7 @@ fn wait_for(file: &std::path::Path) -> Option<Reader> {
     None
 }
 
-/// Sends frames until the program ends, or as many as were asked for.
+/// Sends frames until the program ends, or up to the requested number.
 fn send(arguments: &Arguments, target: &Target, mut reader: Reader, report: &mut Report) -> Result<(), Failure> {
     let mut frame = Frame::default();
     let mut pace = Pace::new(arguments.fps);
@@ -150,7 +150,7 @@ fn send(arguments: &Arguments, target: &Target, mut reader: Reader, report: &mut
     }
 }
 
-/// The picture of the output that was asked for.
+/// Picture of the requested output.
 fn chosen<'a>(frame: &'a Frame, output: Option<&str>) -> Result<&'a Picture, Failure> {
     let names = || frame.pictures.iter().map(|picture| &*picture.name).collect::<Vec<_>>().join(", ");
     match (output, &frame.pictures[..]) {
@@ -167,7 +167,7 @@ fn chosen<'a>(frame: &'a Frame, output: Option<&str>) -> Result<&'a Picture, Fai
     }
 }
 
-/// Who gets the pictures, as the command line says.
+/// Receiver of the pictures, from the command line.
 enum Target {
     Shell(String),
     Place(Destination),
@@ -179,7 +179,7 @@ impl Target {
             return Ok(Self::Shell(arguments.pipe.clone().unwrap_or_default()));
         };
         let destination = Destination::parse(place).map_err(Failure::usage)?;
-        // A wrong place is told before a program is waited for.
+        // A wrong destination is reported before the command waits for a program.
         arguments.encoding().command(&destination)?;
         Ok(Self::Place(destination))
     }
@@ -208,7 +208,7 @@ impl Arguments {
     }
 }
 
-/// The way of pictures of one size.
+/// Outlet for pictures of one size.
 enum Outlet {
     Receiver(Receiver),
     Output(Writing, (u32, u32)),
@@ -222,7 +222,7 @@ impl Outlet {
         }
     }
 
-    /// Hands a picture over; `false`: nobody reads the standard output any more.
+    /// Writes a picture. Returns false if the reader of the standard output is gone.
     fn add(&mut self, picture: &Picture, time: u64) -> Result<bool, Failure> {
         match self {
             Self::Receiver(receiver) => receiver.add(picture, time).map(|()| true),
@@ -235,10 +235,10 @@ impl Outlet {
     }
 }
 
-/// Leaves out frames of a program that draws faster than is sent.
+/// Skips frames of a program that draws faster than they are sent.
 struct Pace {
     length: u64,
-    /// When the next frame is due, in nanoseconds.
+    /// Time at which the next frame is due, nanoseconds.
     due: u64,
 }
 

@@ -1,34 +1,34 @@
-//! What was sent, what was lost, and how long it took.
+//! Numbers of sent and lost frames, and delays.
 
 use cupola::ring::Frame;
 use cupola::system;
 use serde_json::{Value, json};
 use std::fmt;
 
-/// Frames whose times are kept; of more, those of the first.
+/// Greatest number of frames whose times are stored; those of later frames are not.
 const KEPT: usize = 1 << 20;
 
 /// Numbers of a stream.
 #[derive(Default)]
 pub struct Report {
-    /// Frames that the receiver has taken.
+    /// Number of frames that the receiver has received.
     pub sent: u64,
-    /// Frames that it lost because it was too slow.
+    /// Number of frames that were lost because it was too slow.
     pub lost: u64,
-    /// Frames that were left out to keep the rate.
+    /// Number of frames that were skipped to keep the rate.
     left_out: u64,
     read: u64,
-    /// Numbers that the program gave to its frames and that did not come.
+    /// Number of the program's frames that were not published.
     missing: u64,
     index: u64,
-    /// Microseconds from the program's swap until the receiver had taken the picture.
+    /// Delays from the program's swap until the receiver had received the picture, microseconds.
     delays: Vec<u32>,
-    /// The first loss was told.
+    /// True if the first loss was reported.
     is_told: bool,
 }
 
 impl Report {
-    /// A frame was read; `lost` before it.
+    /// Counts a frame that was read; `lost` frames were lost so far.
     pub fn read(&mut self, frame: &Frame, lost: u64) {
         if self.index > 0 {
             self.missing += frame.index.saturating_sub(self.index + 1);
@@ -40,7 +40,7 @@ impl Report {
         self.left_out = self.read - self.sent - 1;
     }
 
-    /// The receiver has taken it. `time`: of its swap; that of a virtual clock tells nothing.
+    /// Counts a frame that was received. `time`: of its swap; a virtual clock gives no delays.
     pub fn sent(&mut self, time: u64) {
         self.sent += 1;
         let delay = system::monotonic().checked_sub(time).and_then(|delay| u32::try_from(delay / 1000).ok());
@@ -49,7 +49,7 @@ impl Report {
         }
     }
 
-    /// Half of the delays, and 99 of 100, are no longer; in microseconds.
+    /// Median and 99th percentile of the delays, microseconds.
     fn delays(&self) -> Option<(u32, u32)> {
         let mut sorted = self.delays.clone();
         sorted.sort_unstable();

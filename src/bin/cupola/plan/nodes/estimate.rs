@@ -6,38 +6,39 @@ use super::simulation::Seen;
 use cupola::rig::Rig;
 use serde_json::{Value, json};
 
-/// Bytes of a message of `cupola node` on the wire: six numbers, and what TCP, IP and Ethernet add.
+/// Number of bytes of a message of `cupola node` on the wire: six numbers, and the headers of TCP,
+/// IP and Ethernet.
 const MESSAGE: f64 = 48.0 + 78.0;
-/// Bytes of a pixel on the way from node to node.
+/// Number of bytes of a pixel that is sent from node to node.
 const PIXEL: f64 = 4.0;
-/// Pictures that a reader may be behind, and are kept.
+/// Number of stored pictures that a reader may be behind.
 const SLOTS: f64 = 4.0;
 
 /// One way to show a rig.
 pub struct Way {
-    /// Milliseconds from frame to frame.
+    /// Time from frame to frame, milliseconds.
     interval: f64,
-    /// Megabits in a second that node 0 sends.
+    /// Megabits per second that node 0 sends.
     megabits: f64,
-    /// Milliseconds that a picture comes later than that of one program in one window.
+    /// Delay of a picture, compared with one program in one window, milliseconds.
     delay: f64,
-    /// Megabytes on the node that needs most.
+    /// Memory of the node that needs most, megabytes.
     megabytes: f64,
 }
 
 /// The three ways with a number of nodes.
 pub struct Estimate {
     shares: Vec<Share>,
-    /// Replicas at the rate that is wanted, as they were simulated.
+    /// Simulated replicas at the wanted rate.
     paced: Seen,
-    /// The same as fast as they can.
+    /// Simulated replicas without a rate limit.
     free: Seen,
     replicas: Way,
     mirrors: Way,
     windows: Way,
 }
 
-/// The estimate for nodes with these shares.
+/// Estimates the ways for nodes with these shares.
 pub fn of(options: &Options, shares: &[Share]) -> Estimate {
     let draw = |texels: u64| options.texels * texels as f64 * 1e-6;
     let all = |part: fn(&Share) -> u64| shares.iter().map(part).sum::<u64>();
@@ -120,7 +121,7 @@ impl Estimate {
     }
 }
 
-/// The table for people.
+/// Formats the table for people.
 pub fn table(options: &Options, rig: &Rig, rows: &[Estimate]) -> String {
     let mut text = format!("{}, {} frames in a second wanted\n", rig.name, options.rate);
     let mut line = |words: String| text.extend([words.as_str(), "\n"]);

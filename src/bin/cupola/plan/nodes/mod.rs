@@ -1,8 +1,8 @@
-//! `cupola plan --nodes`: what a rig costs on one machine and on many.
+//! `cupola plan --nodes`: costs of a rig on one machine and on many.
 //!
-//! `shares` says what each node draws and sends, from the plan of the rig. `estimate` makes times of
-//! it, by way of `simulation`, which lets the decisions of `cupola node` run in time that is counted
-//! and not waited for.
+//! `shares` computes from the plan of the rig what each node draws and sends. `estimate` turns it
+//! into times, with the help of `simulation`, which runs the decisions of `cupola node` in
+//! simulated time.
 
 mod estimate;
 mod shares;
@@ -91,12 +91,12 @@ fn failed(text: &str) -> Result<Failed, String> {
 }
 
 impl Options {
-    /// The numbers of nodes that were asked for.
+    /// Numbers of nodes that were requested.
     fn counts(&self) -> Option<Vec<u32>> {
         self.nodes.map(|nodes| if nodes == 0 { USUAL.to_vec() } else { vec![nodes] })
     }
 
-    /// A show of nodes that each draw for so long, in milliseconds.
+    /// A show of nodes that draw for these times, in milliseconds.
     fn show(&self, draws: &[f64], paced: bool) -> Show {
         let duration = |milliseconds: f64| Duration::from_secs_f64(milliseconds * 1e-3);
         Show {
@@ -113,7 +113,7 @@ impl Options {
     }
 }
 
-/// Prints the table for a rig. `None`: it was not asked for.
+/// Prints the table for a rig. Returns `None` if it was not requested.
 pub fn run(options: &Options, rig: &Rig, size: Option<(u32, u32)>, as_json: bool) -> Result<Option<()>, Failure> {
     let Some(counts) = options.counts() else { return Ok(None) };
     if options.fail.is_some_and(|failed| counts.iter().any(|count| failed.node >= *count as usize)) {

@@ -1,4 +1,4 @@
-//! What each of several nodes draws and shows.
+//! Shares of several nodes: the views and pixels that each draws and shows.
 
 use cupola::Result;
 use cupola::correct::{self, Plan};
@@ -6,25 +6,25 @@ use cupola::rig::{Place, Rig};
 use cupola::views::Tile;
 use std::collections::HashMap;
 
-/// What a node draws and shows.
+/// Views and pixels of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
     pub outputs: usize,
     pub views: usize,
-    /// Texels that it draws: those of these views that its outputs sample.
+    /// Number of texels that it draws: those of these views that its outputs sample.
     pub texels: u64,
-    /// Pixels of its outputs.
+    /// Number of pixels of its outputs.
     pub pixels: u64,
-    /// Bytes of views, window and stand-in image, 8 bytes for a texel with its depth.
+    /// Number of bytes of views, window and stand-in image, 8 bytes for a texel with its depth.
     pub bytes: u64,
 }
 
-/// The shares of a rig's nodes.
+/// Shares of a rig's nodes.
 pub struct Shares<'a> {
     rig: &'a Rig,
     plan: Plan,
     sizes: &'a [(u32, u32)],
-    /// By the outputs that are shown.
+    /// Shares by the outputs that are shown.
     known: HashMap<Vec<bool>, Share>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> Shares<'a> {
         Self { rig, plan, sizes, known: HashMap::new() }
     }
 
-    /// What each of so many nodes has.
+    /// Shares of each of `count` nodes.
     pub fn of(&mut self, count: u32) -> Result<Vec<Share>> {
         let node = |number| {
             let rig = self.rig.clone().on_node(&Place { number, count, host: String::new() })?;

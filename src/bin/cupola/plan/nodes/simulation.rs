@@ -1,5 +1,5 @@
-//! A show of several nodes in time that is counted: programs that draw for a while, messages that
-//! take a while, and the decisions of `cupola node` itself.
+//! Simulation of a show of several nodes: programs draw for a while, messages take a while, and the
+//! decisions are those of `cupola node` itself.
 
 use crate::node::head::{Action, Head};
 use cupola::nodes::{Arrival, FIRST_FRAMES};
@@ -7,55 +7,55 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::time::Duration;
 
-/// Time in which node 0 takes a message, or sends one.
+/// Time in which node 0 receives or sends a message, nanoseconds.
 const HANDLING: u64 = 5_000;
-/// So much real time is simulated at most, in nanoseconds.
+/// Longest simulated time, nanoseconds.
 const LONGEST: u64 = 3_600_000_000_000;
 
 /// A node that fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failed {
     pub node: usize,
-    /// In this frame.
+    /// Frame in which it stops.
     pub frame: u64,
-    /// For so long; `None`: for ever.
+    /// Time for which it stops; `None`: for ever.
     pub stopped: Option<Duration>,
 }
 
-/// What is simulated.
+/// Parameters of a simulation.
 #[derive(Clone, Debug)]
 pub struct Show {
     /// Time that each node's program and graphics card take for a frame.
     pub work: Vec<Duration>,
-    /// Mean of what a frame takes longer: exponentially distributed.
+    /// Mean of the additional, exponentially distributed time of a frame.
     pub jitter: Duration,
-    /// Time of a message on its way.
+    /// Time that a message takes.
     pub latency: Duration,
     /// Processors that all nodes share; `None`: each node has its own.
     pub cores: Option<usize>,
     /// Time from frame to frame.
     pub length: Duration,
-    /// Frames are shown at that rate, and no faster.
+    /// True if frames are shown at that rate and no faster.
     pub is_paced: bool,
     pub time_out: Duration,
     pub frames: u64,
     pub failed: Option<Failed>,
 }
 
-/// What was seen.
+/// Results of a simulation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Mean milliseconds from frame to frame, on node 0.
+    /// Mean time from frame to frame on node 0, milliseconds.
     pub interval: f64,
-    /// Milliseconds between the first node and the last that show a frame: half of the frames have
-    /// no more, and 99 of 100.
+    /// Time between the first and the last node that show a frame, milliseconds: median, and 99th
+    /// percentile.
     pub apart: (f64, f64),
-    /// The longest time without a new picture on the nodes that did not fail, in milliseconds.
+    /// Longest time without a new picture on the nodes that did not fail, milliseconds.
     pub longest: f64,
-    /// Frames that the node that failed did not show.
+    /// Number of frames that the failed node did not show.
     pub left_out: u64,
-    /// Milliseconds after its stop until the node that failed showed a frame with the others; `None`:
-    /// it did not.
+    /// Time from the failed node's stop until it showed a frame with the others, milliseconds;
+    /// `None`: it did not.
     pub back: Option<f64>,
 }
 
@@ -66,22 +66,22 @@ enum Event {
         node: usize,
         epoch: u64,
     },
-    /// A message is taken by node 0.
+    /// Node 0 receives a message.
     Arrived {
         node: usize,
         frame: u64,
     },
-    /// A node hears that frames up to this may be shown.
+    /// A node receives the release of frames up to this number.
     Released {
         node: usize,
         frame: u64,
     },
-    /// A program has waited long enough.
+    /// A program has waited up to its limit.
     Over {
         node: usize,
         frame: u64,
     },
-    /// A program that is on its own shows its next frame.
+    /// A program that goes on by itself shows its next frame.
     Paced {
         node: usize,
         frame: u64,
@@ -104,15 +104,15 @@ enum State {
 #[derive(Clone, Debug)]
 struct Node {
     state: State,
-    /// Frame that it draws, or whose end it has reached.
+    /// Number of the frame that it draws, or whose end it has reached.
     frame: u64,
     released: u64,
-    /// It is on its own since so many frames were released.
+    /// Newest released frame since which it goes on by itself.
     alone: Option<u64>,
     epoch: u64,
     went: u64,
     time: u64,
-    /// When it showed each frame.
+    /// Time at which it showed each frame.
     shown: BTreeMap<u64, u64>,
 }
 
@@ -122,11 +122,11 @@ struct Run<'a> {
     events: BinaryHeap<Reverse<(u64, u64, Event)>>,
     count: u64,
     nodes: Vec<Node>,
-    /// When each processor is free.
+    /// Time at which each processor is free.
     cores: Option<Vec<u64>>,
-    /// When node 0 has done what it does.
+    /// Time at which node 0 has finished its work.
     busy: u64,
-    /// The programs' time after each frame.
+    /// Times of the programs after each frame.
     times: BTreeMap<u64, u64>,
     arrivals: BTreeMap<(usize, u64), Arrival>,
     random: u64,
@@ -138,7 +138,7 @@ fn nanoseconds(time: Duration) -> u64 {
 }
 
 impl Show {
-    /// Simulates it.
+    /// Runs the simulation.
     pub fn run(&self) -> Seen {
         let node = Node {
             state: State::Waits,
@@ -182,7 +182,7 @@ impl Run<'_> {
         self.events.push(Reverse((time, self.count, event)));
     }
 
-    /// A number of the exponential distribution with mean 1.
+    /// Random number of the exponential distribution with mean 1.
     fn chance(&mut self) -> f64 {
         // Marsaglia's xorshift64.
         self.random ^= self.random << 13;
@@ -191,14 +191,14 @@ impl Run<'_> {
         -(((self.random >> 11) as f64 + 0.5) / (1u64 << 53) as f64).ln()
     }
 
-    /// A program begins its next frame; when it has a processor for that.
+    /// Begins the next frame of a program as soon as a processor is free. Returns that time.
     fn begin(&mut self, node: usize, now: u64) -> u64 {
         let extra = nanoseconds(self.show.jitter) as f64 * self.chance();
         let work = nanoseconds(self.show.work[node]) + extra as u64;
         let begin = match &mut self.cores {
             None => now,
             Some(cores) => {
-                // The processor that is free first.
+                // Takes the processor that is free first.
                 let first = cores.iter_mut().min();
                 first.map_or(now, |free| {
                     let begin = now.max(*free);
@@ -223,7 +223,7 @@ impl Run<'_> {
                 }
                 None => {
                     frame.state = State::Dead;
-                    // The connection is lost, and that is seen.
+                    // The connection is lost, and node 0 notices it.
                     let actions = self.head.gone(node, now);
                     self.act(actions, now);
                 }
@@ -278,7 +278,7 @@ impl Run<'_> {
         }
     }
 
-    /// A program is at the end of a frame.
+    /// Handles a program at the end of a frame.
     fn drawn(&mut self, node: usize, now: u64) {
         let latency = if node == 0 { 0 } else { nanoseconds(self.show.latency) };
         let length = nanoseconds(self.show.length);
@@ -308,7 +308,7 @@ impl Run<'_> {
         }
     }
 
-    /// A program shows its frame, or leaves it out if the others are ahead.
+    /// Shows a program's frame, or skips it if the others are ahead.
     fn pass(&mut self, node: usize, now: u64) {
         let one = &mut self.nodes[node];
         if let Some(time) = self.times.get(&one.frame) {
@@ -323,7 +323,7 @@ impl Run<'_> {
         }
     }
 
-    /// Does what node 0 has decided.
+    /// Executes the actions of node 0.
     fn act(&mut self, actions: Vec<Action>, now: u64) {
         let latency = nanoseconds(self.show.latency);
         for action in actions {
@@ -376,7 +376,8 @@ impl Run<'_> {
         }
     }
 
-    /// Frames that the node that failed left out, and how long after its stop it was back.
+    /// Number of frames that the failed node did not show, and the time from its stop until it was
+    /// back.
     fn returned(&self, failed: Failed) -> (u64, Option<f64>) {
         let Some(node) = self.nodes.get(failed.node) else { return (0, None) };
         let left_out = (1..node.frame).filter(|frame| !node.shown.contains_key(frame)).count() as u64;
@@ -413,7 +414,8 @@ mod tests {
         (value - expected).abs() < 0.05 * expected.max(0.1)
     }
 
-    /// Without chance all is known: a frame takes the work, and two messages one after the other.
+    /// Without jitter everything is known: a frame takes the work, and two messages one after the
+    /// other.
     #[test]
     fn lock_step_takes_the_slowest_node_and_two_messages() {
         let alone = show(1).run();
