@@ -1,9 +1,9 @@
-//! Who may talk to the server.
+//! Access to the server.
 //!
-//! A secret word is in the printed address, behind `#`, so that browsers neither send nor log it by
-//! themselves; the page sends it with each request in a header of its own. Other users of the
-//! machine do not know it. Pages of others cannot set that header, and requests under a foreign
-//! name of this machine (DNS rebinding) are refused before the word is looked at.
+//! The printed address contains a secret word behind `#`, so that browsers neither send nor log it
+//! by themselves; the page sends it with each request in a header of its own. Other users of the
+//! machine do not know it. Pages of other servers cannot set that header. Requests under a foreign
+//! name of this machine (DNS rebinding) are refused before the word is checked.
 
 use std::io::Read;
 use std::net::{IpAddr, SocketAddr};
@@ -11,17 +11,17 @@ use std::net::{IpAddr, SocketAddr};
 /// Header with the secret word.
 pub const HEADER: &str = "x-cupola-token";
 
-/// Bytes of the secret.
+/// Number of bytes of the secret.
 const BYTES: usize = 16;
 
-/// The secret word, and the names under which the server may be asked.
+/// Secret word, and the names under which the server accepts requests.
 pub struct Access {
     token: String,
     port: u16,
 }
 
 impl Access {
-    /// With a new secret word.
+    /// Makes a new secret word.
     ///
     /// # Errors
     /// The system gives no random numbers.
@@ -32,12 +32,12 @@ impl Access {
         Ok(Self { token, port: address.port() })
     }
 
-    /// The address to open in a browser, for the machine's name or number.
+    /// Address to open in a browser, for the machine's name or number.
     pub fn url(&self, host: &str) -> String {
         format!("http://{host}:{}/#{}", self.port, self.token)
     }
 
-    /// True if `word` is the secret one. Takes as long for any word.
+    /// True if `word` is the secret one. The time of the comparison does not depend on the word.
     pub fn knows(&self, word: Option<&str>) -> bool {
         let word = word.unwrap_or_default().as_bytes();
         let own = self.token.as_bytes();
@@ -45,8 +45,8 @@ impl Access {
         std::hint::black_box(differing) == 0 && word.len() == own.len()
     }
 
-    /// True if a request has names that only a page of this server, or a program, sends. An address
-    /// in numbers is not a name that somebody else's name server could lead here.
+    /// True if a request has names that only a page of this server, or a program, sends. A numeric
+    /// address is accepted, because no foreign name server can direct it here.
     pub fn is_own_name(&self, host: Option<&str>, origin: Option<&str>) -> bool {
         let Some(host) = host else { return false };
         let (name, port) = match host.rsplit_once(':') {

@@ -1,4 +1,4 @@
-//! What can be asked of the server, by the page, by `cupola ctl` and by OSC.
+//! Requests to the server, from the page, `cupola ctl` and OSC.
 
 use super::marks::{Marks, NewMark};
 use super::pattern::{self, Choice};
@@ -13,42 +13,42 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use toml_edit::{DocumentMut, Item};
 
-/// A request to change or to tell something.
+/// A request to change something or to get information.
 #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Command {
-    /// Everything that is known of rig and program.
+    /// Returns all information about rig and program.
     State {},
-    /// The keys of the rig with their values and ranges.
+    /// Returns the keys of the rig with their values and ranges.
     Keys {},
-    /// The value of one key.
+    /// Returns the value of one key.
     Get {
-        /// For example `output.front.yaw`.
+        /// Key, for example `output.front.yaw`.
         key: String,
     },
-    /// Changes of keys, all of them or none.
+    /// Changes keys, all of them or none.
     Set {
-        /// `KEY=VALUE`.
+        /// Changes in the form `KEY=VALUE`.
         changes: Vec<String>,
-        /// Changes with the same word that follow each other are one step.
+        /// Consecutive changes with the same word are one step.
         #[serde(default)]
         gesture: Option<String>,
     },
-    /// Takes the last step back.
+    /// Reverts the last step.
     Undo {},
-    /// Takes it again.
+    /// Makes the reverted step again.
     Redo {},
     /// Writes the rig's file.
     Save {
-        /// Also if somebody else has changed it.
+        /// True if the file is overwritten even if another program has changed it.
         #[serde(default)]
         replace: bool,
     },
     /// Opens another rig.
     Rig {
-        /// One that the server was started with, or a preset.
+        /// Name of a rig that the server was started with, or of a preset.
         name: String,
-        /// Also if the one before has changes that were not saved.
+        /// True if unsaved changes of the current rig are discarded.
         #[serde(default)]
         replace: bool,
     },
@@ -58,49 +58,49 @@ pub enum Command {
     Mark(NewMark),
     /// Removes the mark in a line of the file of marks.
     Unmark {
-        /// Its number, from 1.
+        /// Number of the line, from 1.
         line: usize,
     },
     /// Solves the outputs that have marks, and changes the rig accordingly.
     Solve {
-        /// What else is free, as `cupola calibrate --solve` takes it.
+        /// Other free parts, as for `cupola calibrate --solve`.
         #[serde(default)]
         parts: Vec<String>,
     },
-    /// Starts a program that the server was started with; the only one if none is named.
+    /// Starts a program that the server was started with; without a name, the only one.
     Start {
-        /// Its name.
+        /// Name of the program.
         #[serde(default)]
         program: Option<String>,
-        /// Any other program with its arguments; only over the Unix socket.
+        /// Any other program with its arguments; only through the Unix socket.
         #[serde(default)]
         command: Option<Vec<String>>,
     },
     /// Stops the program.
     Stop {},
-    /// Ends the server; only over the Unix socket.
+    /// Ends the server; only through the Unix socket.
     Quit {},
 }
 
-/// The rig with all that is computed from it.
+/// The rig with everything that is computed from it.
 struct Desk {
     working: Working,
     pattern: Choice,
     marks: Marks,
     patterns: u64,
-    /// Numbers of rigs before this one.
+    /// Sum of the versions of earlier rigs.
     before: u64,
     scene: Option<(u64, Arc<Scene>)>,
-    /// The version at which places of the light changed last, and the rig that has them.
+    /// Version at which the positions of the light changed last, and the rig with them.
     places: (u64, Rig),
 }
 
-/// What all ways of asking share.
+/// State that all kinds of requests share.
 pub struct Server {
     desk: Mutex<Desk>,
     /// The program.
     pub program: Program,
-    /// Its pictures.
+    /// Pictures of the program.
     pub pictures: Mutex<Pictures>,
     seen: Arc<Mutex<Seen>>,
     launch: Launch,
@@ -110,10 +110,10 @@ pub struct Server {
 }
 
 impl Server {
-    /// For the first of `rigs`.
+    /// Opens the first of `rigs`.
     ///
     /// # Errors
-    /// What is wrong with the rig, for people.
+    /// Description of the mistakes in the rig.
     pub fn new(
         rigs: Vec<String>,
         programs: Vec<(String, Vec<OsString>)>,
@@ -140,11 +140,11 @@ impl Server {
         })
     }
 
-    /// Does what was asked for. `is_trusted`: the asker may start any program, as this user can
-    /// anyway.
+    /// Executes a request. `is_trusted`: the sender may start any program, because this user can do
+    /// so anyway.
     ///
     /// # Errors
-    /// Why it was refused, for people; nothing has changed then.
+    /// Reason of the refusal; nothing has changed then.
     pub fn run(&self, command: Command, is_trusted: bool) -> Result<Value, String> {
         let mut desk = self.desk();
         match command {
@@ -219,7 +219,7 @@ impl Server {
         Ok(())
     }
 
-    /// A pattern follows the rig.
+    /// Draws the pattern again after a change of the rig.
     fn draw_again(&self, desk: &mut Desk) -> Result<(), String> {
         let choice = desk.pattern.clone();
         if choice.is_none() { Ok(()) } else { self.show(desk, choice) }
@@ -254,7 +254,7 @@ impl Server {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sizes of the outputs: those of the program's pictures, else those of the rig.
+    /// Sizes of the outputs: those of the program's pictures, otherwise those of the rig.
     fn sizes(&self, rig: &rig::Rig) -> Vec<(u32, u32)> {
         let seen = self.seen();
         let size = |(index, output): (usize, &rig::Output)| {
@@ -263,7 +263,7 @@ impl Server {
         rig.outputs.iter().enumerate().map(size).collect()
     }
 
-    /// The scene of the moment, with its number.
+    /// Current scene, with its number.
     pub fn scene(&self) -> (u64, Arc<Scene>) {
         let (version, rig) = {
             let desk = self.desk();
@@ -273,7 +273,7 @@ impl Server {
             }
             (version, desk.working.rig().clone())
         };
-        // Changes do not wait for it.
+        // Changes do not wait for the computation.
         let scene = Arc::new(Scene::new(&rig, self.sizes(&rig)));
         let mut desk = self.desk();
         if desk.version() == version {
@@ -318,8 +318,8 @@ impl Desk {
         self.before + self.working.version()
     }
 
-    /// The version at which what the scene tells changed last: not the program's camera, the views
-    /// and the light of outputs.
+    /// Version at which the contents of the scene changed last. The program's camera, the views and
+    /// the light of outputs do not count.
     fn places(&mut self) -> u64 {
         let rig = self.working.rig();
         let mut same = rig.clone();
@@ -335,7 +335,7 @@ impl Desk {
     }
 }
 
-/// The keys of a rig as `set` takes them, with their values.
+/// Keys of a rig as `set` takes them, with their values.
 fn keys(working: &Working) -> Vec<Value> {
     let names: Vec<&str> = working.rig().outputs.iter().map(|output| output.name.as_str()).collect();
     let document: DocumentMut = working.text().parse().unwrap_or_default();
@@ -357,7 +357,7 @@ fn keys(working: &Working) -> Vec<Value> {
     described.collect()
 }
 
-/// The value at a path such as `output[0].blend.ramp`.
+/// Value at a path such as `output[0].blend.ramp`.
 fn value(item: &Item, path: &str) -> Option<Value> {
     let mut item = item;
     for part in path.split('.') {

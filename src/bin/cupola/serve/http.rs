@@ -7,38 +7,38 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Bytes of a request's head.
+/// Greatest number of bytes of a request's head.
 const LONGEST_HEAD: usize = 8 << 10;
-/// Bytes of a request's body.
+/// Greatest number of bytes of a request's body.
 const LONGEST_BODY: usize = 64 << 10;
-/// Lines of a request's head.
+/// Greatest number of lines of a request's head.
 const MOST_HEADERS: usize = 64;
-/// Connections at a time.
+/// Greatest number of simultaneous connections.
 const MOST_CONNECTIONS: usize = 64;
-/// A connection that says nothing for so long, or takes nothing, is closed.
+/// Time after which a connection is closed that sends nothing, or receives nothing.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// What a page of this server may load: nothing from elsewhere.
+/// Content policy of the page: it may load nothing from elsewhere.
 const POLICY: &str = "default-src 'none'; script-src 'nonce-cupola'; style-src 'unsafe-inline'; img-src 'self' data: blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// A request that may be answered.
+/// A request that passed the checks.
 #[derive(Debug, PartialEq)]
 pub struct Request {
-    /// GET or POST.
+    /// True for POST, false for GET.
     pub is_post: bool,
-    /// The path, without what follows `?`.
+    /// Path, without the part after `?`.
     pub path: String,
-    /// What follows `?`.
+    /// Part after `?`.
     pub query: String,
-    /// What was posted.
+    /// Body of a POST.
     pub body: Vec<u8>,
-    /// It has the secret word.
+    /// True if it has the secret word.
     pub has_token: bool,
     is_last: bool,
 }
 
 impl Request {
-    /// The value of `name` in `?name=value&…`.
+    /// Value of `name` in `?name=value&…`.
     pub fn value(&self, name: &str) -> Option<&str> {
         self.query
             .split('&')
@@ -63,17 +63,17 @@ impl Answer {
         Self { status, kind, headers: Vec::new(), body: body.into() }
     }
 
-    /// With words for people.
+    /// Returns an answer with a text for people.
     pub fn words(status: u16, words: &str) -> Self {
         Self::new(status, "text/plain; charset=utf-8", words)
     }
 
-    /// With JSON.
+    /// Returns an answer with JSON.
     pub fn json(status: u16, value: &serde_json::Value) -> Self {
         Self::new(status, "application/json", value.to_string())
     }
 
-    /// With one more header.
+    /// Adds a header.
     pub fn with(mut self, name: &'static str, value: String) -> Self {
         self.headers.push((name, value));
         self
@@ -104,13 +104,14 @@ impl Answer {
     }
 }
 
-/// Answers connections by `answer`, each in a thread of its own, for as long as the process lives.
+/// Answers connections with `answer`, each in a thread of its own, for as long as the process
+/// lives.
 pub fn serve(listener: TcpListener, access: Arc<Access>, answer: impl Fn(&Request) -> Answer + Send + Sync + 'static) {
     let (answer, open) = (Arc::new(answer), Arc::new(AtomicUsize::new(0)));
     std::thread::spawn(move || {
         for stream in listener.incoming() {
             let Ok(stream) = stream else {
-                // Too many files are open, or the like.
+                // For example, too many files are open.
                 std::thread::sleep(Duration::from_millis(50));
                 continue;
             };
@@ -121,7 +122,7 @@ pub fn serve(listener: TcpListener, access: Arc<Access>, answer: impl Fn(&Reques
             let (access, answer, counted) = (access.clone(), answer.clone(), Counted(open.clone()));
             let spawned = std::thread::Builder::new().spawn(move || {
                 let _counted = counted;
-                // A connection that breaks has nobody left to tell.
+                // The client is gone.
                 let _ = converse(stream, &access, &*answer);
             });
             drop(spawned);
@@ -157,8 +158,8 @@ fn converse(mut stream: TcpStream, access: &Access, answer: &dyn Fn(&Request) ->
     }
 }
 
-/// Reads the next request; `None` at the end of the connection. `held`: bytes that were read
-/// already.
+/// Reads the next request; `None` at the end of the connection. `held`: bytes that were already
+/// read.
 fn read(
     stream: &mut impl Read,
     held: &mut Vec<u8>,
@@ -185,7 +186,7 @@ fn read(
     Ok(Ok(Some(request)))
 }
 
-/// Reads what has come; whether something has.
+/// Reads available bytes. Returns whether there were any.
 fn more(stream: &mut impl Read, held: &mut Vec<u8>) -> std::io::Result<bool> {
     let mut buffer = [0; 4096];
     let count = loop {
@@ -198,7 +199,8 @@ fn more(stream: &mut impl Read, held: &mut Vec<u8>) -> std::io::Result<bool> {
     Ok(count > 0)
 }
 
-/// The request, the length of its head and of its body; `None` while the head is not complete.
+/// Parses the request, and the lengths of its head and of its body; `None` while the head is not
+/// complete.
 fn head_of(bytes: &[u8], access: &Access) -> Result<Option<(Request, usize, usize)>, Answer> {
     let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
     let mut parsed = httparse::Request::new(&mut headers);
@@ -290,7 +292,7 @@ mod tests {
         }
     }
 
-    /// Random bytes, and good requests with random bytes changed.
+    /// Sends random bytes, and good requests with random bytes changed.
     #[test]
     fn random_bytes_do_no_harm() {
         let mut state = 0x9E37_79B9_7F4A_7C15_u64;

@@ -1,4 +1,4 @@
-//! Marks that are made on the page: lines of the file that `cupola calibrate` reads.
+//! Marks from the page: lines of the file that `cupola calibrate` reads.
 
 use crate::calibrate;
 use cupola::calibrate::Part;
@@ -14,11 +14,11 @@ pub struct NewMark {
     pub output: String,
     /// The place in its picture, pixels from the top left.
     pub x: f64,
-    /// As `x`.
+    /// The same for y.
     pub y: f64,
-    /// Degrees, 0 is the front, 90 right.
+    /// Azimuth in degrees, 0 is the front, 90 right.
     pub azimuth: f64,
-    /// Degrees above the horizon.
+    /// Elevation in degrees above the horizon.
     pub elevation: f64,
 }
 
@@ -32,10 +32,10 @@ pub struct Marks {
 const HEADER: &str = "output,x,y,azimuth,elevation\n";
 
 impl Marks {
-    /// Those of a file, which need not exist yet.
+    /// Opens the marks of a file, which need not exist yet.
     ///
     /// # Errors
-    /// What is wrong with the file, for people.
+    /// Description of the mistakes in the file.
     pub fn open(file: Option<PathBuf>, rig: &Rig) -> Result<Self, String> {
         let text = match file.as_deref().filter(|file| file.exists()) {
             Some(file) => {
@@ -57,7 +57,7 @@ impl Marks {
     /// Adds a mark.
     ///
     /// # Errors
-    /// Why it is none, or why the file cannot be written; nothing has changed then.
+    /// Reason why the mark is invalid, or why the file cannot be written; nothing has changed then.
     pub fn add(&mut self, mark: &NewMark, rig: &Rig) -> Result<(), String> {
         let mut text = self.text.clone();
         if !text.ends_with('\n') {
@@ -89,12 +89,12 @@ impl Marks {
         Ok(())
     }
 
-    /// Marks of another rig say nothing.
+    /// Parsed lines; empty if they do not fit the rig.
     fn lines(&self, rig: &Rig) -> Vec<calibrate::marks::Line> {
         calibrate::marks::parse(&self.text, rig).unwrap_or_default()
     }
 
-    /// All of them, and the file.
+    /// All marks, and the name of the file, as JSON.
     pub fn state(&self, rig: &Rig) -> Value {
         let marks = self.lines(rig).into_iter().filter_map(|line| {
             let output = rig.outputs[line.mark?.output].name.as_str();
@@ -109,11 +109,11 @@ impl Marks {
         json!({ "file": self.file.as_ref().map(|file| file.display().to_string()), "list": marks.collect::<Vec<_>>() })
     }
 
-    /// Solves the outputs that have marks. Returns changes of the rig `text`, and what was found in
+    /// Solves the outputs that have marks. Returns changes of the rig `text`, and the results in
     /// words.
     ///
     /// # Errors
-    /// Why nothing can be solved, for people.
+    /// Reason why nothing can be solved.
     pub fn solve(&self, rig: &Rig, text: &str, parts: &[String]) -> Result<(Vec<String>, Vec<String>), String> {
         let mut free = vec![Part::Pose];
         for word in parts {

@@ -1,12 +1,12 @@
 //! `cupola serve`: a page in the browser with the dome, the program's picture on it, and every key
 //! of the rig.
 //!
-//! All of it is in this process. The program beside it has Cupola's library as ever: it follows a
-//! rig file and publishes its frames in shared memory, and has neither a thread nor a socket of
+//! All of it is in this process. The program beside it has Cupola's library as usual: it follows a
+//! rig file and publishes its frames in shared memory, and gets neither a thread nor a socket of
 //! Cupola.
 //!
-//! `http`, `socket` and `osc` are three ways to the same [`control`]; `access` decides who may come
-//! by the first.
+//! `http`, `socket` and `osc` are three ways to the same [`control`]; `access` controls the first
+//! one.
 
 mod access;
 pub mod control;
@@ -35,7 +35,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// The page, with everything that it needs in one.
+/// The page, with everything that it needs in one document.
 const PAGE: &str = concat!(
     "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\n",
     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>Cupola</title>\n<style>",
@@ -48,7 +48,7 @@ const PAGE: &str = concat!(
     include_str!("page/marks.js"),
     "</script>\n</html>\n",
 );
-/// The port, if no other is asked for.
+/// Default port.
 const PORT: u16 = 8640;
 
 /// Show the dome in a browser, with the picture of a running program on it, and change every key of
@@ -84,7 +84,7 @@ pub struct Arguments {
     command: Vec<OsString>,
 }
 
-/// Ways to the server.
+/// Ways to reach the server.
 #[derive(clap::Args)]
 struct Ways {
     /// Port of the page; 0 takes any free one
@@ -133,7 +133,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     serve(rigs, programs, options, starts, arguments.marks, &arguments.ways, false)
 }
 
-/// As `cupola run --serve`: the page for one program with these options of `run`, until it ends.
+/// Serves the page for one program with these options of `run`, until it ends: `cupola run
+/// --serve`.
 pub fn run_with(rig: String, options: Vec<OsString>, program: &[OsString]) -> Result<ExitCode, Failure> {
     let name = program.first().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let ways = Ways { port: PORT, listen: None, osc: None };
@@ -173,7 +174,7 @@ fn serve(
     Ok(ExitCode::SUCCESS)
 }
 
-/// A file in memory, named after this process.
+/// Path of a file in memory, named after this process.
 fn ring_file() -> std::path::PathBuf {
     let memory = std::path::Path::new("/dev/shm");
     let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
@@ -211,7 +212,7 @@ fn announce(server: &Arc<Server>, ways: &Ways) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Answers a request. Without the secret word there is the page alone, which shows nothing by
+/// Answers a request. Without the secret word only the page is available, which shows nothing by
 /// itself.
 fn answer(server: &Server, request: &Request) -> Answer {
     match (request.is_post, request.path.as_str()) {

@@ -1,4 +1,5 @@
-//! Requests by OSC over UDP, for show control: `/cupola/set/KEY VALUE…`, `/cupola/undo` and others.
+//! Requests through OSC over UDP, for show control: `/cupola/set/KEY VALUE…`, `/cupola/undo` and
+//! others.
 
 use super::control::{Command, Server};
 use super::pattern::Choice;
@@ -7,10 +8,10 @@ use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::os::unix::fs::MetadataExt;
 use std::sync::Arc;
 
-/// Messages of a bundle that are followed.
+/// Greatest number of messages of a bundle that are executed.
 const MOST: usize = 256;
 
-/// Follows messages that come to `socket`, for as long as the process lives.
+/// Executes messages that arrive at `socket`, for as long as the process lives.
 pub fn serve(socket: UdpSocket, server: Arc<Server>) {
     std::thread::spawn(move || {
         let mut bytes = vec![0; 64 << 10];
@@ -36,7 +37,7 @@ pub fn serve(socket: UdpSocket, server: Arc<Server>) {
     });
 }
 
-/// Messages of a packet, those in bundles included.
+/// Collects the messages of a packet, including those in bundles.
 fn flatten(packet: OscPacket, messages: &mut Vec<OscMessage>) {
     match packet {
         OscPacket::Message(message) if messages.len() < MOST => messages.push(message),
@@ -45,8 +46,8 @@ fn flatten(packet: OscPacket, messages: &mut Vec<OscMessage>) {
     }
 }
 
-/// True if a packet of this machine is from this user. Packets of other machines come only where
-/// the operator asked for it.
+/// True if a packet of this machine is from this user. Packets of other machines arrive only if the
+/// operator requested it.
 fn is_from_this_user(from: SocketAddr) -> bool {
     if !from.ip().is_loopback() {
         return true;
@@ -57,7 +58,7 @@ fn is_from_this_user(from: SocketAddr) -> bool {
     owners(&sockets, from.port()).all(|owner| owner == user)
 }
 
-/// Users of the sockets with this port, in the system's table; somebody else where none is found.
+/// Users of the sockets with this port, in the system's table; another user if none is found.
 fn owners(table: &str, port: u16) -> impl Iterator<Item = u32> {
     let users: Vec<u32> = table
         .lines()
@@ -73,7 +74,7 @@ fn owners(table: &str, port: u16) -> impl Iterator<Item = u32> {
     users.into_iter().chain(nobody)
 }
 
-/// The request that a message means.
+/// Converts a message to a request.
 fn command(message: &OscMessage) -> Result<Command, String> {
     let words: Vec<String> =
         message.args.iter().map(word).collect::<Option<_>>().ok_or("an argument is neither number nor text")?;
@@ -96,10 +97,10 @@ fn command(message: &OscMessage) -> Result<Command, String> {
     })
 }
 
-/// An argument as the rig file has it.
+/// Formats an argument as in the rig file.
 fn word(argument: &OscType) -> Option<String> {
     Some(match argument {
-        // The digits that a float has, and no more.
+        // Formats only the digits of the float.
         OscType::Float(value) => value.to_string(),
         OscType::Double(value) => value.to_string(),
         OscType::Int(value) => value.to_string(),

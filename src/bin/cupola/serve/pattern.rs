@@ -1,7 +1,7 @@
 //! Test patterns in place of the program's picture.
 //!
-//! A rig can say what black is raised to, pixel by pixel, and mask the picture. A pattern is a
-//! picture of blacks before a black mask: each graphics API and each kind of output shows it while
+//! A rig can raise black to a picture, pixel by pixel, and mask the program's picture. A pattern is
+//! a picture of black with a black mask: every graphics API and every kind of output shows it while
 //! the program goes on.
 
 use crate::canvas::Canvas;
@@ -11,26 +11,26 @@ use glam::DVec2;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Pixels around the middle of a crosshair that are white.
+/// Distance from the middle of a crosshair within which pixels are white.
 const NEAR: i64 = 20;
 
-/// What is shown.
+/// Choice of a pattern.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Choice {
-    /// Parts, as `cupola pattern --parts` takes them; none: the program's picture.
+    /// Parts, as for `cupola pattern --parts`; none: the program's picture.
     #[serde(default)]
     pub parts: Vec<String>,
-    /// Degrees between lines.
+    /// Distance between lines, degrees.
     #[serde(default)]
     pub step: Option<f64>,
-    /// The only output that is not black.
+    /// Name of the only output that is not black.
     #[serde(default)]
     pub only: Option<String>,
-    /// Crosses: azimuth and elevation in degrees.
+    /// Directions of crosses: azimuth and elevation in degrees.
     #[serde(default)]
     pub at: Vec<[f64; 2]>,
-    /// A crosshair at a pixel.
+    /// Position of a crosshair.
     #[serde(default)]
     pub cursor: Option<Cursor>,
 }
@@ -48,7 +48,7 @@ pub struct Cursor {
 }
 
 impl Choice {
-    /// Nothing is shown instead of the program's picture.
+    /// True if the program's picture is shown.
     pub fn is_none(&self) -> bool {
         self.parts.is_empty() && self.at.is_empty() && self.cursor.is_none()
     }
@@ -58,7 +58,7 @@ impl Choice {
 /// of the rig that show it.
 ///
 /// # Errors
-/// What is wrong with the choice, for people.
+/// Description of the mistake in the choice.
 pub fn changes(
     rig: &Rig,
     sizes: &[(u32, u32)],
@@ -120,8 +120,8 @@ pub fn changes(
     Ok(rig_changes(rig, &dark, file))
 }
 
-/// Changes of the rig that show the picture `file` of each output instead of the program's: the
-/// black level is raised to it, and `dark` masks everything else.
+/// Changes of the rig that show the picture `file` of each output instead of the program's: they
+/// raise the black level to it, and `dark` masks everything else.
 fn rig_changes(rig: &Rig, dark: &Path, file: impl Fn(&Output) -> PathBuf) -> Vec<String> {
     let mut changes = Vec::new();
     for output in &rig.outputs {
@@ -142,7 +142,7 @@ fn rig_changes(rig: &Rig, dark: &Path, file: impl Fn(&Output) -> PathBuf) -> Vec
     changes
 }
 
-/// Lines through a pixel, brighter around it; the pixel itself is the middle.
+/// Draws lines through a pixel, brighter around it; the pixel is the middle.
 fn crosshair(picture: &mut Canvas, place: DVec2) {
     let (column, row) = (place.x.floor() as i64, place.y.floor() as i64);
     let color = |away: i64| if away.abs() <= NEAR { [1.0, 1.0, 1.0] } else { [0.1, 0.6, 0.2] };
@@ -150,8 +150,8 @@ fn crosshair(picture: &mut Canvas, place: DVec2) {
     (0..picture.height as i64).for_each(|y| picture.blend(column, y, color(y - row), 1.0));
 }
 
-/// Removes the pictures of the patterns before `number`: the program may still be reading the
-/// newest of them.
+/// Removes the pictures of patterns before `number`. The program may still be reading the newest of
+/// them.
 pub fn tidy(folder: &Path, number: u64) {
     let older = |name: &str| {
         let stem = name.strip_suffix(".png")?;
@@ -159,7 +159,7 @@ pub fn tidy(folder: &Path, number: u64) {
     };
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         if older(&entry.file_name().to_string_lossy()).is_some() {
-            // It is removed with its folder at the latest.
+            // At the latest the file is removed with its folder.
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -195,7 +195,7 @@ mod tests {
         let changed = tune::changed(text, &changes).expect("keys");
         let shown = cupola::rig::parse(&changed, "rig.toml", Path::new("")).expect("valid");
         assert!(shown.outputs.iter().all(|output| output.black.is_some() && output.mask.is_some()));
-        // The one that was not chosen is dark, the other one is not.
+        // The output that was not chosen is dark, the other one is not.
         let lit =
             |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8().iter().any(|value| *value > 0);
         assert!(lit("a-1.png") && !lit("b-1.png") && !lit("dark.png"));

@@ -1,4 +1,4 @@
-//! The program's pictures, made small: all outputs of the newest frame in one JPEG.
+//! Reduced pictures of the program: all outputs of the newest frame in one JPEG.
 
 use super::program::Program;
 use cupola::ring::{Frame, Next, Picture, Reader};
@@ -6,16 +6,17 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Sides of the picture that can be asked for, pixels.
+/// Permitted sides of the picture, pixels.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=2048;
 /// Quality of the JPEG, 1 to 100.
 const QUALITY: u8 = 82;
-/// Pictures are not made more often than this, whoever asks. The page asks when it has painted.
+/// Shortest time between pictures, for all clients together. The page requests one when it has
+/// painted.
 const SHORTEST: Duration = Duration::from_millis(30);
-/// How often the program's file is looked for.
+/// Interval at which the command looks for the program's file.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Where one output is in the picture, pixels.
+/// Rectangle of an output in the picture, pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     name: String,
@@ -25,30 +26,30 @@ pub struct Place {
     height: u32,
 }
 
-/// A frame as it is sent.
+/// A reduced frame.
 #[derive(Clone, Debug)]
 pub struct Small {
     /// Number of the frame in the ring; with the number of the program it tells frames apart.
     pub number: u64,
-    /// The program's own number.
+    /// Number that the program gave it.
     pub index: u64,
-    /// The JPEG.
+    /// Bytes of the JPEG.
     pub jpeg: Vec<u8>,
-    /// Places of the outputs.
+    /// Rectangles of the outputs.
     places: Vec<Place>,
     side: u32,
     made: Instant,
 }
 
 impl Small {
-    /// `name:x,y,width,height;…`
+    /// Rectangles in the form `name:x,y,width,height;…`.
     pub fn layout(&self) -> String {
         let place = |p: &Place| format!("{}:{},{},{},{}", p.name, p.x, p.y, p.width, p.height);
         self.places.iter().map(place).collect::<Vec<_>>().join(";")
     }
 }
 
-/// What was seen in the program's frames, for those who do not wait for the next one.
+/// Information about the program's frames, for readers that do not wait for the next one.
 #[derive(Default)]
 pub struct Seen {
     milliseconds: f64,
@@ -56,7 +57,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Milliseconds from frame to frame, over the last half second or more; 0: not known.
+    /// Mean time from frame to frame over the last half second or more, milliseconds; 0: not known.
     pub fn frame_milliseconds(&self) -> f64 {
         self.milliseconds
     }
@@ -67,20 +68,20 @@ impl Seen {
     }
 }
 
-/// Reads the frames of the program that runs.
+/// Reader of the frames of the running program.
 pub struct Pictures {
     ring: PathBuf,
     seen: Arc<Mutex<Seen>>,
     reader: Option<Reader>,
     frame: Frame,
     newest: Option<Arc<Small>>,
-    /// Numbers go on when another program starts.
+    /// Sum of the frame numbers of earlier programs, so that numbers keep growing.
     before: u64,
     looked: Option<Instant>,
     times: Times,
 }
 
-/// Times of the program's frames, from the numbers of those that were read.
+/// Times of the program's frames, from the numbers of the frames that were read.
 #[derive(Default)]
 struct Times {
     first: Option<(u64, u64)>,
@@ -101,7 +102,7 @@ impl Times {
 }
 
 impl Pictures {
-    /// Of the program that publishes at `ring`.
+    /// Starts for the program that publishes at `ring`.
     pub fn new(ring: &Path) -> Self {
         Self {
             ring: ring.to_owned(),
@@ -115,7 +116,7 @@ impl Pictures {
         }
     }
 
-    /// What was seen in the frames so far.
+    /// Information about the frames so far.
     pub fn seen(&self) -> Arc<Mutex<Seen>> {
         self.seen.clone()
     }
@@ -131,7 +132,7 @@ impl Pictures {
         }
     }
 
-    /// A frame newer than `after`, `side` pixels wide and high; `None` if none has come within
+    /// Returns a frame newer than `after`, `side` pixels wide and high; `None` if none comes within
     /// `limit`.
     pub fn next(&mut self, after: u64, side: u32, limit: Duration) -> Option<Arc<Small>> {
         let side = side.clamp(*SIDES.start(), *SIDES.end());
@@ -158,7 +159,7 @@ impl Pictures {
         }
     }
 
-    /// Reads the newest frame; whether one came.
+    /// Reads the newest frame. Returns whether one came.
     fn read(&mut self, limit: Duration) -> bool {
         let Some(reader) = &mut self.reader else {
             self.open(limit);
@@ -181,13 +182,13 @@ impl Pictures {
         }
     }
 
-    /// Looks whether a program publishes, after a while.
+    /// Opens the program's file, if there is one after a while.
     fn open(&mut self, limit: Duration) {
         let wait = self.looked.map_or(Duration::ZERO, |looked| LOOK.saturating_sub(looked.elapsed()));
         std::thread::sleep(wait.min(limit));
         self.looked = Some(Instant::now());
         if self.ring.exists() {
-            // It may not be complete yet.
+            // The file may not be complete yet.
             self.reader = Reader::open(&self.ring).ok();
         }
     }
@@ -196,13 +197,13 @@ impl Pictures {
         let (rgb, places) = self.composed(side);
         let mut jpeg = Vec::new();
         let encoder = jpeg_encoder::Encoder::new(&mut jpeg, QUALITY);
-        // Fails for sides beyond 65535 only, and for what cannot be written to memory.
+        // Fails only for sides beyond 65535, and for errors of writing to memory.
         let _ = encoder.encode(&rgb, side as u16, side as u16, jpeg_encoder::ColorType::Rgb);
         let number = self.before + self.frame.number + 1;
         Small { number, index: self.frame.index, jpeg, places, side, made: Instant::now() }
     }
 
-    /// All outputs of the frame in a square of three bytes for each pixel.
+    /// Draws all outputs of the frame into a square of three bytes for each pixel.
     fn composed(&self, side: u32) -> (Vec<u8>, Vec<Place>) {
         let sizes: Vec<(u32, u32)> = self.frame.pictures.iter().map(|picture| picture.size).collect();
         let mut rgb = vec![0; 3 * side as usize * side as usize];
@@ -215,7 +216,8 @@ impl Pictures {
     }
 }
 
-/// Waits for a frame newer than `after`. The lock is not held for long, so that others get theirs.
+/// Waits for a frame newer than `after`. The lock is held only briefly, so that other clients get
+/// it too.
 pub fn wait(pictures: &Mutex<Pictures>, program: &Program, after: u64, side: u32) -> Option<Arc<Small>> {
     let started = Instant::now();
     loop {
@@ -230,12 +232,12 @@ pub fn wait(pictures: &Mutex<Pictures>, program: &Program, after: u64, side: u32
     }
 }
 
-/// Places of pictures of these sizes in a square, in rows, each as large as it fits: x, y, width,
-/// height.
+/// Rectangles of pictures of these sizes in a square, in rows, each as large as it fits: x, y,
+/// width, height.
 fn arrange(sizes: &[(u32, u32)], side: u32) -> Vec<(u32, u32, u32, u32)> {
     let widest = sizes.iter().map(|size| f64::from(size.0) / f64::from(size.1.max(1))).fold(0.01, f64::max);
     let most = sizes.len().max(1) as u32;
-    // The number of columns that makes pictures largest.
+    // Takes the number of columns that makes the pictures largest.
     let scale = |columns: u32| {
         let rows = most.div_ceil(columns);
         (f64::from(side / columns)).min(f64::from(side / rows) * widest)
@@ -251,7 +253,7 @@ fn arrange(sizes: &[(u32, u32)], side: u32) -> Vec<(u32, u32, u32, u32)> {
     (0..).zip(sizes).map(place).collect()
 }
 
-/// Means of the pixels of a picture, into a place of a square of three bytes for each pixel.
+/// Writes means of a picture's pixels into a rectangle of a square of three bytes for each pixel.
 fn shrink(rgba: &[u8], (width, height): (u32, u32), to: &mut [u8], side: u32, place: (u32, u32, u32, u32)) {
     let (x, y, columns, rows) = place;
     if rgba.len() < 4 * width as usize * height as usize || width == 0 || height == 0 {
@@ -318,7 +320,7 @@ mod tests {
                 }
             });
         };
-        // The reader comes to the file, and gets what is published from then on.
+        // The reader opens the file, and gets the frames that are published from then on.
         assert!(pictures.next(0, 128, Duration::from_millis(60)).is_none());
         publish(&mut writer, 1);
         let small = pictures.next(0, 128, Duration::from_millis(200)).expect("a frame");

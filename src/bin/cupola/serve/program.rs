@@ -1,4 +1,4 @@
-//! The program on the dome: starting, stopping, what it said, what it takes.
+//! The program on the dome: start, stop, messages, and memory.
 
 use cupola::system::process;
 use std::collections::VecDeque;
@@ -11,17 +11,17 @@ use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Lines of the program's messages that are shown.
+/// Greatest number of lines of the program's messages that are shown.
 const LINES: usize = 60;
 /// Longest such line, bytes.
 const LONGEST_LINE: u64 = 2000;
-/// Time that a program has to end by itself.
+/// Time that a program gets to end by itself.
 const GRACE: Duration = Duration::from_secs(5);
-/// A message of the library that says nothing about what is wrong.
+/// A message of the library that reports no problem.
 const FOLLOWS: &str = "the rig's file has changed, and windows follow it";
 
-/// Frames that the library publishes in a second. To read each back would slow fast programs down;
-/// twice as many as the page takes keep the delay small.
+/// Number of frames that the library publishes per second. Reading back every frame would slow fast
+/// programs down; twice as many as the page uses keep the delay small.
 const RATE: &str = "30";
 
 /// Options and files with which programs are started.
@@ -31,35 +31,35 @@ pub struct Launch {
     pub options: Vec<OsString>,
     /// The file that the library follows.
     pub working_file: PathBuf,
-    /// Where the library publishes its pictures.
+    /// File in which the library publishes its pictures.
     pub ring: PathBuf,
-    /// Where the library writes statistics.
+    /// File to which the library writes statistics.
     pub statistics: PathBuf,
 }
 
-/// What is known of the program.
+/// State of the program.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct Status {
-    /// The running program, or the last one.
+    /// Name of the running program, or of the last one.
     pub name: Option<String>,
-    /// It runs.
+    /// True if it runs.
     pub runs: bool,
-    /// The process of `cupola run`.
+    /// Process number of `cupola run`.
     pub process: Option<u32>,
-    /// How the last one ended, if it failed.
+    /// How the last program ended, if it failed.
     pub ended: Option<String>,
-    /// The last lines that it and Cupola said.
+    /// Last lines that it and Cupola printed.
     pub lines: VecDeque<String>,
 }
 
-/// What the thread that owns the program is asked for.
+/// Orders to the thread that owns the program.
 enum Order {
     Start(String, Vec<OsString>),
     Stop,
     Leave,
 }
 
-/// The program, for any thread.
+/// Handle of the program, for any thread.
 #[derive(Clone)]
 pub struct Program {
     orders: Sender<Order>,
@@ -67,14 +67,14 @@ pub struct Program {
 }
 
 impl Program {
-    /// None yet, and what [`supervise`] needs.
+    /// Starts without a program. Returns also the part for [`supervise`].
     pub fn new() -> (Self, Supervised) {
         let (orders, received) = std::sync::mpsc::channel();
         let program = Self { orders, status: Arc::default() };
         (program.clone(), Supervised { orders: received, status: program.status })
     }
 
-    /// Stops the program that runs, and starts another one.
+    /// Stops the running program, and starts another one.
     pub fn start(&self, name: &str, command: Vec<OsString>) {
         // The receiver lives as long as the process.
         let _ = self.orders.send(Order::Start(name.to_owned(), command));
@@ -90,26 +90,26 @@ impl Program {
         let _ = self.orders.send(Order::Leave);
     }
 
-    /// What is known of it.
+    /// State of the program.
     pub fn status(&self) -> Status {
         self.status.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Memory of the program and of what it started, bytes.
+    /// Memory of the program and of the processes that it started, bytes.
     pub fn memory(&self) -> u64 {
         self.status().process.map_or(0, |process| family(process).into_iter().map(resident).sum())
     }
 }
 
-/// What the thread has that owns the program.
+/// The part for the thread that owns the program.
 pub struct Supervised {
     orders: Receiver<Order>,
     status: Arc<Mutex<Status>>,
 }
 
-/// Starts and stops programs until somebody asks to leave or a signal ends this process. `is_once`:
-/// also when the program ends. On Linux a program ends with the thread that started it, so this is
-/// the thread that lives longest.
+/// Starts and stops programs until an order or a signal ends this process. `is_once`: it also ends
+/// with the program. On Linux a program ends with the thread that started it, so this has to be the
+/// thread that lives longest.
 pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
     let mut child: Option<Child> = None;
     loop {
@@ -138,7 +138,7 @@ pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
             }
             Some(Order::Leave) => {
                 stop(&mut child);
-                // Whoever asked gets an answer.
+                // Leaves time for the answer to the request.
                 std::thread::sleep(Duration::from_millis(100));
                 return;
             }
@@ -153,7 +153,7 @@ pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
 impl Supervised {
     fn start(&self, name: String, command: &[OsString], launch: &Launch) -> Option<Child> {
         for file in [&launch.statistics, &launch.ring] {
-            // What an earlier program left behind; it may not be there.
+            // An earlier program may have left the file behind.
             let _ = std::fs::remove_file(file);
         }
         let mut run = Command::new(std::env::current_exe().unwrap_or_else(|_| "cupola".into()));
@@ -193,7 +193,7 @@ impl Supervised {
     }
 }
 
-/// Passes on what the program says, and keeps its last lines.
+/// Prints the program's output, and stores its last lines.
 fn keep_lines(words: impl Read, status: &Mutex<Status>) {
     let mut words = BufReader::new(words);
     loop {
@@ -216,7 +216,7 @@ fn keep_lines(words: impl Read, status: &Mutex<Status>) {
     }
 }
 
-/// Ends the program: asks first.
+/// Ends the program; asks it first.
 fn stop(child: &mut Option<Child>) {
     let Some(mut running) = child.take() else { return };
     // It may have ended by itself.
@@ -232,7 +232,7 @@ fn stop(child: &mut Option<Child>) {
     let _ = running.wait();
 }
 
-/// A process and those that it started.
+/// A process, and the processes that it started.
 fn family(process: u32) -> Vec<u32> {
     let children = std::fs::read_to_string(format!("/proc/{process}/task/{process}/children")).unwrap_or_default();
     let children = children.split_whitespace().filter_map(|id| id.parse().ok());

@@ -1,4 +1,4 @@
-//! What the page draws in three dimensions: the screen, and each output as a mesh on it.
+//! Objects that the page draws in three dimensions: the screen, and each output as a mesh on it.
 
 use cupola::blend::Weights;
 use cupola::rig::{OutputKind, Rig};
@@ -8,30 +8,30 @@ use glam::{DMat3, DVec2, DVec3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Part of the dome's radius at which flat windows are shown.
+/// Distance at which flat windows are shown, as a part of the dome's radius.
 const WINDOW_AT: f64 = 0.7;
-/// Halvings between a point that is lit and one that is not.
+/// Number of halvings between a lit point and an unlit one.
 const HALVINGS: usize = 12;
 /// Columns and rows of an output's mesh.
 const GRID: (usize, usize) = (48, 30);
 /// Columns and rows of a mesh around a circle.
 const CIRCLE: (usize, usize) = (72, 24);
 
-/// Values that are shown over the outputs.
+/// Kinds of values that are shown over the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overlay {
-    /// Outputs that light a point.
+    /// Number of outputs that light a point.
     Coverage,
-    /// Their light together, as a part of full white.
+    /// Sum of their light, as a part of full white.
     Light,
-    /// Texels of the views for each pixel of the output.
+    /// Texels of the views per pixel of the output.
     Density,
-    /// Pixels of the output in a degree, as the viewer sees them.
+    /// Pixels of the output per degree, as the viewer sees them.
     Resolution,
 }
 
 impl Overlay {
-    /// By its name in requests.
+    /// Overlay with this name in requests.
     pub fn named(name: &str) -> Option<Self> {
         let all = [
             ("coverage", Self::Coverage),
@@ -43,7 +43,7 @@ impl Overlay {
     }
 }
 
-/// A vertex: a pixel position and where its light falls.
+/// A vertex: a pixel position, and the point that it lights.
 #[derive(Clone, Copy)]
 struct Vertex {
     pixel: DVec2,
@@ -65,16 +65,16 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Of outputs with these sizes in pixels.
+    /// Makes the scene of a rig whose outputs have these sizes in pixels.
     pub fn new(rig: &Rig, sizes: Vec<(u32, u32)>) -> Self {
-        // An output with the program's own lens has no place that is known here.
+        // The map of an output with the program's own lens is not known here.
         let maps: Vec<_> =
             sizes.iter().enumerate().map(|(index, size)| WarpMap::new(rig, index, *size, None).ok()).collect();
         let meshes = maps.iter().map(|map| map.as_ref().map_or(Mesh::empty(), |map| Mesh::new(rig, map))).collect();
         Self { rig: rig.clone(), sizes, maps, meshes }
     }
 
-    /// Everything that does not change with the picture.
+    /// Everything that does not change with the picture, as JSON.
     pub fn json(&self) -> Value {
         let (rig, viewer) = (&self.rig, self.rig.viewer_pose());
         let outputs = rig.outputs.iter().zip(&self.maps).zip(self.meshes.iter().zip(&self.sizes));
@@ -101,10 +101,10 @@ impl Scene {
         })
     }
 
-    /// The values of an overlay at each vertex of each output.
+    /// Values of an overlay at each vertex of each output.
     ///
     /// # Errors
-    /// What the planner says, for people.
+    /// Message of the planner.
     pub fn overlay(&self, overlay: Overlay) -> Result<Value, String> {
         let failed = |error: cupola::Error| error.message;
         let weights = Weights::new(&self.rig, &self.sizes).map_err(failed)?;
@@ -138,13 +138,13 @@ impl Scene {
         Ok(Value::Array(values))
     }
 
-    /// The outputs that light a point, and the pixels that do.
+    /// Outputs that light a point, with the pixels that do.
     fn lit(&self, point: DVec3) -> impl Iterator<Item = (usize, DVec2)> {
         let maps = self.maps.iter().enumerate();
         maps.filter_map(move |(index, map)| Some((index, map.as_ref()?.pixel(point)?)))
     }
 
-    /// Pixels in a degree in the direction in which there are fewest.
+    /// Pixels per degree in the direction in which there are fewest.
     fn resolution(&self, index: usize, pixel: DVec2) -> Option<f64> {
         let map = self.maps[index].as_ref()?;
         let (size, here) = (self.sizes[index], map.direction(pixel)?);
@@ -165,13 +165,13 @@ impl Mesh {
         let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
         let mut mesh = Self::empty();
         if let Some((centre, half)) = map.circle() {
-            // A point at the rim is just within it.
+            // A point at the rim is just inside it.
             mesh.grid(CIRCLE, |x, y| {
                 let (sine, cosine) = (x * std::f64::consts::TAU).sin_cos();
                 centre + half * DVec2::new(cosine, sine) * (y * (1.0 - 1e-6))
             });
         } else {
-            // Where the map is discontinuous no triangle goes across.
+            // No triangle crosses a discontinuity of the map.
             let faces = map.cubemap_faces();
             let inset = if faces > 1 { 1e-4 } else { 0.0 };
             for face in 0..faces {
@@ -187,7 +187,7 @@ impl Mesh {
         mesh
     }
 
-    /// Adds a grid of this many cells.
+    /// Adds a grid with this number of cells.
     fn grid(&mut self, (columns, rows): (usize, usize), pixel: impl Fn(f64, f64) -> DVec2) {
         let first = self.vertices.len();
         for row in 0..=rows {
@@ -203,8 +203,8 @@ impl Mesh {
         }
     }
 
-    /// Moves vertices that light nothing to the edge of what is lit, where a neighbour is lit, and
-    /// leaves out the triangles of those that have none.
+    /// Moves vertices that light nothing to the edge of the lit area, if a neighbour is lit, and
+    /// removes the triangles of the others.
     fn reach_for_the_edge(&mut self, point: impl Fn(DVec2) -> Option<DVec3>) {
         let mut moved: BTreeMap<usize, Vertex> = BTreeMap::new();
         for triangle in &self.triangles {
@@ -232,7 +232,7 @@ impl Mesh {
     }
 }
 
-/// Where a pixel is seen: on the screen, or in a window in front of the viewer.
+/// Point at which a pixel is seen: on the screen, or in a window in front of the viewer.
 fn point(rig: &Rig, map: &WarpMap, pixel: DVec2) -> Option<DVec3> {
     map.hit(pixel).or_else(|| {
         let is_window = map.origin().is_none() && map.screen().size() > 0.0;
@@ -241,8 +241,8 @@ fn point(rig: &Rig, map: &WarpMap, pixel: DVec2) -> Option<DVec3> {
     })
 }
 
-/// Points at the ends of the lines from a projector to the corners of its picture: the middle of
-/// each side, too.
+/// Points at the ends of the lines from a projector to the corners and the middles of the sides of
+/// its picture.
 fn frustum(map: &WarpMap) -> Vec<DVec3> {
     let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
@@ -278,7 +278,7 @@ fn lines(rig: &Rig) -> Vec<Vec<DVec3>> {
     lines
 }
 
-/// The word for a kind of output.
+/// Word for a kind of output.
 fn kind(kind: &OutputKind) -> &'static str {
     match kind {
         OutputKind::Domemaster { .. } => "domemaster",
@@ -302,7 +302,7 @@ fn numbers_or_null(values: impl Iterator<Item = Option<f64>>) -> Value {
     Value::Array(values.map(|value| number(value).map_or(Value::Null, Value::from)).collect())
 }
 
-/// Three numbers for each point, 0 where there is none.
+/// Three numbers for each point, 0 if there is none.
 fn points(points: impl Iterator<Item = Option<DVec3>>) -> Value {
     Value::Array(points.flat_map(|point| rounded(point.unwrap_or_default()).map(Value::from)).collect())
 }
@@ -317,7 +317,7 @@ mod tests {
         Scene::new(&rig, sizes)
     }
 
-    /// The area of the meshes of a domemaster is that of its half sphere.
+    /// The area of the meshes of a domemaster is that of its hemisphere.
     #[test]
     fn meshes_lie_on_the_screen_and_reach_its_rim() {
         let scene = scene("fisheye");

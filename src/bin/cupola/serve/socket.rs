@@ -1,4 +1,4 @@
-//! The Unix socket of `cupola ctl`: a line of JSON for a request, a line for its answer.
+//! Unix socket of `cupola ctl`: a line of JSON for a request, and a line for its answer.
 
 use super::control::{Command, Server};
 use serde_json::{Value, json};
@@ -11,13 +11,13 @@ use std::time::Duration;
 
 /// Longest request, bytes.
 const LONGEST: u64 = 64 << 10;
-/// A connection that says nothing for so long is closed.
+/// Time after which a connection that sends nothing is closed.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The folder of sockets, which only this user can open.
+/// Folder of sockets, which only this user can open.
 ///
 /// # Errors
-/// It cannot be made, or belongs to somebody else.
+/// The folder cannot be created, or belongs to another user.
 pub fn folder() -> std::io::Result<PathBuf> {
     let user = std::fs::metadata("/proc/self")?.uid();
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from).filter(|folder| folder.is_dir());
@@ -26,7 +26,7 @@ pub fn folder() -> std::io::Result<PathBuf> {
         Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => return Err(error),
         _ => {}
     }
-    // Not what a link leads to.
+    // Does not follow a link.
     let found = std::fs::symlink_metadata(&folder)?;
     if !found.is_dir() || found.uid() != user || found.mode() & 0o077 != 0 {
         let why = format!("{} is not a folder that only this user can open", folder.display());
@@ -39,7 +39,7 @@ pub fn folder() -> std::io::Result<PathBuf> {
 pub struct Socket(PathBuf);
 
 impl Socket {
-    /// Where it is.
+    /// Path of the socket.
     pub fn path(&self) -> &Path {
         &self.0
     }
@@ -47,15 +47,15 @@ impl Socket {
 
 impl Drop for Socket {
     fn drop(&mut self) {
-        // Somebody may have removed it.
+        // Somebody may have removed it already.
         let _ = std::fs::remove_file(&self.0);
     }
 }
 
-/// Answers requests at the usual place, or beside it where another server answers there.
+/// Answers requests at the usual path, or beside it if another server answers there.
 ///
 /// # Errors
-/// What the system says.
+/// Errors of the system.
 pub fn serve(server: Arc<Server>) -> std::io::Result<Socket> {
     let folder = folder()?;
     let mut path = folder.join("serve.sock");
@@ -70,7 +70,7 @@ pub fn serve(server: Arc<Server>) -> std::io::Result<Socket> {
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
             let server = server.clone();
-            // Without a thread this connection is closed.
+            // If no thread can be started, this connection is closed.
             let _ = std::thread::Builder::new().spawn(move || converse(stream, &server));
         }
     });
@@ -101,7 +101,7 @@ fn answer(line: &str, server: &Server) -> Value {
 /// Sends one request to a server.
 ///
 /// # Errors
-/// No server answers, for people; or what it answered.
+/// No server answers, or the server refused the request.
 pub fn ask(path: Option<&Path>, command: &Command) -> Result<Value, String> {
     let usual = || folder().map(|folder| folder.join("serve.sock")).map_err(|error| error.to_string());
     let path = path.map_or_else(usual, |path| Ok(path.to_owned()))?;

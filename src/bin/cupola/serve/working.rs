@@ -1,7 +1,7 @@
-//! The rig that is being changed: a text with its history, and the file that the program follows.
+//! A rig that is being changed: a text with its history, and the file that the program follows.
 //!
-//! The rig's own file changes when it is saved, and at no other time. The program follows a
-//! *working file* in a private folder, which is written after each change that makes a valid rig.
+//! The rig's own file changes only when it is saved. The program follows a *working file* in a
+//! private folder, which is written after each change that gives a valid rig.
 
 use crate::tune;
 use cupola::rig::{self, Rig};
@@ -9,26 +9,26 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use toml_edit::{DocumentMut, Item, Value};
 
-/// Steps that can be undone.
+/// Number of steps that can be undone.
 const STEPS: usize = 500;
-/// Changes of one gesture that follow each other faster than this are one step.
+/// Time within which changes of one gesture that follow each other are one step.
 const ONE_GESTURE: Duration = Duration::from_secs(2);
 
 /// A rig with its history.
 pub struct Working {
-    /// The name under which it was opened: a preset or a file.
+    /// Name under which it was opened: a preset or a file.
     name: String,
-    /// The rig's own file; `None` of a preset.
+    /// File of the rig; `None` for a preset.
     file: Option<PathBuf>,
-    /// Paths in the rig are relative to it.
+    /// Folder to which paths in the rig are relative.
     folder: PathBuf,
-    /// What the file had when it was read or written last.
+    /// Content of the file when it was last read or written.
     saved: String,
     steps: Vec<String>,
     current: usize,
     gesture: Option<(String, Instant)>,
     rig: Rig,
-    /// What the working file has instead of keys of the text: a pattern.
+    /// Changes only for the working file, which replace keys of the text: a pattern.
     shown_instead: Vec<String>,
     working_file: PathBuf,
     version: u64,
@@ -38,13 +38,13 @@ impl Working {
     /// Opens a preset or a file, for a program that follows `working_file`.
     ///
     /// # Errors
-    /// What is wrong with the rig, or with the working file, for people.
+    /// Description of the mistakes in the rig, or of the error of the working file.
     pub fn open(name: &str, working_file: &Path) -> Result<Self, String> {
         let preset = rig::presets().iter().find(|preset| preset.name == name);
         let (file, text) = match preset {
             Some(preset) => (None, preset.text.to_owned()),
             None => {
-                // What is no rig is refused with the usual words before it is read here.
+                // An invalid rig is refused with the usual message before it is read here.
                 rig::load(name).map_err(|error| error.message)?;
                 let file = std::path::absolute(name).map_err(|error| format!("{name}: {error}"))?;
                 let text = std::fs::read_to_string(&file).map_err(|error| format!("{name}: {error}"))?;
@@ -70,22 +70,22 @@ impl Working {
         Ok(working)
     }
 
-    /// The name under which it was opened.
+    /// Name under which it was opened.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The rig of the moment, without a pattern.
+    /// Current rig, without a pattern.
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
 
-    /// Its text.
+    /// Text of the rig.
     pub fn text(&self) -> &str {
         &self.steps[self.current]
     }
 
-    /// Grows with each change.
+    /// Number that grows with each change.
     pub fn version(&self) -> u64 {
         self.version
     }
@@ -95,12 +95,12 @@ impl Working {
         self.text() != self.saved
     }
 
-    /// Numbers of steps that can be undone, and done again.
+    /// Numbers of steps that can be undone, and redone.
     pub fn steps(&self) -> (usize, usize) {
         (self.current, self.steps.len() - 1 - self.current)
     }
 
-    /// The keys of the rig, those of its usual tables that the text lacks included.
+    /// Keys of the rig, including those of its usual tables that the text lacks.
     pub fn keys(&self) -> Vec<rig::Key> {
         let text = with_usual_tables(self.text()).unwrap_or_else(|| self.text().to_owned());
         rig::keys(&text, &self.name, &self.folder)
@@ -110,7 +110,7 @@ impl Working {
     /// `gesture` (a drag) that follow each other are one step.
     ///
     /// # Errors
-    /// The rig's own message, and nothing is changed.
+    /// Message of the rig; then nothing is changed.
     pub fn set(&mut self, changes: &[String], gesture: Option<&str>) -> Result<(), String> {
         let text = tune::changed(self.text(), changes).map_err(|why| format!("{}: {why}", self.name))?;
         if text == self.text() {
@@ -137,7 +137,7 @@ impl Working {
         Ok(())
     }
 
-    /// Goes a step back, or forward again. Returns whether there was one.
+    /// Undoes or redoes a step. Returns whether there was one.
     ///
     /// # Errors
     /// The working file cannot be written.
@@ -156,8 +156,8 @@ impl Working {
     /// Writes the text to the rig's file.
     ///
     /// # Errors
-    /// The rig is a preset, the file was changed by others meanwhile (unless `replace`), or it
-    /// cannot be written.
+    /// The rig is a preset, another program changed the file (unless `replace`), or it cannot be
+    /// written.
     pub fn save(&mut self, replace: bool) -> Result<PathBuf, String> {
         let Some(file) = self.file.clone() else {
             return Err(format!(
@@ -176,10 +176,10 @@ impl Working {
         Ok(file)
     }
 
-    /// Lets the program show something else: `changes` are for the working file alone.
+    /// Makes the program show something else: `changes` apply only to the working file.
     ///
     /// # Errors
-    /// The rig's message, and nothing is changed.
+    /// Message of the rig; then nothing is changed.
     pub fn show_instead(&mut self, changes: Vec<String>) -> Result<(), String> {
         let before = std::mem::replace(&mut self.shown_instead, changes);
         let written = self.write();
@@ -219,14 +219,15 @@ impl Working {
     }
 }
 
-/// As [`tune::replace`], without waiting for the disk: the file lives only as long as this process.
+/// Writes like [`tune::replace`], but without waiting for the disk: the file lives only as long as
+/// this process.
 fn write_quickly(path: &Path, text: &str) -> std::io::Result<()> {
     let next = path.with_extension("next");
     std::fs::write(&next, text)?;
     std::fs::rename(next, path)
 }
 
-/// The text with those tables that every rig may have.
+/// Text with the tables that every rig may have.
 fn with_usual_tables(text: &str) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
     let empty = || Item::Table(toml_edit::Table::new());
@@ -266,7 +267,7 @@ mod tests {
         working.save(false).expect("saved");
         assert_eq!(read("dome.toml"), RIG.replace("4.0", "5"));
         assert!(!working.is_changed());
-        // What somebody else wrote is not lost.
+        // Changes of another program are not lost.
         std::fs::write(scratch.path().join("dome.toml"), "# theirs\n").expect("written");
         change(&mut working, "dome.radius=6", None).expect("valid");
         assert!(working.save(false).is_err() && read("dome.toml") == "# theirs\n");

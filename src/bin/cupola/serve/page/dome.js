@@ -22,7 +22,7 @@ float grid(float angle, float every) {
   return 1.0 - clamp(near / max(fwidth(lines), 1e-6) - 0.4, 0.0, 1.0);
 }
 void main() {
-  // Only the side is shown that the viewer sees.
+  // Shows only the side that the viewer sees.
   vec3 normal = cross(dFdx(at), dFdy(at));
   if (dot(normal, viewer - at) * dot(normal, eye - at) < 0.0) discard;
   if (mode == 0) {
@@ -74,7 +74,7 @@ class Dome {
     this.frusta = this.lines = true;
     this.selected = null;
     this.rects = {};
-    // Part of the width that is painted, times of the paints since it was chosen, and the picture to be painted.
+    // Part of the width that is painted, times of the paints since it was chosen, and the picture to paint.
     [this.share, this.paints, this.came, this.told] = [1, [], null, []];
     this.start();
     canvas.addEventListener('webglcontextlost', event => event.preventDefault());
@@ -119,7 +119,7 @@ class Dome {
     this.size = 1;
   }
 
-  // Light is added up in linear values: blending to an sRGB image is linear.
+  // Linear values are added: blending to an sRGB image is linear.
   lightOf(width, height) {
     const gl = this.gl;
     if (this.light && this.light.width === width && this.light.height === height) return this.light;
@@ -184,7 +184,7 @@ class Dome {
     this.draw();
   }
 
-  // The picture that came last goes to the graphics card when it is painted.
+  // Sends the latest picture to the graphics card when it is painted.
   takeFrame() {
     if (!this.came) return;
     const gl = this.gl, { bitmap, rects } = this.came;
@@ -198,7 +198,7 @@ class Dome {
     return { viewer: [x, y, z], front: [x, y, z - part], back: [x, y, z + part], left: [x - part, y, z], right: [x + part, y, z], centre: [0, 0, 0] }[this.seat];
   }
 
-  // The eye, the matrix of the camera, and its axes.
+  // Position of the eye, matrix of the camera, and its axes.
   camera() {
     const aspect = this.canvas.width / this.canvas.height || 1;
     let eye, forward, fov;
@@ -225,7 +225,7 @@ class Dome {
     return { eye, forward, matrix, rows };
   }
 
-  // Paints soon, and not before the graphics have done what was painted last: pictures in a queue would be old ones.
+  // Paints soon, but not before the graphics card has finished the last paint: queued pictures would be old ones.
   draw() {
     this.wanted = true;
     if (this.busy) return;
@@ -249,13 +249,13 @@ class Dome {
     });
   }
 
-  // Waits until what was to be painted is, but not for long: a hidden page is not painted.
+  // Waits until the requested paint is done, but not for long: a hidden page is not painted.
   isPainted() {
     if (!this.busy) return Promise.resolve();
     return new Promise(done => { this.told.push(done); setTimeout(done, 300); });
   }
 
-  // Where the graphics are slow, moving pictures have fewer pixels. When nothing moves any more, all are painted.
+  // On slow graphics, moving pictures have fewer pixels. When nothing moves any more, all are painted.
   adapt(milliseconds) {
     clearTimeout(this.rest);
     if (!this.whole) {

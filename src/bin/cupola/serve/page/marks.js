@@ -21,7 +21,7 @@ function showMarks(state) {
   $('mark-solve').disabled = list.length === 0;
 }
 
-// Where the pointer is, the crosshair follows; what comes while a picture is on its way is sent afterwards.
+// Moves the crosshair to the pointer. Moves during a request are sent afterwards.
 async function moveCursor(x, y) {
   const output = markOutput();
   if (!output) return;

@@ -9,7 +9,7 @@ const element = (name, properties = {}, ...inside) => {
   return made;
 };
 
-// What tests and curious people look at.
+// State for tests, and for people who look at it.
 const page = window.cupola = { frames: 0, state: null, keys: [], firstPicture: 0, lastFrame: 0 };
 let dome = null;
 try { dome = new Dome($('view'), $('labels')); } catch (error) { say(error.message); }
@@ -72,7 +72,7 @@ function take(state) {
   if (state.places !== places) { places = state.places; fetchScene(); }
   if (state.version !== version) {
     version = state.version;
-    // While changes follow each other, the keys have time: what was changed here is known here.
+    // The keys are fetched with a delay while changes follow each other: the page knows its own changes.
     clearTimeout(later);
     later = setTimeout(refresh, page.keys.length ? 250 : 0);
   }
@@ -118,7 +118,7 @@ async function poll() {
 }
 let lost = false;
 
-// What depends on the rig is fetched again, one thing at a time.
+// Fetches everything that depends on the rig again, one thing at a time.
 let refreshing = false, again = false;
 async function refresh() {
   if (refreshing) { again = true; return; }
@@ -134,7 +134,7 @@ async function refresh() {
   refreshing = false;
 }
 
-// The places of the light are fetched at once when they change, one after the other.
+// Fetches the positions of the light as soon as they change, one request after the other.
 let fetching = false, fetchAgain = false;
 async function fetchScene() {
   if (fetching) { fetchAgain = true; return; }
@@ -197,7 +197,7 @@ const open = new Set();
 
 function groups() {
   const found = new Map(), order = key => key.startsWith('output.') ? 0 : 1;
-  // What is turned most often comes first.
+  // Keys that are rarely changed come last.
   const last = /\.(size|window|eye|method|flip|name)$/, late = key => last.test(key) ? 1 : 0;
   for (const key of [...page.keys].sort((a, b) => order(a.key) - order(b.key) || (order(a.key) ? 0 : outputRank(a.key) - outputRank(b.key) || late(a.key) - late(b.key)))) {
     const parts = key.key.split('.');
@@ -208,7 +208,7 @@ function groups() {
   return found;
 }
 const outputRank = key => page.state.rig.outputs.indexOf(outputOf(key).slice(7));
-// Names of outputs may have points.
+// Names of outputs may contain dots.
 function outputOf(key) {
   const name = page.state.rig.outputs.filter(name => key.startsWith(`output.${name}.`)).sort((a, b) => b.length - a.length)[0];
   return `output.${name}`;
@@ -273,7 +273,7 @@ function rowOf(key, group) {
   return row;
 }
 
-// The range of a slider: what is usual, around the value where the allowed range is wide.
+// The range of a slider: the usual range, around the value if the allowed range is wide.
 function sliderRange(key, value, index) {
   const [least, greatest] = key.type === 'whole' ? key.ranges[index] : [key.least, key.greatest];
   const radius = page.scene ? page.scene.radius : 5;
@@ -342,7 +342,7 @@ function fillKey(key) {
   for (const input of found.inputs) input.show(value);
 }
 
-// Changes are sent one after the other; what came meanwhile is sent together.
+// Changes are sent one after the other; those that come meanwhile are sent together.
 const waiting = new Map();
 let sending = false;
 function change(key, value, row, gesture) {
@@ -358,7 +358,7 @@ async function send() {
     try {
       take(await command({ do: 'set', changes: [`${key}=${value}`], gesture: gesture || null }));
       const known = page.keys.find(one => one.key === key);
-      // What TOML writes otherwise than JSON comes with the keys.
+      // Values that TOML writes differently from JSON come with the keys.
       try { if (known) known.value = JSON.parse(value); } catch { /* The value before is shown until then. */ }
       if (found) { found.wrong.textContent = ''; found.row.classList.remove('bad'); }
     } catch (error) {
@@ -460,7 +460,7 @@ async function pictures() {
       page.firstPicture ||= performance.now();
       if (dome) dome.setFrame(bitmap, rects);
       drawOutputs();
-      // The next one is asked for when this one is painted: a slow browser gets fewer, and new ones.
+      // The next picture is requested when this one is painted: a slow browser gets fewer pictures, but new ones.
       if (dome) await dome.isPainted();
     } catch (error) { await new Promise(done => setTimeout(done, 500)); }
   }
@@ -546,7 +546,7 @@ if (dome) {
     else dome.look.fov = clamp(dome.look.fov * factor, 0.1, 2.6);
     dome.draw();
   };
-  // The selected output follows the pointer: its direction, or its place seen from above.
+  // The selected output follows the pointer: its direction, or its position seen from above.
   const dragOutput = (how, dx, dy) => {
     const path = `output.${dome.selected}`, has = key => page.keys.some(one => one.key === key && one.type === 'number');
     const give = (key, value) => { optimistic.set(key, value); change(key, Array.isArray(value) ? `[${value.join(', ')}]` : String(value), null, `drag ${path}`); };
