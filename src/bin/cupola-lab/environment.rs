@@ -7,7 +7,7 @@ use std::process::Command;
 /// Variables with their values; without a value they are unset.
 pub type Environment = Vec<(String, Option<String>)>;
 
-/// The environment of programs under a rig. Files for the loaders lie in `folder`.
+/// Environment of programs with a rig. Files for the loaders are in `folder`.
 pub fn of_rig(name: &str, folder: &Path) -> Result<Environment, Failure> {
     let mut command = Command::new(beside_this("cupola")?);
     command.args(["run", "--print-environment", "--rig", name]).env("XDG_CACHE_HOME", folder);
@@ -26,7 +26,7 @@ pub fn of_rig(name: &str, folder: &Path) -> Result<Environment, Failure> {
     Ok(text.lines().filter_map(variable).collect())
 }
 
-/// A file of the folder in which this command lies.
+/// Path of a file in the folder of this command.
 pub fn beside_this(name: &str) -> Result<PathBuf, Failure> {
     let this = std::env::current_exe().map_err(|error| Failure::new(error.to_string()))?;
     Ok(this.with_file_name(name))

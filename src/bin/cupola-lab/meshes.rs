@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// A folder with the meshes: `ball.obj` is a sphere of radius 1, `boards.obj` has triangles inside
-/// of it as well, which hide parts of it. It is removed when this is dropped.
+/// A folder with the meshes: `ball.obj` is a sphere of radius 1; `boards.obj` also has triangles
+/// inside it, which hide parts of it. The folder is removed when this is dropped.
 pub struct Folder(PathBuf);
 
 impl Folder {

@@ -74,7 +74,7 @@ impl Axes {
     }
 }
 
-/// Where a value is between the ends of a range on a logarithmic scale, 0…1.
+/// Position of a value between the ends of a range on a logarithmic scale, 0…1.
 fn part(value: f64, (low, high): (f64, f64)) -> f64 {
     (value / low).ln() / (high / low).ln()
 }

@@ -1,8 +1,8 @@
-//! `cupola-lab calibrate`: how well the solvers of `cupola calibrate` find a rig that is known.
+//! `cupola-lab calibrate`: measures how well the solvers of `cupola calibrate` find a known rig.
 //!
 //! `world` has the rig, its rough description and the camera. `trials` makes marks and sightings
 //! with errors, solves them and compares with the limit of Cramér and Rao; `plot` draws the result.
-//! `photographs` renders what the camera sees of the patterns, and decodes and solves that.
+//! `photographs` renders the camera's photographs of the patterns, decodes and solves them.
 
 mod photographs;
 mod plot;

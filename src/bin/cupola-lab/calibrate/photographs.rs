@@ -1,7 +1,7 @@
 //! Photographs of 12 megapixels, rendered, decoded and solved.
 //!
-//! What a pixel of the camera sees follows from the exact geometry: 3 × 3 places in it. The lens
-//! is out of focus and darker at its rim, the room is not quite dark, the picture sensor has shot
+//! A pixel of the photograph follows from the exact geometry, at 3 × 3 places in it. The lens is
+//! out of focus and darker at its rim, the room is not quite dark, the picture sensor has shot
 //! noise and read noise, and values are sRGB of 8 bits.
 
 use super::world::{self, PHOTOGRAPH, SIZE, World};
@@ -17,15 +17,15 @@ use std::time::Instant;
 
 /// Side of a cell, pixels of an output.
 const CELL: u32 = 4;
-/// Places in a pixel of the photograph, along each axis.
+/// Number of places in a pixel of the photograph, along each axis.
 const SAMPLES: usize = 3;
 /// Standard deviation of the lens' blur, pixels.
 const BLUR: f64 = 0.8;
-/// The sensor's value of white in the middle, a part of the greatest.
+/// Value of white in the middle of the sensor, as a part of the greatest value.
 const EXPOSURE: f64 = 0.7;
 /// Light of the room, and light that the dome throws onto itself.
 const AMBIENT: f64 = 0.004;
-/// Noise of black, and electrons that saturate a pixel.
+/// Noise of black, and number of electrons that saturate a pixel.
 const READ: f64 = 0.002;
 const ELECTRONS: f64 = 20_000.0;
 /// Standard deviation of clicks on marks in the photograph, pixels.
@@ -33,7 +33,7 @@ const CLICKS: f64 = 0.3;
 /// Numbers of marks that are tried.
 const MARKS: [usize; 2] = [20, 100];
 
-/// What was found.
+/// Results.
 pub struct Photographed {
     photographs: usize,
     sightings: usize,
@@ -46,7 +46,7 @@ pub struct Photographed {
 }
 
 impl Photographed {
-    /// In words.
+    /// Table of the results.
     pub fn table(&self) -> String {
         let (width, height) = PHOTOGRAPH;
         let mut table = format!(
@@ -62,7 +62,7 @@ impl Photographed {
         table
     }
 
-    /// As JSON.
+    /// The results as JSON.
     pub fn json(&self) -> serde_json::Value {
         let solved = self.solved.iter().map(|(marks, errors, seconds)| {
             json!({ "marks": marks, "error": rms(errors), "outputs": errors, "seconds": seconds })
@@ -145,10 +145,11 @@ fn decoding(world: &World, camera: &Camera, observed: &Observed) -> Result<(f64,
     Ok((square.sqrt(), (errors.iter().sum::<DVec2>() / count).length()))
 }
 
-/// The directions, dome axes, of the corners of all pixels of the photograph, row by row.
+/// Directions, dome axes, of the corners of all pixels of the photograph, row by row.
 fn rays(camera: &Camera) -> Vec<DVec3> {
     let ray = |corner: DVec2| {
-        // The lens without coefficients, moved until the lens with them sees the corner.
+        // Uses the lens without coefficients; the place is moved until the lens with coefficients
+        // sees the corner.
         let mut place = corner;
         for _ in 0..12 {
             let seen = camera.ideal_ray(place).and_then(|ray| camera.place(camera.pose.point_to_parent(ray)));
@@ -161,14 +162,14 @@ fn rays(camera: &Camera) -> Vec<DVec3> {
     (0..=height).flat_map(|y| (0..=width).map(move |x| DVec2::new(f64::from(x), f64::from(y)))).map(ray).collect()
 }
 
-/// What the camera sees of one output.
+/// The camera's sight of one output.
 struct Scene {
-    /// The part of the photograph that the output lights: left, top, width, height.
+    /// Part of the photograph that the output lights: left, top, width, height.
     part: [usize; 4],
-    /// The cells' columns and rows at the places in each pixel of the part; `u16::MAX` beside the
+    /// Columns and rows of the cells at the places in each pixel of the part; `u16::MAX` beside the
     /// picture.
     cells: Vec<[[u16; 2]; SAMPLES * SAMPLES]>,
-    /// How bright the lens makes each pixel of the part.
+    /// Brightness of the lens for each pixel of the part.
     vignetting: Vec<f32>,
 }
 
@@ -203,7 +204,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The photograph of a picture.
+    /// Photograph of a picture.
     fn photograph(&self, codes: &Codes, picture: Picture, random: &mut Random) -> Photograph {
         let [left, top, width, height] = self.part;
         let white = |cell: &[u16; 2]| {
@@ -222,7 +223,7 @@ impl Scene {
     }
 }
 
-/// The cells at the places in a pixel with these corners.
+/// Cells at the places in a pixel with these corners.
 fn cells(corners: [Option<DVec2>; 4], is_lit: impl Fn(&DVec2) -> bool) -> [[u16; 2]; SAMPLES * SAMPLES] {
     let [Some(a), Some(b), Some(c), Some(d)] = corners else { return [NOTHING; SAMPLES * SAMPLES] };
     std::array::from_fn(|sample| {
@@ -251,7 +252,7 @@ fn blurred(picture: &[f32], width: usize) -> Vec<f32> {
     along(&along(picture, 1), width)
 }
 
-/// A value of 8 bits in sRGB, as one of 16 bits.
+/// Encodes light as a value of 8 bits in sRGB, scaled to 16 bits.
 fn encoded(light: f64) -> u16 {
     let light = light.clamp(0.0, 1.0);
     let value = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };

@@ -11,7 +11,7 @@ const AREA: [f64; 4] = [80.0, 50.0, 860.0, 440.0];
 const RANGE: (f64, f64) = (0.001, 10.0);
 const COLORS: [&str; 2] = ["#36a", "#d30"];
 
-/// Where a value is between the ends of [`RANGE`], 0…1.
+/// Position of a value between the ends of [`RANGE`], 0…1.
 fn part(value: f64) -> f64 {
     (value.clamp(RANGE.0, RANGE.1) / RANGE.0).ln() / (RANGE.1 / RANGE.0).ln()
 }
@@ -24,7 +24,7 @@ fn y(error: f64) -> f64 {
     AREA[3] - (AREA[3] - AREA[1]) * part(error)
 }
 
-/// An SVG plot, both axes logarithmic: what was found as points, the limits as lines.
+/// An SVG plot, both axes logarithmic: results as points, the limits as lines.
 pub fn errors(series: &[Series]) -> String {
     let [left, top, right, bottom] = AREA;
     let (width, height) = SIZE;

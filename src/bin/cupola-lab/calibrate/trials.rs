@@ -1,4 +1,4 @@
-//! Error against noise, of marks and of sightings, with wrong ones among them.
+//! Error against noise for marks and for sightings, some of which are wrong.
 
 use super::world::{self, PHOTOGRAPH, SIZE, World};
 use crate::failure::Failure;
@@ -10,20 +10,20 @@ use std::fmt::Write;
 
 /// Standard deviations of each coordinate, pixels.
 const NOISES: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
-/// Of so many observations one is wrong.
+/// Number of observations for each wrong one.
 const WRONG_EACH: usize = 10;
-/// Marks of each projector.
+/// Number of marks of each projector.
 const MARKS: usize = 60;
-/// Sightings of each projector, and marks in the photograph.
+/// Number of sightings of each projector, and of marks in the photograph.
 const SIGHTINGS: usize = 200;
 const LANDMARKS: usize = 20;
 const LENS: [Part; 4] = [Part::Pose, Part::Fov, Part::Shift, Part::Radial];
 
 /// Results of one way to calibrate.
 pub struct Series {
-    /// What was solved, in words.
+    /// Description of the solved problem.
     pub name: String,
-    /// One for each noise.
+    /// Results, one for each noise.
     pub points: Vec<Point>,
 }
 
@@ -32,13 +32,13 @@ pub struct Series {
 pub struct Point {
     /// Standard deviation of a coordinate, pixels.
     pub noise: f64,
-    /// The error over the picture.
+    /// Error over the picture.
     pub error: f64,
-    /// The limit of Cramér and Rao.
+    /// Limit of Cramér and Rao.
     pub limit: f64,
-    /// The error that the solver expects.
+    /// Error that the solver expects.
     pub told: f64,
-    /// The greatest error of an output by its limit.
+    /// Greatest error of an output divided by its limit.
     pub worst: f64,
     outputs: u32,
     refused: u32,
@@ -60,7 +60,7 @@ impl Point {
 }
 
 impl Series {
-    /// As a table for the documentation.
+    /// Table for the documentation.
     pub fn table(&self) -> String {
         let mut table = format!(
             "\n{}\n\n| noise, px | error, px | limit, px | error ÷ limit | worst output | told, px | refused |\n|---|---|---|---|---|---|---|\n",
@@ -83,7 +83,7 @@ impl Series {
         table
     }
 
-    /// As JSON.
+    /// The results as JSON.
     pub fn json(&self) -> serde_json::Value {
         let points = self.points.iter().map(|point| {
             json!({
@@ -96,7 +96,7 @@ impl Series {
     }
 }
 
-/// All series with so many runs for each noise.
+/// All series with `runs` runs for each noise.
 pub fn all(runs: u32) -> Result<Vec<Series>, Failure> {
     let bar = terminal::progress(2 * NOISES.len() as u64 * u64::from(runs), "runs");
     let series = |name: String, one: fn(&mut Point, &mut Random) -> Result<(), Failure>| {
@@ -153,7 +153,7 @@ fn by_marks(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Solves all outputs of a new rig from what a camera sees.
+/// Solves all outputs of a new rig from a camera's sightings.
 fn by_sightings(point: &mut Point, random: &mut Random) -> Result<(), Failure> {
     let world = World::new(random, &[Part::Pose])?;
     let camera = world::camera(random);

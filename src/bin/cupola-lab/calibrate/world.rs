@@ -1,4 +1,4 @@
-//! The rig that has to be found, what a technician would write down of it, and the camera.
+//! The rig to be found, a technician's rough description of it, and the camera.
 
 use crate::failure::Failure;
 use crate::random::Random;
@@ -7,22 +7,22 @@ use cupola::geom::{Optics, Pose};
 use cupola::rig::{self, OutputKind, Rig};
 use glam::{DVec2, DVec3};
 
-/// Pictures of all outputs.
+/// Size of the pictures of all outputs.
 pub const SIZE: (u32, u32) = (1920, 1080);
-/// 12 megapixels.
+/// Size of a photograph: 12 megapixels.
 pub const PHOTOGRAPH: (u32, u32) = (4000, 3000);
 
 /// A rig with its rough description.
 pub struct World {
-    /// How it is.
+    /// Exact rig.
     pub exact: Rig,
-    /// Where calibration starts.
+    /// Rig from which calibration starts.
     pub rough: Rig,
 }
 
 impl World {
-    /// The planetarium with projectors moved by centimetres and degrees, and with lenses as they
-    /// are sold if their numbers are free as well.
+    /// Makes the planetarium with projectors moved by centimetres and degrees. If the numbers of
+    /// the lenses are free as well, it has real lenses.
     pub fn new(random: &mut Random, parts: &[Part]) -> Result<Self, Failure> {
         let exact = rig::load("planetarium-6")?;
         let mut world = Self { rough: exact.clone(), exact };
@@ -37,14 +37,14 @@ impl World {
         Ok(world)
     }
 
-    /// An output as it is.
+    /// Exact projector of an output.
     pub fn projector(&self, output: usize) -> Result<(Projector, Optics), Failure> {
         let projector = Projector::new(&self.exact.outputs[output], SIZE, &[Part::Pose], self.exact.surface().size())?;
         let optics = projector.optics(&[]);
         Ok((projector, optics))
     }
 
-    /// The error of what was found of an output: root mean square over its picture, pixels.
+    /// Error of the result for an output: root mean square over its picture, pixels.
     pub fn error(&self, output: usize, found: &Optics) -> Result<f64, Failure> {
         let (projector, right) = self.projector(output)?;
         Ok(marks::difference(&projector, &right, found, &self.exact.surface()))
@@ -73,13 +73,13 @@ pub fn camera(random: &mut Random) -> Camera {
     camera
 }
 
-/// Whether a place is in the photograph.
+/// True if a place is in the photograph.
 pub fn is_inside(place: DVec2) -> bool {
     let size = DVec2::new(f64::from(PHOTOGRAPH.0), f64::from(PHOTOGRAPH.1));
     place.cmpge(DVec2::ZERO).all() && place.cmple(size).all()
 }
 
-/// Places in the photograph of points of the dome whose directions are known.
+/// Places in the photograph of points of the dome with known directions.
 pub fn landmarks(world: &World, camera: &Camera, count: usize, random: &mut Random) -> Vec<(DVec2, DVec3)> {
     let mut found = Vec::with_capacity(count);
     while found.len() < count {

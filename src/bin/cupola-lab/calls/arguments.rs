@@ -1,11 +1,11 @@
-//! Random arguments: mostly such that a call does something, at times wrong ones.
+//! Random arguments: mostly such that a call has an effect, sometimes wrong ones.
 
 use super::registry::{Command, Parameter, Registry};
 use super::rules;
 use crate::random::Random;
 use std::fmt::Write;
 
-/// Makes calls as lines of text.
+/// Generator of calls as lines of text.
 pub struct Caller<'a> {
     pub random: Random,
     registry: &'a Registry,
@@ -29,7 +29,7 @@ impl<'a> Caller<'a> {
         self.random.below(count) == 0
     }
 
-    /// A call with random arguments.
+    /// Makes a call with random arguments.
     pub fn call(&mut self, command: &Command) -> String {
         let mut line = self.result(command);
         if self.one_in(10) {
@@ -46,7 +46,7 @@ impl<'a> Caller<'a> {
         }
     }
 
-    /// The kind of names that a call writes.
+    /// Kind of names that a call writes.
     fn names_in(&self, command: &Command, line: &str) -> Option<char> {
         let name = &*command.name;
         let asks = name.starts_with("glGet")
@@ -81,14 +81,14 @@ impl<'a> Caller<'a> {
             "pointer" => "p",
             // Handles of the extension are names.
             "GLhandleARB" => "p",
-            // Which one is for the driver to choose.
+            // The driver chooses the location.
             _ if name.ends_with("Location") => "s",
             _ => "i",
         }
         .to_owned()
     }
 
-    /// A slot of a kind of names.
+    /// Slot of a kind of names.
     fn slot(&mut self, letter: char) -> String {
         if self.one_in(12) {
             return (if self.one_in(4) { "4000000" } else { "0" }).to_owned();
@@ -96,7 +96,7 @@ impl<'a> Caller<'a> {
         format!("%{letter}{}", self.random.below(SLOTS))
     }
 
-    /// A list of slots, long enough for each number of names that is asked for.
+    /// List of slots, long enough for each number of names that a call requests.
     fn slots(&mut self, letter: char) -> String {
         let list: Vec<String> = (0..LIST).map(|_| format!("{letter}{}", self.random.below(SLOTS))).collect();
         list.join(",")
@@ -107,7 +107,7 @@ impl<'a> Caller<'a> {
         format!("[{letter}{}", list.join(","))
     }
 
-    /// A value of a group, or now and then any other.
+    /// Value of a group, or sometimes any other value.
     pub fn value(&mut self, group: &str, command: &str) -> u32 {
         for _ in 0..8 {
             let value = match self.registry.groups.get(group) {
@@ -140,7 +140,7 @@ impl<'a> Caller<'a> {
             return self.pointer(command, parameter);
         }
         match &*parameter.base {
-            // Fractions of the window's viewport are rounded.
+            // Fractions of the window's viewport would be rounded.
             "GLfloat" if command.name.starts_with("glViewport") => format!("f{}", self.pick(&PLACES)),
             "GLfloat" | "GLclampf" => format!("f{}", self.pick(&REALS)),
             "GLdouble" | "GLclampd" => format!("d{}", self.pick(&REALS)),
@@ -233,7 +233,7 @@ impl<'a> Caller<'a> {
                 &[0, 1, 1, 1, 2, 2, 3, 4, 4, -1]
             }
             "count" | "instancecount" | "primcount" | "drawcount" => &[0, 1, 3, 3, 4, 4, 6, 8, -1],
-            // Mesa 22.3 believes them and reads no further.
+            // Mesa 22.3 trusts other values and reads beyond.
             "start" => &[0],
             "end" => &[16, 64],
             "first" if of.contains("Draw") => &[0, 0, 0, 1, 2, 4, -1],
@@ -251,8 +251,7 @@ impl<'a> Caller<'a> {
             "mapsize" => &[0, 1, 2, 3, 4, 16, 256, -1],
             "imageSize" | "length" | "len" => &[0, 1, 4, 16, 64, 128, 256, -1],
             "samples" => &[0, 0, 1, 2, 4, 4, 64, -1],
-            // Mesa 22.3 adds such a number to the count, and does not see that the sum begins at 0
-            // again.
+            // Mesa 22.3 adds such a number to the count without noticing the overflow.
             "first" if of.contains("Array") || of.starts_with("glBind") => &[0, 0, 1, 2, 80],
             "index" | "unit" | "first" | "attribindex" | "bindingindex" | "stream" | "drawbuffer" | "buf" => {
                 &[0, 0, 0, 0, 1, 1, 2, 3, 7, 15, 16, 80, -1]
@@ -269,7 +268,7 @@ impl<'a> Caller<'a> {
         self.pick(from).to_string()
     }
 
-    /// A value that a parameter of textures, buffers, … may have.
+    /// Value that a parameter of textures, buffers, … may have.
     fn some_value(&mut self, command: &Command) -> String {
         let of = &*command.name;
         let groups: &[&str] = if of.contains("Tex") || of.contains("Sampler") {
@@ -318,7 +317,7 @@ impl<'a> Caller<'a> {
             ("GLfloat" | "GLclampf", true, 1) => self.short_reals('f', parameter),
             ("GLdouble" | "GLclampd", true, 1) => self.short_reals('d', parameter),
             ("GLenum", true, 1) => self.enums(of),
-            // Of arrays in the player's memory the driver reads what it is told to.
+            // The driver reads arrays in the player's memory as the call demands.
             ("GLint", true, 1) if name == "first" => {
                 let list: Vec<String> = (0..16).map(|_| self.pick(&NUMBERS).to_string()).collect();
                 format!("[i{}", list.join(","))
@@ -347,7 +346,7 @@ impl<'a> Caller<'a> {
         }
     }
 
-    /// A list of enums for a command.
+    /// List of enums for a command.
     fn enums(&mut self, of: &str) -> String {
         let group = if of.contains("DrawBuffers") {
             "DrawBufferMode"
@@ -395,7 +394,7 @@ impl<'a> Caller<'a> {
             return format!("*{}", super::sources::line(source));
         }
         if parameter.base == "void" {
-            // Lists of places of indices.
+            // These lists contain places of indices.
             return "[l0,0,0,0,0,0,0,0".to_owned();
         }
         "*u0^u1^position^colour^block".to_owned()
@@ -407,7 +406,7 @@ pub const SLOTS: usize = 4;
 /// Length of lists of names.
 const LIST: usize = 8;
 
-/// The kind of names that a parameter takes.
+/// Kind of names that a parameter takes.
 fn letter(command: &str, parameter: &str) -> Option<char> {
     Some(match parameter {
         "texture" | "textures" | "origtexture" | "srcName" | "dstName" => 't',

@@ -1,4 +1,4 @@
-//! Comparison of what OpenGL and Vulkan answer with and without Cupola.
+//! Comparison of the answers of OpenGL and Vulkan with and without Cupola.
 
 use super::player::{Answers, Player};
 use crate::failure::Failure;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub struct Pair {
     pub plain: Player,
     pub ours: Player,
-    /// File for the lines that are played.
+    /// File for the played lines.
     pub file: PathBuf,
 }
 
@@ -17,17 +17,17 @@ pub struct Pair {
 pub struct Difference {
     /// Number of the line, from 1.
     pub line: usize,
-    /// Kind: what was called or asked, and what about the answers differs.
+    /// Kind of the difference: the command or question, and the part of the answers that differs.
     pub kind: String,
     pub plain: String,
     pub ours: String,
 }
 
-/// How an episode went.
+/// Result of an episode.
 pub enum Outcome {
     Same,
     Different(Difference),
-    /// The driver crashed without Cupola in this line.
+    /// Line in which the driver crashed without Cupola.
     Crashed(usize),
 }
 
@@ -50,7 +50,7 @@ impl Pair {
         Ok(outcome(&plain?, &ours?, lines))
     }
 
-    /// The same with a new process with Cupola.
+    /// Plays lines as [`Self::compare`], in a new process with Cupola.
     pub fn compare_anew(&mut self, lines: &[String]) -> Result<Outcome, Failure> {
         self.ours.stop();
         self.compare(lines)
@@ -67,7 +67,7 @@ fn number(line: &str) -> usize {
     line.split(' ').next().and_then(|word| word.parse().ok()).unwrap_or(0)
 }
 
-/// The first difference between answers to the lines.
+/// Finds the first difference between answers to the lines.
 pub fn outcome(plain: &Answers, ours: &Answers, lines: &[String]) -> Outcome {
     let difference = plain.lines.iter().zip(&ours.lines).find(|(plain, ours)| plain != ours);
     let is_crash = |line: &str| line.split(' ').nth(1) == Some("signal");
@@ -96,16 +96,16 @@ pub fn outcome(plain: &Answers, ours: &Answers, lines: &[String]) -> Outcome {
     }
 }
 
-/// The command of a line: behind the word for the result, if there is one.
+/// Command of a line: after the word for the result, if there is one.
 pub fn command(line: &str) -> &str {
     line.split(' ').find(|word| word.starts_with("gl")).or(line.split(' ').next()).unwrap_or(line)
 }
 
-/// What was called or asked in the line, and which of its answers differ.
+/// Command or question of the line, and the part of its answers that differs.
 fn kind(plain: &str, ours: &str, lines: &[String]) -> String {
     let line = lines.get(number(plain).min(number(ours)).wrapping_sub(1)).map_or("", String::as_str);
     let command = match plain.split_once(" = ") {
-        // A question with its answer.
+        // The answer belongs to a question.
         Some((question, _)) => question.split_once(' ').map_or("", |(_, question)| question).to_owned(),
         None => command(line).to_owned(),
     };

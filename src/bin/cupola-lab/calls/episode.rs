@@ -15,7 +15,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As in the first line of a file.
+    /// Word in the first line of a file.
     pub fn word(self) -> &'static str {
         match self {
             Self::Compatibility => "compatibility",
@@ -26,15 +26,15 @@ impl Kind {
     }
 }
 
-/// The commands that are called, each family with a weight.
+/// Commands that are called, with a weight for each family.
 pub struct Vocabulary<'a> {
     registry: &'a Registry,
-    /// Families of commands with the sum of the weights up to them.
+    /// Families of commands, with the sum of the weights up to each.
     families: Vec<(u32, Vec<&'a Command>)>,
 }
 
 impl<'a> Vocabulary<'a> {
-    /// The commands of an API.
+    /// Selects the commands of an API.
     pub fn new(registry: &'a Registry, kind: Kind) -> Self {
         let (api, mut names) = match kind {
             Kind::Compatibility => ("gl", registry.desktop.clone()),
@@ -77,14 +77,14 @@ impl<'a> Vocabulary<'a> {
     }
 }
 
-/// A command's name without what tells its numbers and types.
+/// Name of a command without the suffix for numbers and types.
 fn family(name: &str) -> String {
     let name = name.trim_end_matches(|c: char| c.is_ascii_uppercase());
     let end = name.find(|c: char| c.is_ascii_digit()).unwrap_or(name.len());
     name[..end].trim_end_matches(['v', 'f', 'i', 'd', 's', 'b', 'u']).to_owned()
 }
 
-/// An episode's lines.
+/// Lines of an episode.
 pub fn lines(vocabulary: &Vocabulary, seed: u64, kind: Kind, calls: usize) -> Vec<String> {
     let mut writer = Writer {
         caller: Caller::new(seed, vocabulary.registry),
@@ -106,9 +106,9 @@ struct Writer<'v, 'a> {
     caller: Caller<'a>,
     vocabulary: &'v Vocabulary<'a>,
     lines: Vec<String>,
-    /// Slot of the list that is compiled.
+    /// Slot of the list that is being compiled.
     list: Option<usize>,
-    /// Between Begin and End.
+    /// True between Begin and End.
     in_primitive: bool,
     kind: Kind,
 }
@@ -206,8 +206,8 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Begin and End. After elements and lists there is nothing that is not allowed: Cupola does
-    /// not refuse all of it.
+    /// Writes Begin and End. No forbidden command follows elements and lists, because Cupola does
+    /// not refuse all of them.
     fn primitive(&mut self) {
         const COMMANDS: [&str; 10] = [
             "glVertex2f",
@@ -330,7 +330,7 @@ impl Writer<'_, '_> {
         self.line(format!("v glEndQuery {target:#x}"));
     }
 
-    /// What is drawn to the window.
+    /// Writes draws to the window.
     fn window(&mut self) {
         self.line("v glBindFramebuffer 0x8d40 0");
         match self.caller.random.below(3) {

@@ -1,7 +1,8 @@
-//! The shortest list of calls that still differs.
+//! Search for the shortest list of calls that still differs.
 
 /// Removes lines as long as `differs` holds for the rest; the first line always stays. The result
-/// differs, and without any one of its other lines it does not, unless `most` trials were too few.
+/// differs, and no longer does without any one of its other lines, unless `most` trials were too
+/// few.
 pub fn minimise<E>(
     lines: &[String],
     most: usize,
@@ -12,7 +13,7 @@ pub fn minimise<E>(
     let mut length = kept.len().div_ceil(2).max(1);
     loop {
         let mut removed = false;
-        // From the end: what is last depends on what was before.
+        // Starts at the end, because late lines depend on earlier ones.
         let mut end = kept.len();
         while end > 1 {
             let start = end.saturating_sub(length).max(1);

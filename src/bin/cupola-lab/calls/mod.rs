@@ -1,5 +1,5 @@
-//! `cupola-lab calls`: random OpenGL calls and Vulkan commands with and without Cupola, whose
-//! answers are compared.
+//! `cupola-lab calls`: compares the answers to random OpenGL calls and Vulkan commands with and
+//! without Cupola.
 
 mod arguments;
 mod compare;
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let failure = |path: &Path, error: std::io::Error| Failure::usage(format!("{}: {error}", path.display()));
     std::fs::create_dir_all(&arguments.folder).map_err(|error| failure(&arguments.folder, error))?;
     let folder = arguments.folder.canonicalize().map_err(|error| failure(&arguments.folder, error))?;
-    // One for each player, whose windows lie in the same place.
+    // Each player has its own server, so that their windows lie in the same place.
     let [server, second] = [Server::start((640, 480), &folder)?, Server::start((640, 480), &folder)?];
     let registry = Registry::read()?;
     let questions = folder.join("questions.txt");
@@ -167,7 +167,7 @@ fn replay_in_turn(
     Ok(if differs { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// The variable of an option.
+/// Environment variable of an option.
 fn setting(option: &str, variable: &str) -> Result<(String, Option<String>), Failure> {
     let (name, value) =
         variable.split_once('=').ok_or_else(|| Failure::usage(format!("{option} {variable}: no value")))?;
@@ -196,7 +196,7 @@ fn find_questions(
         lines.extend_from_slice(&candidates);
         let mut answers = pair.play_plain(&lines)?;
         for _ in 0..CRASHES {
-            // Some drivers crash where they should refuse.
+            // Some drivers crash instead of refusing.
             let Some(line) = answers.crash().filter(|line| *line > first) else { break };
             lines[line - 1] = "#".to_owned();
             answers = pair.play_plain(&lines)?;
@@ -221,19 +221,19 @@ fn find_questions(
     Ok(())
 }
 
-/// What was found.
+/// Results.
 #[derive(Default)]
 struct Report {
     folder: PathBuf,
     calls: usize,
     episodes: usize,
-    /// Number of lines without which episodes were played again.
+    /// Number of lines that were left out when episodes were played again.
     left_out: usize,
-    /// Calls in which the driver crashed without Cupola.
+    /// Number of crashes of the driver without Cupola, by call.
     crashes: BTreeMap<String, usize>,
-    /// Differences by their kinds, with their number and the first file.
+    /// Number of differences and first file, by kind.
     differences: BTreeMap<String, (usize, String)>,
-    /// Answers that differ from run to run, mostly without Cupola, too.
+    /// Number of answers that differ from run to run, usually also without Cupola.
     unsteady: BTreeMap<String, usize>,
 }
 
@@ -249,8 +249,8 @@ impl Report {
         Ok(())
     }
 
-    /// Plays an episode. After a crash of the driver, or a call that differs as another did before, it is played
-    /// without that line.
+    /// Plays an episode. After a crash of the driver, or a call that differs as an earlier one did,
+    /// it is played without that line.
     fn play(&mut self, pair: &mut Pair, lines: &[String], name: &str, keep: bool) -> Result<(), Failure> {
         self.episodes += 1;
         let mut lines = lines.to_vec();
@@ -268,7 +268,7 @@ impl Report {
                 Outcome::Different(difference) => {
                     let is_known = self.differences.contains_key(&difference.kind);
                     self.found(pair, &lines, name, keep, &difference)?;
-                    // What was asked for would differ again.
+                    // A question would differ again.
                     let is_call = lines.get(difference.line.wrapping_sub(1)).is_some_and(|line| line.contains(' '));
                     if !is_known || !is_call {
                         self.calls += difference.line;
@@ -294,12 +294,12 @@ impl Report {
         keep: bool,
         difference: &Difference,
     ) -> Result<(), Failure> {
-        // Which question it is.
+        // Finds the question that differs.
         let mut lines: Vec<String> = lines.iter().take(difference.line).cloned().collect();
         if lines.last().is_some_and(|line| line == "ask") {
             lines.insert(lines.len() - 1, "each".to_owned());
         }
-        // Some differences show only in the first context of a process.
+        // Some differences appear only in the first context of a process.
         let warm = pair.compare(&lines)?;
         let is_warm = matches!(warm, Outcome::Different(_));
         let again = if is_warm { warm } else { pair.compare_anew(&lines)? };
@@ -333,7 +333,7 @@ impl Report {
         Ok(())
     }
 
-    /// Writes lines to a file. Its name, and the text.
+    /// Writes lines to a file. Returns its name, and the text.
     fn keep(
         &self,
         stem: &str,

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// What OpenGL answered to the lines of a file, and whether the process came to the file's end.
+/// Answers of OpenGL to the lines of a file, and whether the process reached the file's end.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Answers {
     pub lines: Vec<String>,
@@ -16,14 +16,14 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// The line in which the process crashed.
+    /// Line in which the process crashed.
     pub fn crash(&self) -> Option<usize> {
         let (line, words) = self.lines.last()?.split_once(' ')?;
         if words.starts_with("signal") { line.parse().ok() } else { None }
     }
 }
 
-/// A process that plays files, started anew after each crash.
+/// A process that plays files, restarted after each crash.
 pub struct Player {
     program: PathBuf,
     questions: PathBuf,
@@ -33,13 +33,13 @@ pub struct Player {
     played: usize,
 }
 
-/// Number of files that one process plays.
+/// Greatest number of files that one process plays.
 const MOST: usize = 200;
 
 impl Player {
-    /// `environment` comes after that of the X server.
+    /// `environment` is set after that of the X server.
     pub fn new(program: &Path, questions: &Path, server: &Server, environment: &Environment) -> Self {
-        // With programs of an earlier run, Mesa links some that it refuses without.
+        // With cached programs of an earlier run, Mesa links some that it refuses otherwise.
         let settings =
             [("LIBGL_ALWAYS_SOFTWARE", "1"), ("MESA_DEBUG", "silent"), ("MESA_SHADER_CACHE_DISABLE", "true")];
         let mut all: Environment =
@@ -62,7 +62,7 @@ impl Player {
         self.receive()
     }
 
-    /// Begins to play a file; starts a process if none runs. Processes end with the thread that
+    /// Begins to play a file, and starts a process if none runs. Processes end with the thread that
     /// starts them.
     pub fn send(&mut self, file: &Path) -> Result<(), Failure> {
         if self.played >= MOST {
@@ -73,7 +73,7 @@ impl Player {
             self.played = 0;
         }
         self.played += 1;
-        // A process that has ended does not read; its end shows when it should answer.
+        // A process that has ended does not read; its end is noticed when it should answer.
         let input = self.running.as_mut().and_then(|(child, _)| child.stdin.as_mut());
         let _ = input.map(|input| writeln!(input, "{}", file.display()));
         Ok(())

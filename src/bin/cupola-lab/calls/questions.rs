@@ -1,9 +1,9 @@
-//! All questions about its state that OpenGL answers, found by asking.
+//! Questions about its state that OpenGL answers, found by asking.
 
 use super::arguments::SLOTS;
 use super::registry::Registry;
 
-/// Parts of names of state that no question is about, with the reason.
+/// Parts of the names of state that is left out, with the reason.
 const LEFT_OUT: [(&str, &str); 10] = [
     ("INFO_LOG_LENGTH", "texts are the driver's"),
     ("TIMESTAMP", "the time"),
@@ -17,7 +17,7 @@ const LEFT_OUT: [(&str, &str); 10] = [
     ("DEBUG_", "messages are those of the driver's work, which is another"),
 ];
 
-/// State whose value is a name: the end of its own name, and the names' kind.
+/// State whose value is a name: suffix of the state's name, and kind of the names.
 const NAMES: [(&str, char); 23] = [
     ("ELEMENT_ARRAY_BUFFER_BINDING", 'b'),
     ("FRAMEBUFFER_BINDING", 'f'),
@@ -44,7 +44,7 @@ const NAMES: [(&str, char); 23] = [
     ("VERTEX_PROGRAM_BINDING", 'o'),
 ];
 
-/// The kind of names that state of these names has as its value.
+/// Kind of the names that state of these names has as its value.
 pub fn names_in(state: &[String]) -> Option<char> {
     state.iter().find_map(|state| {
         let state = state.trim_end_matches("_EXT").trim_end_matches("_ARB").trim_end_matches("_OES");
@@ -54,11 +54,11 @@ pub fn names_in(state: &[String]) -> Option<char> {
     })
 }
 
-/// Commands that are asked for every value, what stands before the value, each in turn, and what
-/// stands behind it.
+/// Commands that are asked for every value, the alternatives for the text before the value, and the
+/// text after it.
 const QUESTIONS: [(&[&str], &[&str], &str); 16] = [
     (&["glGetIntegerv", "glGetDoublev"], &[""], "&s"),
-    // Of several viewports the first one counts.
+    // The first one of several viewports counts.
     (&["glGetIntegeri_v", "glGetInteger64i_v"], &[""], "0 &s"),
     (&["glGetTexParameterfv"], &["0xde1 "], "&s"),
     (&["glGetTexLevelParameteriv"], &["0xde1 0 "], "&s"),
@@ -80,7 +80,7 @@ const QUESTIONS: [(&[&str], &[&str], &str); 16] = [
     (&["glGetMaterialfv"], &["0x404 ", "0x405 "], "&s"),
 ];
 
-/// Attachments of the framebuffers that are read from and drawn to.
+/// Attachments of the framebuffers for reading and drawing.
 const ATTACHMENTS: [&str; 16] = [
     "0x8ca8 0x8ce0 ",
     "0x8ca9 0x8ce0 ",
@@ -100,7 +100,7 @@ const ATTACHMENTS: [&str; 16] = [
     "0x8ca9 0x1802 ",
 ];
 
-/// Commands that ask an object for every value: the letter of the object's kind, and what stands
+/// Commands that ask an object for every value: the letter of the object's kind, and the text
 /// before the value.
 const OF_OBJECTS: [(&str, char, &str); 10] = [
     ("glGetSamplerParameterfv", 'a', ""),
@@ -115,7 +115,7 @@ const OF_OBJECTS: [(&str, char, &str); 10] = [
     ("glGetVertexArrayiv", 'v', ""),
 ];
 
-/// A question for each value there is; most of them OpenGL refuses.
+/// A question for each existing value; OpenGL refuses most of them.
 pub fn candidates(registry: &Registry) -> Vec<String> {
     let mut lines = Vec::new();
     let left_out = |names: &[String]| LEFT_OUT.iter().any(|(part, _)| names.iter().any(|name| name.contains(part)));
@@ -148,7 +148,7 @@ pub fn candidates(registry: &Registry) -> Vec<String> {
     lines
 }
 
-/// Questions about objects and other things that have no value of the registry.
+/// Questions about objects and other state without a value of the registry.
 fn objects() -> Vec<String> {
     let mut lines = vec!["v glGetPolygonStipple &s".to_owned(), "p glGetString 0x1f03".to_owned()];
     let kinds = [
@@ -184,7 +184,7 @@ fn objects() -> Vec<String> {
             lines.push(format!("v glGetActiveUniform %p{slot} {index} 64 &s &s &s &s"));
             lines.push(format!("v glGetActiveAttrib %p{slot} {index} 64 &s &s &s &s"));
         }
-        // Locations that the shaders choose; what another one is, is for the driver to choose.
+        // The shaders choose these locations; the driver chooses the others.
         for location in [0, 40] {
             lines.push(format!("v glGetUniformfv %p{slot} {location} &s"));
         }

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug)]
 pub struct Command {
     pub name: String,
-    /// Type of what it returns.
+    /// Type of the result.
     pub result: String,
     pub parameters: Vec<Parameter>,
 }
@@ -17,33 +17,33 @@ pub struct Command {
 #[derive(Clone, Debug)]
 pub struct Parameter {
     pub name: String,
-    /// `GLenum`, `void`.
+    /// Type, for example `GLenum` or `void`.
     pub base: String,
-    /// Number of stars.
+    /// Number of stars in the type.
     pub pointers: usize,
     pub is_const: bool,
-    /// Name of the group of values that it may have, or empty.
+    /// Name of the group of its permitted values, or empty.
     pub group: String,
-    /// Length of an array, or empty.
+    /// Length if it is an array, or empty.
     pub length: String,
 }
 
 /// An extension of OpenGL.
 #[derive(Clone, Debug, Default)]
 pub struct Extension {
-    /// The APIs for which it is defined: `gl|glcore|gles2`.
+    /// APIs for which it is defined: `gl|glcore|gles2`.
     pub supported: String,
     pub commands: Vec<String>,
 }
 
-/// Values, each with its names, ordered.
+/// Values in order, each with its names.
 pub type Values = Vec<(u32, Vec<String>)>;
 
-/// What the registry says.
+/// Contents of the registry.
 pub struct Registry {
-    /// By their names.
+    /// Commands by their names.
     pub commands: BTreeMap<String, Command>,
-    /// Values of a group, by its name.
+    /// Values of each group, by its name.
     pub groups: BTreeMap<String, Vec<u32>>,
     /// Each value that is no bit field, with its names.
     pub values: Values,
@@ -53,7 +53,7 @@ pub struct Registry {
     pub desktop: BTreeSet<String>,
     /// Commands of all versions of OpenGL ES 2 and 3.
     pub es: BTreeSet<String>,
-    /// Commands of an extension, by its name.
+    /// Extensions with their commands, by their names.
     pub extensions: BTreeMap<String, Extension>,
 }
 
@@ -80,7 +80,7 @@ impl Registry {
         Ok(Self { commands, groups, values, names, desktop, es, extensions })
     }
 
-    /// The value of this name.
+    /// Value of this name.
     pub fn value(&self, name: &str) -> Option<u32> {
         self.names.get(name).copied()
     }
@@ -128,7 +128,7 @@ fn groups(root: Node, names: &BTreeMap<String, u32>) -> BTreeMap<String, Vec<u32
     .collect()
 }
 
-/// The declaration's words but the declared name, and that name.
+/// Words of the declaration without the declared name, and that name.
 fn declaration(node: Node) -> Option<(String, String)> {
     let name = children(node, "name").next()?.text()?.trim().to_owned();
     let parts = node.children().filter(|part| !part.has_tag_name("name")).filter_map(|part| part.text());

@@ -1,7 +1,7 @@
-//! Which commands are called, and which not and why.
+//! Choice of the commands that are called, with the reasons for those that are not.
 
-/// Extensions whose commands are called besides those of all versions: what Mesa's software
-/// renderers have.
+/// Extensions whose commands are called in addition to those of all versions: those of Mesa's
+/// software renderers.
 pub const EXTENSIONS: &str = "AMD_draw_buffers_blend ARB_ES3_1_compatibility ARB_base_instance ARB_buffer_storage \
     ARB_clear_buffer_object ARB_clear_texture ARB_copy_buffer ARB_copy_image ARB_debug_output ARB_direct_state_access \
     ARB_draw_buffers ARB_draw_elements_base_vertex ARB_draw_instanced ARB_fragment_program ARB_framebuffer_object \
@@ -23,12 +23,12 @@ pub const EXTENSIONS: &str = "AMD_draw_buffers_blend ARB_ES3_1_compatibility ARB
     NV_draw_buffers NV_primitive_restart NV_read_buffer OES_draw_buffers_indexed OES_framebuffer_object OES_mapbuffer \
     OES_texture_3D OES_texture_border_clamp OES_vertex_array_object OES_viewport_array";
 
-/// True if a name begins so; `$` is its end.
+/// True if a name has this prefix; `$` is the end of the name.
 pub fn begins(name: &str, beginning: &str) -> bool {
     beginning.strip_suffix('$').map_or_else(|| name.starts_with(beginning), |whole| name == whole)
 }
 
-/// Beginnings of the names of commands that are not called, with the reason.
+/// Prefixes of the names of commands that are not called, with the reason.
 pub const LEFT_OUT: [(&str, &str); 35] = [
     ("glGetn", "takes sizes of areas that are not those of the areas here"),
     ("glReadnPixels", "the same"),
@@ -67,8 +67,8 @@ pub const LEFT_OUT: [(&str, &str); 35] = [
     ("glAreTexturesResident", "depends on the driver's memory"),
 ];
 
-/// Weights of commands by the beginnings of their names; the first that fits counts, and without
-/// one 4.
+/// Weights of commands by prefixes of their names. The first match counts; without a match the
+/// weight is 4.
 pub const WEIGHTS: [(&str, u32); 52] = [
     ("glBindFramebuffer", 40),
     ("glUseProgram", 20),
@@ -124,7 +124,7 @@ pub const WEIGHTS: [(&str, u32); 52] = [
     ("glMaterial", 2),
 ];
 
-/// Values that no call gets, by the names of command (its beginning) and value, with the reason.
+/// Values that are never used, by the names of command (its prefix) and value, with the reason.
 pub const VALUES_LEFT_OUT: [(&str, &str, &str); 10] = [
     ("glNewList", "GL_COMPILE_AND_EXECUTE", "limit: the list is executed when it is complete"),
     ("glEnable", "GL_DEBUG_OUTPUT_SYNCHRONOUS", "messages are not compared"),

@@ -1,6 +1,6 @@
-//! Sources of shaders that programs are made of.
+//! Shader sources for programs.
 
-/// A source, by the type of its shader.
+/// Sources of vertex shaders.
 pub const VERTEX: [&str; 4] = [
     "#version 430 compatibility\nlayout(location = 0) uniform mat4 u0; layout(location = 7) uniform vec4 u1; in vec4 \
      colour; out vec4 c; void main() { c = colour + u1; gl_Position = u0 * gl_Vertex; }",
@@ -18,7 +18,7 @@ pub const FRAGMENT: [&str; 4] = [
      uniform vec4 u3[3]; layout(location = 9) uniform sampler2D u2; void main() { f = c; g = u3[1] + texture(u2, c.xy); }",
     "#version 300 es\nprecision highp float; in vec4 c; out vec4 f; void main() { f = c; }",
 ];
-/// Shaders of other stages, and none.
+/// Sources of other stages, and an empty one.
 pub const OTHERS: [&str; 4] = [
     "#version 330\nlayout(triangles) in; layout(triangle_strip, max_vertices = 3) out; in vec4 c[]; void main() { for (int i \
      = 0; i < 3; i++) { gl_Position = gl_in[i].gl_Position; EmitVertex(); } EndPrimitive(); }",
@@ -26,7 +26,7 @@ pub const OTHERS: [&str; 4] = [
     "#version 330\nvoid main() { nothing; }",
     "no shader",
 ];
-/// All of them.
+/// All sources.
 pub const ALL: [&str; 12] = [
     VERTEX[0],
     VERTEX[1],
@@ -42,7 +42,7 @@ pub const ALL: [&str; 12] = [
     OTHERS[3],
 ];
 
-/// A source in the files' format.
+/// Formats a source for a file.
 pub fn line(source: &str) -> String {
     source.replace('\n', "\\n").replace(' ', "\\s")
 }

@@ -1,17 +1,17 @@
-//! Episodes of Vulkan commands. The player leaves out what is not allowed, so that any list of
-//! lines may be played, and any part of one.
+//! Episodes of Vulkan commands. The player skips forbidden commands, so that any list of lines may
+//! be played, and any part of one.
 
 use crate::environment::Environment;
 use crate::random::Random;
 use clap::ValueEnum;
 use std::fmt::Write;
 
-/// Where Khronos' validation layer is while commands are played with Cupola.
+/// Position of Khronos' validation layer while commands are played with Cupola.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Validation {
     /// Between Cupola and the driver: it sees Cupola's calls.
     Below,
-    /// Between the program and Cupola: it sees what Cupola answers.
+    /// Between the program and Cupola: it sees Cupola's answers.
     Above,
     /// Not loaded.
     Off,
@@ -19,7 +19,7 @@ pub enum Validation {
 
 const LAYER: &str = "VK_LAYER_KHRONOS_validation";
 const OWN: &str = "VK_LAYER_CUPOLA_dome";
-/// Of the validation layer.
+/// Folder with the description of the validation layer.
 const DESCRIPTIONS: &str = "/usr/share/vulkan/explicit_layer.d";
 
 fn set(name: &str, value: &str) -> (String, Option<String>) {
@@ -32,7 +32,7 @@ impl Validation {
         if self == Self::Off { Environment::new() } else { vec![set("VK_INSTANCE_LAYERS", LAYER), synchronisation()] }
     }
 
-    /// Variables of the player with Cupola, behind those of the rig.
+    /// Variables of the player with Cupola, after those of the rig.
     pub fn with_cupola(self, rig: &Environment) -> Environment {
         let own = rig.iter().find(|(name, _)| name == "VK_ADD_LAYER_PATH").and_then(|(_, folder)| folder.clone());
         match self {
@@ -49,12 +49,12 @@ impl Validation {
     }
 }
 
-/// The layer watches over synchronisation, too.
+/// Makes the layer check synchronisation, too.
 fn synchronisation() -> (String, Option<String>) {
     set("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
 }
 
-/// A kind of line: its word, how many numbers follow, and how often it is taken.
+/// A kind of line: its word, the number of numbers that follow, and its weight.
 type Line = (&'static str, usize, usize);
 
 /// Lines inside of a pass.
@@ -99,13 +99,13 @@ const OUTSIDE: [Line; 20] = [
 /// Number of the window among the images.
 const WINDOW: usize = 8;
 
-/// Number of things that can be asked for: images, the window, buffers, queries.
+/// Number of objects that can be read: images, the window, buffers, queries.
 const ASKED: usize = WINDOW + 3;
 
-/// Numbers of a line are below this one; the player takes what it needs of them.
+/// Limit of the numbers in a line; the player reduces them as it needs.
 const NUMBERS: usize = 256;
 
-/// An episode's lines. `followed`: nothing that makes a program flat.
+/// Lines of an episode. `followed`: without commands that make a program flat.
 pub fn lines(seed: u64, calls: usize, followed: bool) -> Vec<String> {
     let context = if followed { "context followed" } else { "context vulkan" };
     let mut writer = Writer { random: Random::new(seed), lines: vec![context.to_owned()] };
@@ -146,7 +146,7 @@ impl Writer {
         }
     }
 
-    /// A pass, more often than not to the window, which is often shown after it.
+    /// Writes a pass, usually to the window, which is often shown after it.
     fn pass(&mut self) {
         let target = if self.one_in(2) { WINDOW } else { self.random.below(WINDOW) };
         let others: Vec<String> = (0..5).map(|_| self.random.below(NUMBERS).to_string()).collect();

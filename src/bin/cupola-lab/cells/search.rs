@@ -3,7 +3,7 @@
 //! The cost of views is neither smooth nor convex in the borders of their cells. The search is an
 //! evolution strategy with one parent (Rechenberg 1973) and several starts: it takes random steps,
 //! longer ones after a success and shorter ones after a failure. It is deterministic, and far too
-//! slow for planning: the result is kept in the rig.
+//! slow for planning: the result is stored in the rig.
 
 use crate::random::Random;
 use cupola::views::CellCosts;

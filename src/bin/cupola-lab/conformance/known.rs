@@ -1,4 +1,4 @@
-//! Known differences: a TOML file with the reason of each, and the comparison with those found.
+//! Known differences: a TOML file with the reason of each, and the comparison with the found ones.
 
 use super::outcome::Difference;
 use crate::failure::Failure;
@@ -23,15 +23,15 @@ pub struct Known {
     plain: String,
     /// Outcome with Cupola.
     ours: String,
-    /// Subtests that differ; any, if not given.
+    /// Subtests that differ; `None`: any.
     subtests: Option<Vec<String>>,
     reason: String,
-    /// The tests do not differ in each run.
+    /// True if the tests do not differ in each run.
     #[serde(default)]
     sometimes: bool,
 }
 
-/// Differences by test and rig: `None` where a test has run and does not differ.
+/// Differences by test and rig; `None` if a test has run and does not differ.
 pub type Found = BTreeMap<(String, String), Option<Difference>>;
 
 /// Reads a file of known differences.
@@ -48,7 +48,7 @@ fn parse(text: &str) -> Result<Vec<Known>, String> {
     }
 }
 
-/// What is wrong: differences that are not known, and known ones that were not found.
+/// Lists mistakes: differences that are not known, and known ones that were not found.
 pub fn judge(found: &Found, known: &[Known]) -> Vec<String> {
     let mut wrong = Vec::new();
     for ((test, rig), difference) in found {

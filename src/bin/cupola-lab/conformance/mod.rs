@@ -1,4 +1,4 @@
-//! `cupola-lab conformance`: tests of piglit with and without Cupola, compared.
+//! `cupola-lab conformance`: compares the results of piglit's tests with and without Cupola.
 
 mod known;
 mod outcome;
@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Profiles of piglit: programs, with those of GLX and EGL, and shader tests.
+/// Profiles of piglit: programs, including those of GLX and EGL, and shader tests.
 const PROFILES: [&str; 2] = ["quick_gl", "quick_shader"];
 
 /// Compare the results of piglit's tests with and without Cupola
@@ -98,13 +98,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The tests that the arguments choose.
+/// Selects the tests of the arguments.
 fn tests(arguments: &Arguments) -> Result<Vec<Test>, Failure> {
     let mut tests = Vec::new();
     for name in PROFILES {
         tests.extend(profile::read(&arguments.piglit, name)?);
     }
-    // Distributions do not build all programs.
+    // Some distributions do not build all programs.
     let is_built = |test: &Test| arguments.piglit.join("bin").join(&test.command[0]).exists();
     tests.retain(|test| test.name.contains(&arguments.only) && is_built(test));
     if tests.is_empty() {
@@ -133,7 +133,7 @@ struct Summary {
     /// Number of tests by rig and outcome.
     counts: BTreeMap<String, BTreeMap<String, usize>>,
     found: known::Found,
-    /// Tests that differed at first and not when they were repeated, with their rig.
+    /// Tests that differed at first but not when they were repeated, with their rig.
     unsteady: Vec<(String, String)>,
 }
 

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Result of one run of a test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// What the test said: pass, warn, fail or skip; empty without a word.
+    /// Result that the test printed: pass, warn, fail or skip; empty if it printed none.
     pub result: String,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub subtests: BTreeMap<String, String>,
@@ -22,13 +22,13 @@ fn is_zero(number: &u32) -> bool {
     *number == 0
 }
 
-/// How a process ended.
+/// End of a process.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
     Exit(i32),
     Signal(i32),
-    /// It was killed because it did not end.
+    /// The process was killed because it did not end.
     Hung,
 }
 
@@ -42,7 +42,7 @@ pub struct Difference {
 }
 
 impl Outcome {
-    /// Adds what a line of a test's output says.
+    /// Adds the result in a line of a test's output.
     pub fn hear(&mut self, line: &str) {
         let Some(text) = line.trim_start().strip_prefix("PIGLIT: ") else { return };
         let Ok(serde_json::Value::Object(said)) = serde_json::from_str(text) else { return };
@@ -54,11 +54,11 @@ impl Outcome {
         }
     }
 
-    /// The outcome in words, without subtests. Numbers of signals are left out: which one ends a
-    /// process depends on chance.
+    /// Describes the outcome without subtests. Numbers of signals are left out, because chance
+    /// determines which one ends a process.
     pub fn words(&self) -> String {
         let end = match (&self.end, self.result.is_empty()) {
-            // Exit codes repeat what tests say.
+            // Exit codes repeat the printed results.
             (End::Exit(_), false) => return self.result.clone(),
             (End::Exit(code), true) => return format!("exit {code}"),
             (End::Signal(_), true) => return "crash".to_owned(),
@@ -69,7 +69,7 @@ impl Outcome {
         format!("{}, {end}", self.result)
     }
 
-    /// The difference between the plain outcome and ours.
+    /// Difference between the outcomes without and with Cupola.
     pub fn difference(plain: &Self, ours: &Self) -> Option<Difference> {
         let names = plain.subtests.keys().chain(ours.subtests.keys());
         let differs = |name: &&String| plain.subtests.get(*name) != ours.subtests.get(*name);

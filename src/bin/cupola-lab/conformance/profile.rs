@@ -1,4 +1,4 @@
-//! Tests of piglit, as its profiles list them.
+//! Tests in the profiles of piglit.
 
 use crate::failure::Failure;
 use std::collections::HashMap;
@@ -56,7 +56,7 @@ fn test(node: &roxmltree::Node) -> Option<Test> {
     Some(Test { name: node.attribute("name")?.to_owned(), command })
 }
 
-/// Strings of a list as Python writes it: `['a', 'b c']`.
+/// Strings of a list in Python's format: `['a', 'b c']`.
 fn words(list: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut rest = list;

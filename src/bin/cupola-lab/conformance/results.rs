@@ -1,5 +1,5 @@
-//! File of outcomes: one JSON object a line, appended as tests end, so that a run that was
-//! interrupted is continued.
+//! File of outcomes: one JSON object per line, appended as tests end, so that an interrupted run
+//! can be continued.
 
 use super::outcome::Outcome;
 use crate::failure::Failure;
@@ -23,7 +23,7 @@ struct Line {
     outcome: Outcome,
 }
 
-/// Outcomes by test and rig, with the file that keeps them.
+/// Outcomes by test and rig, with their file.
 pub struct Results {
     file: File,
     library: String,
@@ -46,12 +46,12 @@ impl Results {
         Ok(Self { file, library, outcomes })
     }
 
-    /// The outcome of a test with a rig, if it has run.
+    /// Outcome of a test with a rig, if it has run.
     pub fn get(&self, test: &str, rig: &str) -> Option<&Outcome> {
         self.outcomes.get(&(test.to_owned(), rig.to_owned()))
     }
 
-    /// Keeps an outcome.
+    /// Stores an outcome.
     pub fn add(&mut self, test: &str, rig: &str, outcome: Outcome) -> Result<(), Failure> {
         let library = if rig == PLAIN { String::new() } else { self.library.clone() };
         let line = Line { test: test.to_owned(), rig: rig.to_owned(), library, outcome };

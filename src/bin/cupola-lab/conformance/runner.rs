@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 const SCREEN: (u32, u32) = (1280, 1024);
 /// Least time limit of a run.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Time to end for a test that has said its result.
+/// Time that a test gets to end after it has printed its result.
 const FAREWELL: Duration = Duration::from_secs(10);
 /// Interval of the reports of progress.
 const REPORT: Duration = Duration::from_secs(30);
@@ -32,7 +32,7 @@ pub struct Rig {
     pub environment: Environment,
 }
 
-/// What to run, and how.
+/// Tests to run, and parameters.
 pub struct Runner {
     pub piglit: PathBuf,
     /// Folder for files that tests write.
@@ -40,12 +40,12 @@ pub struct Runner {
     pub rigs: Vec<Rig>,
     /// Library that the tests load first.
     pub preload: Option<PathBuf>,
-    /// Tests that need longer without Cupola are not run with it.
+    /// Tests that take longer without Cupola are not run with it.
     pub longest: Duration,
 }
 
 impl Runner {
-    /// Runs what `results` lacks, with `jobs` tests at a time.
+    /// Runs the tests that `results` lacks, with `jobs` tests at a time.
     pub fn run(&self, tests: &[Test], jobs: usize, results: &Mutex<Results>) -> Result<(), Failure> {
         let work = self.work_folder()?;
         let next = AtomicUsize::new(0);
@@ -73,7 +73,7 @@ impl Runner {
         })
     }
 
-    /// A folder in which the paths of piglit's files are right, and where tests can write.
+    /// Folder in which the paths of piglit's files are valid, and where tests can write.
     fn work_folder(&self) -> Result<PathBuf, Failure> {
         let work = self.scratch.join("work");
         let failure = |error: std::io::Error| Failure::new(format!("{}: {error}", work.display()));
@@ -86,8 +86,8 @@ impl Runner {
         Ok(work)
     }
 
-    /// Runs a test plainly and, if it has a result, with each rig. Runs that differ are repeated,
-    /// those with the rig twice.
+    /// Runs a test without Cupola and, if it has a result, with each rig. Runs that differ are
+    /// repeated, those with the rig twice.
     fn compare(
         &self,
         test: &Test,
@@ -134,7 +134,7 @@ impl Runner {
         Ok(())
     }
 
-    /// True if a test with this plain outcome is run with Cupola.
+    /// True if a test with this outcome without Cupola is run with Cupola.
     pub fn is_compared(&self, plain: &Outcome) -> bool {
         plain.result != "skip" && plain.end != End::Hung && plain.seconds <= self.longest.as_secs_f64()
     }
@@ -175,7 +175,7 @@ fn report(begun: usize, all: usize, elapsed: Duration) {
     eprintln!("{done} of {all} tests, {} min left", (left / 60.0).ceil());
 }
 
-/// Runs a test and collects what it says.
+/// Runs a test and collects its output.
 fn execute(mut command: Command, limit: Duration) -> Result<Outcome, Failure> {
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
     let start = Instant::now();
@@ -213,7 +213,7 @@ fn execute(mut command: Command, limit: Duration) -> Result<Outcome, Failure> {
     }
     outcome.seconds = start.elapsed().as_secs_f64();
     if outcome.end == End::Hung {
-        // It may have ended since.
+        // The process may have ended since.
         let _ = process::kill_group(&child);
         child.wait().map_err(|error| Failure::new(error.to_string()))?;
     }

@@ -10,7 +10,7 @@ pub struct Case {
     pub rig: Rig,
     /// Text of its rig file.
     pub text: String,
-    /// Where viewer and projectors are; it decides on the bound.
+    /// Distance of viewer and projectors, which determines the bound.
     pub place: Place,
 }
 

@@ -30,7 +30,7 @@ fn depth_mapping(random: &mut Random) -> (&'static str, f64, f64) {
     pick(random, &all)
 }
 
-/// The worst vertex of one random frustum and view.
+/// Errors of the worst vertex of one random frustum and view.
 pub fn case(random: &mut Random) -> Vec<Finding> {
     let (name, e, f) = depth_mapping(random);
     let program = Frustum {

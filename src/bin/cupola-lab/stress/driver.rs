@@ -17,8 +17,7 @@ pub enum Backend {
     Cpu,
 }
 
-/// What a pixel shows: its direction, any length, and the view that is sampled, where the driver
-/// says it.
+/// Direction that a pixel shows, of any length, and the sampled view, if the driver reports it.
 pub type Sampled = (DVec3, Option<usize>);
 
 /// An open driver, or none.
@@ -52,7 +51,7 @@ impl Driver {
         })
     }
 
-    /// What output `output` shows, row 0 at the top.
+    /// Directions that output `output` shows, row 0 at the top.
     pub fn directions(&self, plan: &Plan, output: usize) -> Result<Vec<Option<Sampled>>, Failure> {
         if let Some(map) = self.map(plan, output)? {
             let direction = |pixel: &MapPixel| {

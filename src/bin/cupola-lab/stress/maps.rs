@@ -41,11 +41,11 @@ pub struct Quantities {
     not_finite: &'static str,
     ghosts: &'static str,
     uncovered: &'static str,
-    /// Where the greater bound holds, beside projectors near the screen and outside.
+    /// Places where the greater bound holds.
     greater_bound: GreaterBound,
 }
 
-/// Where errors may be [`FAR`].
+/// Places where errors may be [`FAR`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum GreaterBound {
     /// For projectors near the screen and outside.
@@ -117,8 +117,8 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
             if part <= 1.0 {
                 return part;
             }
-            // The error of a view that is coarser because of the size limit counts in texels: of
-            // the one that is sampled, which beside a border may be the one that ends there.
+            // The error of a view that is coarser because of the size limit counts in texels of the
+            // sampled view. Beside a border, that may be the one that ends there.
             let sampled = at(found.pixel.0, found.pixel.1).and_then(|(_, view)| view);
             let surveyed = sampled.and_then(|view| surveyor.in_view(found.centre(), view));
             let texels = surveyed.and_then(|pixel| pixel.texels_per_pixel);
@@ -140,8 +140,8 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
     Ok(findings(case, size, names, all_far, [&near, &far], &error))
 }
 
-/// What was found in one picture: its greatest errors `near` and `far`, and the pixels that are
-/// wrong altogether.
+/// Findings in one picture: its greatest errors `near` and `far`, and the number of completely
+/// wrong pixels.
 fn findings(
     case: &Case,
     size: (u32, u32),
@@ -194,8 +194,8 @@ impl Worst {
     }
 }
 
-/// True if a map shows nothing at some place so many pixels from another one, or what is far from
-/// what it shows there.
+/// True if, `distance` pixels away, the map shows nothing or a direction that is far from the
+/// pixel's own.
 fn is_beside_silhouette(exact: &WarpMap, centre: DVec2, distance: f64) -> bool {
     let Some(here) = exact.direction(centre) else { return true };
     let around = (0..8).map(|turn| DVec2::from_angle(f64::from(turn) * FRAC_PI_4) * distance);

@@ -1,5 +1,5 @@
-//! `cupola-lab structure`: the structure of the source in numbers: lines, files, rooms, circles of
-//! uses, uses against the order of the rooms, long functions.
+//! `cupola-lab structure`: numbers about the source: lines, files, rooms, circles of uses, uses
+//! against the order of the rooms, long functions.
 
 mod circles;
 mod rules;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use uses::Uses;
 
-/// Functions with more lines are listed.
+/// Greatest number of lines of a function that is not listed.
 const LONG_FUNCTION: usize = 60;
 
 /// Measure the structure of the source
@@ -91,12 +91,12 @@ fn lines(sources: &[Source], wanted: impl Fn(&str) -> bool) -> usize {
     sources.iter().filter(|source| wanted(&source.path)).map(|source| source.text.lines().count()).sum()
 }
 
-/// Number of folders that hold files.
+/// Number of folders that contain files.
 fn rooms<'a>(paths: impl Iterator<Item = &'a str>) -> usize {
     paths.filter_map(|path| path.rsplit_once('/')).map(|(folder, _)| folder).collect::<BTreeSet<_>>().len()
 }
 
-/// The functions with more than [`LONG_FUNCTION`] lines, unit tests apart, the longest first.
+/// Functions with more than [`LONG_FUNCTION`] lines, without unit tests, the longest first.
 fn long_functions(sources: &[Source]) -> Vec<String> {
     let mut found = Vec::new();
     for source in sources {

@@ -8,15 +8,15 @@ use super::uses::Uses;
 pub struct Order {
     /// The folder.
     pub folder: &'static str,
-    /// Its rooms, from the top to the ground.
+    /// Rooms of the folder, from the top to the ground.
     pub rooms: &'static [&'static str],
     /// Number of uses that still run from a lower room to a higher one.
     pub most_against: usize,
-    /// Number of files of the largest circle of uses that there still is.
+    /// Number of files of the largest remaining circle of uses.
     pub largest_circle: usize,
 }
 
-/// The folders with an order inside.
+/// Folders with an order inside.
 pub const ORDERS: [Order; 4] = [
     Order {
         folder: "src/intercept/gl",

@@ -1,4 +1,4 @@
-//! Which file of the library uses which: the paths that its code names, resolved to files.
+//! Uses between the files of the library: the paths in their code, resolved to files.
 //!
 //! `tests/architecture.rs` uses this file too.
 
@@ -17,17 +17,17 @@ pub struct Uses {
 struct Module {
     /// Names of the modules from the crate's root to this one.
     name: Vec<String>,
-    /// What the file exports from elsewhere: a name and its absolute path.
+    /// Exports from elsewhere: a name and its absolute path.
     exports: Vec<(String, Vec<String>)>,
-    /// The absolute paths that the code names.
+    /// Absolute paths in the code.
     paths: Vec<Vec<String>>,
 }
 
 impl Uses {
     /// Finds the uses between the files below `folder` (`src`), which is the root of a crate.
     ///
-    /// A path through `pub use` counts for the file that it leads to, so that a door to a folder
-    /// makes no circle.
+    /// A path through `pub use` counts for the file to which it leads, so that re-exports of a
+    /// folder make no circle.
     pub fn between(sources: &[Source], folder: &str) -> Self {
         let inside: Vec<&Source> = sources.iter().filter(|source| source.path.starts_with(folder)).collect();
         let modules: Vec<Module> = inside.iter().map(|source| read(source, folder)).collect();
@@ -40,7 +40,7 @@ impl Uses {
         Self { of: of.collect(), files: inside.iter().map(|source| source.path.clone()).collect() }
     }
 
-    /// The uses between files of one folder alone.
+    /// Uses between files of one folder.
     pub fn within(&self, folder: &str) -> Self {
         let kept: Vec<usize> = (0..self.files.len()).filter(|i| self.files[*i].starts_with(folder)).collect();
         let place: BTreeMap<usize, usize> = kept.iter().enumerate().map(|(new, old)| (*old, new)).collect();
@@ -51,7 +51,7 @@ impl Uses {
     }
 }
 
-/// The file that a path leads to: the deepest module on it, or what that module exports.
+/// File to which a path leads: the deepest module on it, or the target of that module's export.
 fn resolve(path: &[String], modules: &[Module], by_name: &BTreeMap<&[String], usize>, depth: u32) -> Option<usize> {
     let (length, index) = (1..=path.len()).rev().find_map(|n| by_name.get(&path[..n]).map(|index| (n, *index)))?;
     let item = path.get(length);
@@ -97,13 +97,14 @@ fn read(source: &Source, folder: &str) -> Module {
     Module { name, exports, paths }
 }
 
-/// The modules that are declared in a file.
+/// Modules that a file declares.
 fn children(code: &str) -> BTreeSet<&str> {
     let declared = code.lines().filter_map(|line| line.trim().strip_suffix(';')?.rsplit_once("mod "));
     declared.filter(|(before, _)| before.is_empty() || before.starts_with("pub")).map(|(_, name)| name).collect()
 }
 
-/// Where paths begin: at `crate`, `super`, `self` or the name of a child, each before `::`.
+/// Positions at which paths begin: at `crate`, `super`, `self` or the name of a child, each before
+/// `::`.
 fn path_starts(code: &str, children: &BTreeSet<&str>) -> Vec<usize> {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     let mut starts = Vec::new();
@@ -123,7 +124,7 @@ fn path_starts(code: &str, children: &BTreeSet<&str>) -> Vec<usize> {
 
 type Leaf = (Vec<String>, Option<String>);
 
-/// Reads a path or a tree of them; returns its length. A leaf is a path and the name that it gets.
+/// Reads a path or a tree of paths; returns its length. A leaf is a path and the name that it gets.
 fn tree(code: &str, prefix: &mut Vec<String>, leaves: &mut Vec<Leaf>) -> usize {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     let mut at = 0;

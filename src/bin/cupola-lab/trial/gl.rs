@@ -38,7 +38,7 @@ impl TrialMesh {
     }
 }
 
-/// How the coordinate of a fragment determines its colour.
+/// Rule that determines a fragment's colour from its coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sampling {
     /// x and y are a position in a picture with this width and height in texels.
