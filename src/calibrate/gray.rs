@@ -87,7 +87,7 @@ pub struct Photograph {
 pub struct Decoder {
     codes: Codes,
     size: (u32, u32),
-    /// Whether the output lights a pixel.
+    /// True for each pixel that the output lights.
     lit: Vec<bool>,
     /// The codes of column and row.
     code: [Vec<u16>; 2],

@@ -295,7 +295,7 @@ pub fn fire(time: u64) {
 fn set(file: c_int, after: c_long) {
     let zero = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     let new = libc::itimerspec { it_interval: zero, it_value: libc::timespec { tv_sec: 0, tv_nsec: after } };
-    // SAFETY: structures of ours; a file that is no timer any more is refused.
+    // SAFETY: valid structures; the system refuses a file that is no longer a timer.
     unsafe { real::timerfd_settime(file, 0, &new, std::ptr::null_mut()) };
 }
 

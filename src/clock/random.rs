@@ -124,7 +124,7 @@ unsafe fn device(path: *const c_char, caller: usize) -> Option<c_int> {
         return None;
     }
     let mut content = vec![0_u8; DEVICE];
-    // SAFETY: bytes of ours, and a file of ours.
+    // SAFETY: owned bytes, and a file that was just opened.
     unsafe {
         fill(content.as_mut_ptr().cast(), content.len());
         let file = libc::memfd_create(c"cupola-random".as_ptr(), libc::MFD_CLOEXEC);

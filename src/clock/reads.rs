@@ -75,7 +75,7 @@ pub struct TimeB {
 
 unsafe extern "C" fn ftime_for(time: *mut TimeB, caller: usize) -> c_int {
     let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: a structure of ours.
+    // SAFETY: a local structure.
     unsafe { clock_gettime_for(libc::CLOCK_REALTIME, &mut now, caller) };
     let milliseconds = (now.tv_nsec / 1_000_000) as c_ushort;
     // SAFETY: the program's structure.

@@ -21,7 +21,7 @@ const NAP: Duration = Duration::from_millis(1);
 unsafe fn sleep_until(moment: u64) -> bool {
     let nap = |limit: Option<Duration>| {
         let time = timespec(limit.map_or(0, |limit| u64::try_from(limit.as_nanos()).unwrap_or(0)));
-        // SAFETY: structures of ours.
+        // SAFETY: local structures.
         (unsafe { real::nanosleep(&time, std::ptr::null_mut()) } != 0).then_some(())
     };
     wait(Some(moment), NAP, nap).is_some()

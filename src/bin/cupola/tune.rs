@@ -65,7 +65,7 @@ pub fn replace(path: &Path, text: &str) -> std::io::Result<()> {
 /// The text with all changes applied.
 ///
 /// # Errors
-/// Describes what is wrong with a change.
+/// Description of the mistake in a change.
 pub fn changed(text: &str, changes: &[String]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|error| format!("the file is not valid TOML: {error}"))?;
     for change in changes {

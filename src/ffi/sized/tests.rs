@@ -134,11 +134,11 @@ fn null_and_misaligned_pointers_are_refused() {
         refused(unsafe { read_array(shifted, 1, "given") }.map(|_| ()), "`given` is 0x");
     }
     let nothing: *const Known = std::ptr::null();
-    // SAFETY: null is looked for.
+    // SAFETY: null is refused.
     refused(unsafe { read(nothing, "given") }, "`given` is null");
-    // SAFETY: null is looked for.
+    // SAFETY: null is refused.
     refused(unsafe { SizedPlace::new(nothing.cast_mut(), "given") }.map(|_| ()), "`given` is null");
-    // SAFETY: null is looked for.
+    // SAFETY: null is refused.
     refused(unsafe { read_array(nothing, 0, "given") }, "`given` is null");
 }
 
@@ -156,8 +156,8 @@ fn arrays_lie_as_far_apart_as_the_first_struct_says() {
     let unknown = [Later { time: 0, ..LATER }, Later { time: 7, ..LATER }];
     // SAFETY: two structs of the size that the first one says.
     refused(unsafe { read_array::<Known>(unknown.as_ptr().cast(), 2, "all") }, "`all` sets a field");
-    // SAFETY: as above; the second is not looked at.
+    // SAFETY: as above; only the first is read.
     assert_eq!(widths(unsafe { read_array(unknown.as_ptr().cast(), 1, "all") }), Ok(vec![3]));
-    // SAFETY: an array of no elements is not looked at.
+    // SAFETY: an array of no elements is not read.
     assert_eq!(unsafe { read_array::<Known>([0_usize].as_ptr().cast(), 0, "all") }, Ok(Vec::new()));
 }

@@ -42,7 +42,7 @@ fn rig(name: &std::ffi::CStr) -> *mut cupola_rig {
 /// Checks the status and the message.
 fn refused(found: cupola_status, expected: cupola_status, word: &str) {
     let mut text = [0u8; 1024];
-    // SAFETY: there is room for so many bytes.
+    // SAFETY: there is room for that number of bytes.
     unsafe { cupola_last_error(text.as_mut_ptr().cast(), text.len(), null_mut()) };
     let text = String::from_utf8_lossy(&text);
     assert!(found == expected && text.contains(word), "{found:?}, not {expected:?} with \"{word}\": {text}");
@@ -60,7 +60,7 @@ fn what_nothing_can_be_made_from_is_refused() {
     let mut create = |change: &dyn Fn(&mut cupola_vk_options)| {
         let mut options = options(&headless);
         change(&mut options);
-        // SAFETY: live handles or wrong ones that are looked at before they are used.
+        // SAFETY: live handles, or wrong ones that are checked before they are used.
         let status = unsafe { cupola_vk_create(rig, &options, &mut made) };
         assert!(made.is_null(), "outputs are written only on success");
         status
@@ -85,7 +85,7 @@ fn what_nothing_can_be_made_from_is_refused() {
     refused(create(&|o| o.view_format = VkFormat::D32_SFLOAT), CUPOLA_GRAPHICS, "D32");
     refused(create(&|o| o.view_format = VkFormat::R8G8B8A8_SRGB), wrong, "_UNORM");
     refused(create(&|o| o.view_format = VkFormat::from_raw(123_456)), CUPOLA_GRAPHICS, "123456");
-    // SAFETY: as above; null where null is looked for.
+    // SAFETY: as above; null where null is refused.
     unsafe {
         refused(cupola_vk_create(null(), &options(&headless), &mut made), wrong, "`rig`");
         refused(cupola_vk_create(rig, null(), &mut made), wrong, "`options`");
@@ -105,7 +105,7 @@ fn views_images_and_what_is_wrong_with_them() {
     let (mut made, wrong) = (null_mut(), CUPOLA_INVALID_ARGUMENT);
     for arrangement in [CUPOLA_VK_ATLAS, CUPOLA_VK_LAYERS, CUPOLA_VK_IMAGES] {
         let wanted = cupola_vk_options { arrangement, ..options(&headless) };
-        // SAFETY: live handles and places that are large enough, but for those that are looked at
+        // SAFETY: live handles and places that are large enough, except those that are checked
         // before they are used.
         unsafe {
             assert_eq!(cupola_vk_create(rig, &wanted, &mut made), CUPOLA_OK);

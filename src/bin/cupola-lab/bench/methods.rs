@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// shown.
 pub type Directions = Vec<Option<DVec3>>;
 
-/// How the time of a method is measured.
+/// Clock that measures the time of a method.
 pub enum Clock {
     /// By the trial on OpenGL, under this number.
     OpenGl(usize),
@@ -38,7 +38,7 @@ pub struct Method {
     pub name: String,
     /// True if this is Cupola's default.
     pub is_default: bool,
-    /// How its time is measured.
+    /// Clock that measures its time.
     pub clock: Clock,
     /// Number of texels of the views that it needs, divided by the number of output pixels.
     pub texels: Option<f64>,
@@ -306,8 +306,8 @@ fn meaning(scene: &Scene, sampling: &Sampling) -> Result<impl Fn(DVec3) -> Optio
     })
 }
 
-/// Values of a function at the centres of all pixels that show something in the exact map. What
-/// other programs draw outside of a fisheye's circle is not an error.
+/// Values of a function at the centres of all pixels that show something in the exact map. Drawing
+/// of other programs outside of a fisheye's circle is not an error.
 fn each_pixel(exact: &TracedMap, at: impl Fn(DVec2) -> Option<DVec3>) -> Directions {
     let (width, height) = exact.exact().size();
     let at = &at;

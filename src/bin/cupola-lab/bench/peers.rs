@@ -18,7 +18,7 @@ pub struct Peer {
     pub name: String,
     /// Positions are −1…1 over the output; the meaning of the values depends on `sampling`.
     pub mesh: Mesh,
-    /// How fragments are coloured.
+    /// Colouring of fragments.
     pub sampling: Sampling,
     /// Number of texels of its views divided by the number of output pixels, where the program
     /// defines it.

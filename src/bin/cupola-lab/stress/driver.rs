@@ -6,7 +6,7 @@ use cupola::correct::Plan;
 use cupola::correct::shaders::map::MapPixel;
 use glam::DVec3;
 
-/// Where the maps are computed.
+/// Place where the maps are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Backend {
     /// Shaders on OpenGL and OpenGL ES in turn

@@ -55,8 +55,8 @@ fn walk(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The text without comments and without the content of strings and characters. What remains is
-/// code. Line breaks inside comments and strings are kept, so that lines can be counted.
+/// Returns the code: the text without comments and without the content of strings and characters.
+/// Line breaks inside comments and strings are kept, so that lines can be counted.
 pub fn code_of(text: &str) -> String {
     let mut code = String::with_capacity(text.len());
     let mut rest = text;

@@ -139,7 +139,7 @@ impl Place<'_> {
         if !Path::new(name).components().all(plain) {
             return Err(refused("leads out of the configuration's folder"));
         }
-        // What cannot be found cannot be read either; reading says why.
+        // If the path cannot be resolved, the file cannot be read either, and reading reports why.
         let resolved =
             |path: &Path| if path.as_os_str().is_empty() { Path::new(".").canonicalize() } else { path.canonicalize() };
         match (resolved(folder), resolved(&path)) {

@@ -167,7 +167,7 @@ fn shade(canvas: &mut Canvas, half: &Half, seen: &[(DVec3, f32)]) {
         for (u, v) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
             let texels = filled[cell_at(DVec2::new(x as f64 + u, y as f64 + v))];
             if texels.is_finite() {
-                // Each of the four samples covers a part of what is left.
+                // Each of the four samples covers a part of the remaining area.
                 canvas.blend(x, y, color_of(f64::from(texels)), 0.75);
             }
         }

@@ -46,7 +46,7 @@ pub struct Status {
     pub runs: bool,
     /// Process number of `cupola run`.
     pub process: Option<u32>,
-    /// How the last program ended, if it failed.
+    /// Description of how the last program ended, if it failed.
     pub ended: Option<String>,
     /// Last lines that it and Cupola printed.
     pub lines: VecDeque<String>,

@@ -91,7 +91,7 @@ fn end_in_time() {
         std::thread::sleep(LOOK);
     }
     std::thread::sleep(GRACE);
-    eprintln!("cupola: the receiver takes no more pictures; it is not waited for");
+    eprintln!("cupola: the receiver takes no more pictures; ending without it");
     std::process::exit(1);
 }
 
