@@ -24,7 +24,7 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Action {
-    /// Tell which rig and program are shown, with times and memory
+    /// Print the rig and the program, with times and memory
     Stats,
     /// List all keys of the rig with their values and ranges
     Keys,
@@ -39,21 +39,21 @@ enum Action {
         #[arg(required = true, value_name = "KEY=VALUE")]
         changes: Vec<String>,
     },
-    /// Take the last change back
+    /// Undo the last change
     Undo,
-    /// Make it again
+    /// Redo the last undone change
     Redo,
     /// Write the changes to the rig file
     Save {
-        /// Also if somebody else has changed the file
+        /// Save even if another program has changed the file
         #[arg(long)]
         replace: bool,
     },
     /// Open another rig that the server was started with, or a preset
     Rig {
-        /// Its name
+        /// Name of the rig
         name: String,
-        /// Also if there are changes that are not saved
+        /// Open it even if there are unsaved changes
         #[arg(long)]
         replace: bool,
     },
@@ -73,7 +73,7 @@ enum Action {
     Start {
         /// Name of a program that the server was started with
         program: Option<String>,
-        /// Any program with its arguments
+        /// Another program with its arguments
         #[arg(last = true)]
         command: Vec<String>,
     },

@@ -22,10 +22,10 @@ passed to it. Any other player can be used with `cupola run --content KIND -- PL
 pub struct Arguments {
     #[command(flatten)]
     options: Options,
-    /// Pictures of a folder that are shown in a second
+    /// Pictures of a folder per second
     #[arg(long, value_name = "N", default_value_t = 30.0)]
     fps: f64,
-    /// End after the last picture, and do not begin again
+    /// End after the last picture instead of beginning again
     #[arg(long)]
     once: bool,
     /// Picture, folder or film

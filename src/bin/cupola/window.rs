@@ -45,7 +45,7 @@ pub struct Arguments {
     /// File of published pictures [default: /dev/shm/cupola-USER, with the number of the user]
     #[arg(long, value_name = "FILE")]
     published: Option<PathBuf>,
-    /// Do not tell that a program is waited for
+    /// Do not report the wait for a program
     #[arg(long, hide = true)]
     quiet: bool,
 }

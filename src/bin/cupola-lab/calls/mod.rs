@@ -24,12 +24,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vulkan::Validation;
 
-/// Compare what OpenGL and Vulkan answer to random calls with and without Cupola
+/// Compare the answers of OpenGL and Vulkan to random calls with and without Cupola
 ///
-/// Legal and illegal calls of all entry points of OpenGL go to two contexts in the same order.
-/// Compared are errors and answers of each call, and all state that can be asked for. With --vulkan
-/// legal commands go to two devices, and what images, buffers and the window hold is compared. The
-/// exit code is 1 if an answer differs.
+/// Legal and illegal calls of all entry points of OpenGL go to two contexts in the same order. The
+/// errors and answers of each call are compared, and all state that can be queried. With --vulkan
+/// legal commands go to two devices, and the contents of images, buffers and the window are
+/// compared. The exit code is 1 if an answer differs.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Program that plays calls (tests/apps/player.c, tests/apps/vulkan/player.c)
@@ -53,7 +53,8 @@ pub struct Arguments {
     /// Play commands of Vulkan
     #[arg(long, conflicts_with = "kinds")]
     vulkan: bool,
-    /// Leave out what makes a program flat on Vulkan: there the frame in which that is noticed differs
+    /// Leave out commands that make a program flat on Vulkan: the frame in which Cupola notices
+    /// them differs
     #[arg(long, requires = "vulkan")]
     followed: bool,
     /// Place of Vulkan's validation layer, whose messages are compared

@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Test only these parts [default: all]
     #[arg(long, value_delimiter = ',', value_name = "PART")]
     only: Vec<Part>,
-    /// Where the maps of the parts maps, screens, outside and light are computed
+    /// Driver that computes the maps of the parts maps, screens, outside and light
     #[arg(long, value_enum, default_value_t = Backend::Gl)]
     backend: Backend,
     /// Print the result as JSON

@@ -20,15 +20,15 @@ use cupola::rig::{self, Rig};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Find out where projectors really stand and how their lenses really are: from places of their
-/// pictures whose directions in the dome are known, or from photographs of patterns.
+/// Find the real positions and lenses of projectors: from places of their pictures whose directions
+/// in the dome are known, or from photographs of patterns.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The file of marks has a line for each: the output's name, the place in its picture in pixels from the top left
 (the middle of the first pixel is 0.5, 0.5), and the azimuth and elevation of the point of the dome that it
 lights, degrees, as seen from the dome's centre. With the first line `output,x,y,polar,around` the angles are
 those of the dome: from its pole, and around it. The name `photo` means a place in the photographs. Wrong marks
-are found and left out, up to about a third of an output's. Outputs that nothing is known of stay as they are.
+are found and left out, up to about a third of an output's. Outputs without observations stay as they are.
 See docs/calibrating.md.")]
 pub struct Arguments {
     /// Rig file or name of a preset, roughly right
@@ -44,22 +44,22 @@ pub struct Arguments {
     /// File of marks: lines `output,x,y,azimuth,elevation`
     #[arg(long, value_name = "FILE.csv")]
     marks: Option<PathBuf>,
-    /// Rig file to write: the same rig with what was found
+    /// Rig file to write: the same rig with the results
     #[arg(short = 'o', long = "out", value_name = "FILE.toml", required_unless_present = "patterns")]
     out: Option<PathBuf>,
-    /// What else is not known of the projectors, besides their pose: fov, shift, radial,
-    /// tangential, mirror
+    /// Other unknown numbers of the projectors, besides their pose: fov, shift, radial, tangential,
+    /// mirror
     #[arg(long, value_name = "PART,…", value_delimiter = ',', value_parser = part)]
     solve: Vec<Part>,
-    /// A length that was measured, if the radius of the dome is not known: the distance of two
-    /// outputs, or of one and the `camera`. The radius is found
+    /// A measured length, if the radius of the dome is not known: the distance of two outputs, or
+    /// of one and the `camera`. The radius is computed
     #[arg(long, value_name = "FROM,TO,METRES", value_parser = length::length)]
     length: Option<length::Length>,
     /// Size of the smallest squares of the patterns in pixels of an output
     #[arg(long, value_name = "PIXELS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
     cell: u32,
-    /// Also find how bright the projectors are, by grey pictures: response, black, and what evens
-    /// out the light over the dome
+    /// Also find the brightness of the projectors, from grey pictures: response, black, and masks
+    /// that even out the light
     #[arg(long)]
     light: bool,
     /// Values of the photographs are proportional to light [default: sRGB]

@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Leave the program's clocks and random numbers alone
     #[arg(long, conflicts_with_all = ["clock", "seed", "clock_start"])]
     own_clocks: bool,
-    /// Write what node 0 has seen to a JSON file
+    /// Write the observations of node 0 to a JSON file
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
     /// Program and its arguments

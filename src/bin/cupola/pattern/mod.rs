@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Print the result as JSON
     #[arg(long, conflicts_with = "show")]
     json: bool,
-    /// Show the whole window on the screen, by way of the player mpv, until it is closed (q)
+    /// Show the whole window on the screen, with the player mpv, until it is closed (q)
     #[arg(long)]
     show: bool,
 }

@@ -31,18 +31,18 @@ const ASK: Duration = Duration::from_secs(1);
 #[derive(clap::Args)]
 #[command(after_help = "\
 The program has the virtual clock and waits for each picture to be written: a film plays at FPS, however long its
-frames take. Pictures are DIR/NAME_000001.png and so on; of several outputs each has a folder, DIR/OUTPUT. The same
+frames take. Pictures are DIR/NAME_000001.png and so on; several outputs have a folder each, DIR/OUTPUT. The same
 command goes on with a recording that was interrupted.")]
 pub struct Arguments {
     #[command(flatten)]
     options: Options,
-    /// Frames in a second of the recording, for example 60, 59.94 or 60000/1001
+    /// Frames per second of the recording, for example 60, 59.94 or 60000/1001
     #[arg(long, value_name = "FPS", value_parser = rate, default_value = "60")]
     fps: Rate,
-    /// Folder of the recording; it is made if it does not exist
+    /// Folder of the recording; it is created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Beginning of the files' names [default: the output's name]
+    /// Prefix of the file names [default: the output's name]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// Write a film with ffmpeg instead of pictures
@@ -51,7 +51,7 @@ pub struct Arguments {
     /// Start this shell command in the folder, and hand the pictures to its standard input
     #[arg(long, value_name = "COMMAND", conflicts_with = "film")]
     pipe: Option<String>,
-    /// Form of these pictures
+    /// Format of these pictures
     #[arg(long, value_name = "nut|y4m|raw", requires = "pipe", default_value = "nut")]
     format: Format,
     /// Program and its arguments

@@ -55,7 +55,7 @@ const PORT: u16 = 8640;
 /// the rig while it runs.
 #[derive(clap::Args)]
 #[command(after_help = "\
-The address that is printed opens the page; whoever knows it may change the rig and start and stop the programs that are
+The printed address opens the page; whoever knows it may change the rig and start and stop the programs that are
 named here. The rig file is written only when you save.")]
 pub struct Arguments {
     /// Rig file or name of a preset; may be given several times, the first is opened [default:
@@ -90,8 +90,8 @@ struct Ways {
     /// Port of the page; 0 takes any free one
     #[arg(long, value_name = "PORT", default_value_t = PORT)]
     port: u16,
-    /// Address of this machine at which the page is, for phones and other machines [default: this
-    /// machine alone]
+    /// Address of this machine for the page, for phones and other machines [default: this machine
+    /// alone]
     #[arg(long, value_name = "ADDRESS", value_parser = listen_address)]
     listen: Option<IpAddr>,
     /// Also follow OSC messages at this UDP port

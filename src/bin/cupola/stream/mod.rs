@@ -28,33 +28,33 @@ const GRACE: Duration = Duration::from_secs(3);
 #[derive(clap::Args)]
 #[command(after_help = "\
 The program is started with cupola run --publish or --domemaster N. It never waits: a receiver that is too slow loses
-frames, and they are counted. The places by way of ffmpeg:
+frames, which are counted. Destinations through ffmpeg:
   srt://HOST:PORT, rist://…, udp://…, tcp://…   MPEG transport stream
   rtmp://HOST/APP/KEY                           for a streaming server
   FOLDER/NAME.m3u8                              HLS: a web server gives it to browsers
   /dev/videoN                                   a device of v4l2loopback: a camera for other programs
   NAME.mkv, NAME.mp4, …                         a file
-and - is the standard output, in the form of --format.")]
+and - is the standard output, in the format of --format.")]
 pub struct Arguments {
-    /// Where the pictures go: an address, a file, a device, or - for the standard output
+    /// Destination of the pictures: an address, a file, a device, or - for the standard output
     #[arg(value_name = "PLACE", required_unless_present = "pipe", conflicts_with = "pipe")]
     place: Option<String>,
     /// Start this shell command, and hand the pictures to its standard input
     #[arg(long, value_name = "COMMAND")]
     pipe: Option<String>,
-    /// Form of the pictures for a command and for the standard output
+    /// Format of the pictures for a command and for the standard output
     #[arg(long, value_name = "nut|y4m|raw", default_value = "nut")]
     format: Format,
     /// Name of the output [default: the only one that is published]
     #[arg(long, value_name = "NAME")]
     output: Option<String>,
-    /// At most so many frames in a second are sent
+    /// Greatest number of frames per second
     #[arg(long, value_name = "FPS", value_parser = rate, default_value = "60")]
     fps: Rate,
     /// Encoder of ffmpeg, for example libx265, h264_nvenc or h264_vaapi
     #[arg(long, value_name = "NAME", default_value = "libx264")]
     encoder: String,
-    /// Bits in a second, for example 40M [default: by quality]
+    /// Bits per second, for example 40M [default: by quality]
     #[arg(long, value_name = "BITS")]
     bitrate: Option<String>,
     /// End after N frames

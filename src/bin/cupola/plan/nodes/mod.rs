@@ -24,11 +24,11 @@ const USUAL: [u32; 10] = [1, 2, 3, 4, 6, 8, 12, 16, 32, 64];
 #[derive(clap::Args)]
 #[group(skip)]
 pub struct Options {
-    /// Tell what N nodes would draw, send and take [default N: several from 1 to 64]
+    /// Estimate what N nodes draw, send and need [default N: several from 1 to 64]
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "0",
         value_parser = clap::value_parser!(u32).range(0..=64))]
     nodes: Option<u32>,
-    /// With --nodes: milliseconds that the program computes for a frame
+    /// With --nodes: milliseconds of the program's computation for a frame
     #[arg(long, value_name = "MS", default_value_t = 4.0, value_parser = amount, requires = "nodes")]
     program: f64,
     /// With --nodes: milliseconds in which the graphics card draws a million texels
@@ -40,16 +40,16 @@ pub struct Options {
     /// With --nodes: milliseconds that frames take longer by chance, on average
     #[arg(long, value_name = "MS", default_value_t = 0.5, value_parser = amount, requires = "nodes")]
     jitter: f64,
-    /// With --nodes: gigabits in a second that a node can send
+    /// With --nodes: gigabits per second that a node can send
     #[arg(long, value_name = "GBIT", default_value_t = 1.0, value_parser = amount, requires = "nodes")]
     link: f64,
     /// With --nodes: microseconds that a message takes from one node to another
     #[arg(long, value_name = "US", default_value_t = 50.0, value_parser = amount, requires = "nodes")]
     latency: f64,
-    /// With --nodes: frames in a second that are wanted
+    /// With --nodes: wanted frames per second
     #[arg(long, value_name = "FPS", default_value_t = 60.0, value_parser = amount, requires = "nodes")]
     rate: f64,
-    /// With --nodes: all nodes are on one machine with so many processors, as of cupola node --local
+    /// With --nodes: all nodes are on one machine with N processors, as with cupola node --local
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024), requires = "nodes")]
     cores: Option<u32>,
     /// With --nodes: number of frames that are simulated
