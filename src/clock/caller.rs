@@ -83,8 +83,8 @@ fn is_real(address: usize) -> bool {
     is_library && (is_driver || REAL.iter().any(|begin| name.starts_with(begin.as_bytes())))
 }
 
-/// Exports functions of libc. Each jumps to a function here that has one argument more: the address
-/// to which the call returns. The number in front of a name is its number of arguments.
+/// Exports functions of libc. Each passes its call on to a function here with one argument more:
+/// the address to which the call returns. The number in front of a name is its number of arguments.
 macro_rules! interpose {
     ($($arguments:tt $name:ident => $to:path;)*) => {$(
         /// As in libc.

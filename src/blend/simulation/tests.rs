@@ -46,7 +46,7 @@ fn white_is_white_wherever_there_is_light() {
     assert!(even.max < 0.1 && even.rms < 1e-3, "{even:?}");
     let rim = simulation.coverage.iter().filter(|&&count| count > 0).count() - even.covered_pixels as usize;
     assert!(off(&simulation) < rim + 30, "{} with {rim} at the rim", off(&simulation));
-    // The same with 8-bit codes, at white.
+    // The same with 8-bit codes (goal G12, at white).
     let coded = simulate(&rig, &white(&rig, (480, 270), Some(255.0)), 200).expect("valid");
     assert!(coded.uniformity.rms < 2.5e-3, "{:?}", coded.uniformity);
     assert!(off(&coded) < rim + 40, "{} with {rim} at the rim", off(&coded));

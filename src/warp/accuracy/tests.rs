@@ -141,7 +141,7 @@ fn evaluate_f32(form: &QuadraticForm, x: f32, y: f32) -> Option<DVec3> {
 
 #[test]
 fn the_closed_form_in_f32_meets_the_goal() {
-    // Bound: 0.001 px at 1080p.
+    // Goal G1: 0.001 px at 1080p.
     let size = (1920u32, 1080u32);
     let positions = [DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.0, 0.0, 10.0), DVec3::new(0.0, 0.0, 5e4)];
     for position in positions {
@@ -220,7 +220,7 @@ fn a_pixel_has_the_size_that_the_lens_gives_it() {
 
 #[test]
 fn projectors_anywhere_are_sound_in_f32() {
-    // Random rigs at 2160p: projector and viewer anywhere, a cap of any size.
+    // Goals G1 and G2 at 2160p, over random rigs: projector and viewer anywhere, a cap of any size.
     let mut random = Random::new(40);
     let size = (3840u32, 2160u32);
     let (mut compared, mut dark) = (0, 0);

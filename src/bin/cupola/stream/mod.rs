@@ -24,7 +24,8 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Time after which a receiver that receives nothing no longer delays the end of this command.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// Send an output that a program publishes, live: to the network, a camera device, a file or a command.
+/// Send an output that a program publishes, live: to the network, a camera device, a file or a
+/// command.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The program is started with cupola run --publish or --domemaster N. It never waits: a receiver that is too slow loses
