@@ -256,8 +256,8 @@ mod tests {
 
     #[test]
     fn weights_in_f32_add_up_too() {
-        // As in goal G12, but each projector finds its own weight of a point from its own rounded pixel
-        // position (1/16,000 of a pixel), not all of them at the same one.
+        // As in goal G12, but each projector finds its own weight of a point from its own rounded
+        // pixel position (1/16,000 of a pixel), not all of them at the same one.
         let rig = crate::rig::load("planetarium-6").expect("an embedded preset");
         let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
         let pinhole = |k: usize| match rig.outputs[k].kind {
