@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
-/// A picture read back from the driver, rows from the bottom.
+/// A picture read back from the driver: 8 bits per channel, rows from the bottom.
 pub struct Picture {
     /// Name of the output or view.
     pub name: String,
