@@ -1,4 +1,4 @@
-//! Sums that tell contents apart: XXH3 with 128 bits.
+//! Checksums that distinguish contents: XXH3 with 128 bits.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -45,8 +45,7 @@ impl std::io::Write for Sum {
     }
 }
 
-/// Sum of numbers, all their bits; stands for large data where values are written for people, and
-/// in keys.
+/// Sum of all bits of numbers. It replaces large data in texts for people and in keys.
 impl FromIterator<f64> for Digest {
     fn from_iter<T: IntoIterator<Item = f64>>(numbers: T) -> Self {
         let mut sum = Xxh3::new();

@@ -1,4 +1,4 @@
-//! Errors, in words for people and in numbers for C.
+//! Errors, with a message for people and a number for C.
 
 use std::fmt;
 
@@ -11,13 +11,13 @@ pub type Result<T> = std::result::Result<T, Error>;
 pub enum ErrorKind {
     /// An argument is null, out of range or of the wrong size.
     InvalidArgument = 1,
-    /// A rig file says something impossible, unknown or misspelt.
+    /// A rig file contains something impossible, unknown or misspelt.
     InvalidRig = 2,
     /// A file could not be read or written.
     Io = 3,
     /// The graphics driver lacks something that is needed, or refused a request.
     Graphics = 4,
-    /// A call came in the wrong order (an end without a begin, say).
+    /// A call came in the wrong order, for example an end without a begin.
     InvalidState = 5,
     /// A defect of Cupola itself.
     Internal = 6,
@@ -28,7 +28,7 @@ pub enum ErrorKind {
 pub struct Error {
     /// The class of the error.
     pub kind: ErrorKind,
-    /// The whole message, for people: what, where (file, key, line), what would be right.
+    /// The whole message, for people: what happened, where (file, key, line), and what is expected.
     pub message: String,
 }
 

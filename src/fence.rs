@@ -1,4 +1,4 @@
-//! The one fence that keeps panics from crossing into C.
+//! The barrier that keeps panics from crossing into C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -1,7 +1,7 @@
 //! Cupola puts existing OpenGL programs on domes.
 //!
-//! Data flow: a [`rig`] says what stands where. [`views`] computes which directions the rig's
-//! outputs sample and the fewest, tightest perspective views that show them, packed into one
+//! Data flow: a [`rig`] describes dome, viewer and outputs. [`views`] computes the directions that
+//! the outputs sample, and the fewest, tightest perspective views that show them, packed into one
 //! atlas. The program is drawn into those views (by [`intercept`], or by itself through
 //! [`ffi`] or [`runtime::embedded`]). [`correct`] turns rig and views into passes, which a
 //! [`backend`] runs: each output pixel is traced to the dome and to the viewer ([`warp`] does so
@@ -27,9 +27,9 @@
 //! ```
 //!
 //! - [`runtime::embedded`]: a program draws its views itself and has them corrected.
-//! - [`warp::WarpMap`]: where a pixel looks, in f64, without a graphics card.
-//! - [`blend`]: what the light of all projectors adds up to on the dome.
-//! - [`calibrate`]: where projectors really stand, from what they light.
+//! - [`warp::WarpMap`]: the direction that a pixel shows, in f64, without a graphics card.
+//! - [`blend`]: the sum of the light of all projectors on the dome.
+//! - [`calibrate`]: the real positions of projectors, from marks or photographs.
 //!
 //! Units and conventions, everywhere: metres and degrees in files, radians in code; right-handed
 //! axes, x right, y up, −z forward; column vectors; f64 on the CPU, f32 only in

@@ -1,23 +1,22 @@
 //! Locks that stay usable after a panic.
 //!
 //! The standard library marks a lock whose holder panicked. Cupola catches panics before they reach
-//! the program and goes on, so the mark tells nothing that would be acted on: here it is ignored,
-//! in one place.
+//! the program and goes on, so the mark is of no use. It is ignored here, in one place.
 //!
 //! The locks themselves are the standard library's, a word and a futex. They allocate nothing, and
-//! a child process finds those free that no other thread of its parent held. `parking_lot` has a
+//! in a child process those are free that no other thread of its parent held. `parking_lot` has a
 //! table of waiting threads for the process: it allocates when a thread waits, and a child that is
-//! forked while another thread changes the table waits for ever. Programs that Cupola is loaded
-//! into do fork. No lock of either kind may be taken in a signal handler.
+//! forked while another thread changes the table waits for ever. Programs with Cupola do fork. No
+//! lock of either kind may be taken in a signal handler.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-/// Locking without regard to panics, of [`Mutex`].
+/// Locking of a [`Mutex`] that ignores panics.
 pub trait Lock<T: ?Sized> {
     /// Waits for the lock and holds it.
     fn locked(&self) -> MutexGuard<'_, T>;
 
-    /// Returns the value of a lock that nobody else can hold.
+    /// Returns the value of a lock that no other thread can hold.
     fn unlocked_mut(&mut self) -> &mut T;
 }
 
@@ -31,12 +30,12 @@ impl<T: ?Sized> Lock<T> for Mutex<T> {
     }
 }
 
-/// Locking without regard to panics, of [`RwLock`].
+/// Locking of an [`RwLock`] that ignores panics.
 pub trait SharedLock<T: ?Sized> {
-    /// Waits until nobody writes, and reads.
+    /// Waits until no thread writes, and reads.
     fn reading(&self) -> RwLockReadGuard<'_, T>;
 
-    /// Waits until nobody else reads or writes, and writes.
+    /// Waits until no other thread reads or writes, and writes.
     fn writing(&self) -> RwLockWriteGuard<'_, T>;
 }
 

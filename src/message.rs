@@ -1,9 +1,9 @@
-//! Messages of the library, and who receives them.
+//! Messages of the library, and their receiver.
 //!
-//! Modules say something through the [`log`] crate, under targets that begin with `cupola`. A Rust
-//! program receives it with a logger of its own. C programs, and programs into which Cupola is
-//! injected, have the logger of this module: it passes each message to the receiver that is set,
-//! else to the default one, which only the interception has.
+//! Modules write messages through the [`log`] crate, under targets that begin with `cupola`. A Rust
+//! program receives them with a logger of its own. C programs, and programs into which Cupola is
+//! injected, have the logger of this module. It passes each message to the receiver that is set,
+//! otherwise to the default one, which only the interception has.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::lock::SharedLock;
@@ -24,8 +24,8 @@ thread_local! {
     static RECEIVING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Sets who receives messages, or nobody. When this returns, the receiver before is not running and
-/// will not be called again.
+/// Sets or removes the receiver of messages. When this returns, the earlier receiver is not running
+/// and will not be called again.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidState`] if a receiver calls this, or if the process has another logger.
@@ -38,14 +38,15 @@ pub fn set_receiver(receiver: Option<Receiver>) -> Result<()> {
         return Err(Error::new(ErrorKind::InvalidState, message));
     }
     let level = if receiver.is_some() { LevelFilter::Debug } else { LevelFilter::Warn };
-    // Messages are passed on under the lock, so that this waits for those that are.
+    // Messages are passed on under the lock, so that this waits for messages that are being
+    // received.
     let before = std::mem::replace(&mut *RECEIVER.writing(), receiver);
     log::set_max_level(level);
     drop(before);
     Ok(())
 }
 
-/// Sets what happens with warnings of the interception while no receiver is set.
+/// Sets the function that gets warnings of the interception while no receiver is set.
 pub fn set_default(write: fn(&str)) {
     let _ = DEFAULT.set(write);
     if is_installed() && log::max_level() < LevelFilter::Warn {

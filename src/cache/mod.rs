@@ -1,9 +1,9 @@
-//! Cache of results of long computations, found by what they were computed from: in files for the
-//! next start, and small ones in memory for the next time they are asked for.
+//! Cache of results of long computations, found by the input of the computation: in files for the
+//! next start, and small ones in memory for the next request.
 //!
-//! A cached result saves time and nothing else: a file that is missing, damaged, of another build
-//! or somebody else's is computed again, and where nothing can be written nothing is kept. A file
-//! appears under its name when it is whole.
+//! A cached result saves time and nothing else. If a file is missing, damaged, of another build or
+//! of another user, its result is computed again; where nothing can be written, nothing is cached.
+//! A file gets its name only when it is complete.
 
 #[cfg(test)]
 mod tests;
@@ -21,36 +21,37 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, SystemTime};
 
-/// All files together have at most so many bytes; the ones longest not used go first.
+/// Greatest number of bytes of all files together; the files that were not used for longest are
+/// removed first.
 const MOST_BYTES: u64 = 1 << 30;
-/// A file has at most so many: a table of 4096² pixels.
+/// Greatest number of bytes of a file: a table of 4096² pixels.
 const MOST_IN_FILE: u64 = MOST_BYTES / 4;
 /// Greatest number of files when a process begins to write.
 const MOST_FILES: usize = 4096;
-/// A process writes at most so many bytes and files: one whose rig or size changes all the time
-/// does not fill the disk.
+/// Greatest number of bytes, and of files, that a process writes. So a process whose rig or size
+/// changes all the time does not fill the disk.
 const MOST_WRITTEN: u64 = MOST_BYTES / 2;
 const MOST_WRITTEN_FILES: u64 = 512;
-/// Largest result that is kept in memory, bytes.
+/// Largest result that is cached in memory, bytes.
 const MOST_IN_MEMORY: usize = 1 << 16;
-/// Number of results that are kept in memory.
+/// Greatest number of results that are cached in memory.
 const REMEMBERED: usize = 64;
-/// The time of a file that is used is renewed when it is older than this.
+/// Age at which the time of a file is renewed when the file is used.
 const RENEWED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// First bytes of a file.
 const MAGIC: &[u8; 16] = b"cupola cache 2\r\n";
-/// Magic, key, length and sum of the content.
+/// Length of a file's header: magic, key, length and sum of the content.
 const HEADER: usize = 16 + 16 + 8 + 16;
 
 /// Numbers of requests to a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// Results that were found in files.
+    /// Number of results that were found in files.
     pub read: u64,
-    /// Results that were found nowhere.
+    /// Number of results that were found nowhere.
     pub missing: u64,
-    /// Files that were written.
+    /// Number of files that were written.
     pub written: u64,
 }
 
@@ -60,29 +61,29 @@ pub struct Cache(Option<Arc<Shared>>);
 
 #[derive(Debug)]
 struct Shared {
-    /// The folder, and what tells this build from others; `None`: only memory.
+    /// Folder, and the bytes that identify this build; `None`: only memory.
     files: Option<(PathBuf, Vec<u8>)>,
     recent: Mutex<VecDeque<(String, Arc<Vec<u8>>)>>,
     read: AtomicU64,
     missing: AtomicU64,
     written: AtomicU64,
-    /// Bytes of the files that were written.
+    /// Number of bytes of the files that were written.
     bytes: AtomicU64,
 }
 
-/// Returns a value as bytes: postcard's format, without names. `None` for what has none, as a path
-/// that is no text.
+/// Returns a value as bytes: postcard's format, without names. `None` for a value that has no
+/// bytes, such as a path that is not UTF-8.
 pub fn encode(value: &(impl Serialize + ?Sized)) -> Option<Vec<u8>> {
     postcard::to_stdvec(value).ok()
 }
 
-/// Returns the value that all of `bytes` mean; `None` where they make no sense.
+/// Returns the value of `bytes`; `None` unless all of them can be decoded.
 pub fn decode<'bytes, T: Deserialize<'bytes>>(bytes: &'bytes [u8]) -> Option<T> {
     let (value, rest) = postcard::take_from_bytes(bytes).ok()?;
     rest.is_empty().then_some(value)
 }
 
-/// Bytes in a value that is encoded: they are copied as they are.
+/// Bytes in an encoded value: they are copied unchanged.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(transparent)]
 pub struct RawBytes<'bytes>(#[serde(borrow)] pub &'bytes [u8]);
@@ -94,24 +95,24 @@ impl Serialize for RawBytes<'_> {
 }
 
 impl Cache {
-    /// Returns a cache that keeps nothing.
+    /// Returns a cache that stores nothing.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// True if it keeps nothing.
+    /// True if it stores nothing.
     pub fn is_none(&self) -> bool {
         self.0.is_none()
     }
 
-    /// Keeps small results for the life of the process.
+    /// Returns a cache that stores small results for the life of the process.
     pub fn in_memory() -> Self {
         Self::new(None)
     }
 
-    /// Keeps results in files in `folder`, which is made when it is needed, readable by this user
-    /// only. `build` tells the code that computes them from other code that may compute something
-    /// else.
+    /// Returns a cache that stores results in files in `folder`, which is created when it is
+    /// needed, readable by this user only. `build` identifies the code that computes them, because
+    /// other code may compute other results.
     pub fn in_folder(folder: PathBuf, build: &[u8]) -> Self {
         Self::new(Some((folder, build.to_vec())))
     }
@@ -131,11 +132,11 @@ impl Cache {
     }
 
     /// Returns the result of `compute`, or the cached one for the same `kind` (lower case letters,
-    /// `-`) and `key`. What is read from a file counts only if `is_sound`: anybody may have written
-    /// it.
+    /// `-`) and `key`. A value from a file is used only if `is_sound`, because anybody may have
+    /// written the file.
     ///
     /// # Errors
-    /// Those of `compute`; nothing is cached of them.
+    /// Errors of `compute`; they are not cached.
     pub fn cached<T: Serialize + DeserializeOwned, E>(
         &self,
         kind: &str,
@@ -146,14 +147,13 @@ impl Cache {
         self.cached_as(kind, key, |bytes| decode(bytes).filter(is_sound), |value| encode(value), compute)
     }
 
-    /// As [`Cache::cached`], with own functions between the value and its bytes.
+    /// As [`Cache::cached`], with functions of the caller between the value and its bytes.
     ///
-    /// `decode` gets what `encode` returned, or anything else that somebody put there: it returns
-    /// `None` where that makes no sense. `encode` returns `None` where the result is not to be
-    /// cached.
+    /// `decode` gets the bytes of `encode`, or anything else that somebody put there, and returns
+    /// `None` if they have no meaning. `encode` returns `None` if the result is not to be cached.
     ///
     /// # Errors
-    /// Those of `compute`; nothing is cached of them.
+    /// Errors of `compute`; they are not cached.
     pub fn cached_as<T, E>(
         &self,
         kind: &str,
@@ -165,7 +165,7 @@ impl Cache {
         let Some(shared) = &self.0 else { return compute() };
         let build = shared.files.as_ref().map_or(&[][..], |(_, build)| build);
         let sum = |to: &mut dyn Write| postcard::to_io(&(kind, key, build), to).ok().map(|_| ());
-        // A value that cannot be serialised cannot be told from others.
+        // A value that cannot be serialised cannot be distinguished from others.
         let Some(key) = Digest::of_written(sum) else { return compute() };
         let name = format!("{kind}-{key:032x}");
         if let Some(known) = shared.find(&name, key).and_then(|bytes| decode(&bytes)) {
@@ -237,12 +237,12 @@ fn header(key: Digest, content: &[u8]) -> Vec<u8> {
     [&MAGIC[..], &key.value().to_le_bytes(), &length, &Digest::of(content).value().to_le_bytes()].concat()
 }
 
-/// The number of the user whose process this is.
+/// Number of the user of this process.
 pub fn this_user() -> Option<u32> {
     Some(fs::metadata("/proc/self").ok()?.uid())
 }
 
-/// The content of a file, if it is this user's, whole, and of this key.
+/// Content of a file, if it belongs to this user, is complete, and has this key.
 fn read(path: &Path, key: Digest) -> Option<Vec<u8>> {
     let mut file = File::open(path).ok()?;
     let about = file.metadata().ok()?;
@@ -261,13 +261,14 @@ fn read(path: &Path, key: Digest) -> Option<Vec<u8>> {
     if age.is_none_or(|age| age > RENEWED_AFTER)
         && let Ok(file) = OpenOptions::new().append(true).open(path)
     {
-        // A file whose time cannot be renewed goes earlier.
+        // A file whose time cannot be renewed is removed earlier.
         let _ = file.set_modified(now);
     }
     Some(content)
 }
 
-/// Writes a file under another name and renames it; `None` where that fails, with nothing left.
+/// Writes a file under another name and renames it. Returns `None`, and leaves nothing behind, if
+/// that fails.
 fn write(folder: &Path, name: &str, key: Digest, content: &[u8]) -> Option<()> {
     if content.len() as u64 > MOST_IN_FILE {
         return None;
@@ -288,15 +289,14 @@ fn write(folder: &Path, name: &str, key: Digest, content: &[u8]) -> Option<()> {
     };
     let result = whole();
     if result.is_err() {
-        // It may not be there; what is left is swept away later.
+        // The file may not exist; if it stays, a later call of `sweep` removes it.
         let _ = fs::remove_file(&partial);
     }
     result.ok()
 }
 
-/// Removes the files longest not used, until there are at most three quarters of `bytes` and of
-/// `files` of them, where there are more than that; parts of files that nobody finished count like
-/// others.
+/// If there are more than `bytes` or `files`, removes the files that were not used for longest
+/// until three quarters are left. Unfinished files count like others.
 fn sweep(folder: &Path, bytes: u64, files: usize) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let mut known: Vec<(SystemTime, u64, PathBuf)> = entries

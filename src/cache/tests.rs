@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::convert::Infallible;
 use std::os::unix::fs::PermissionsExt;
 
-/// A folder of a test's own, which goes with it.
+/// A folder for one test, which is removed with it.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -105,7 +105,7 @@ fn damaged_files_are_computed_again() {
     assert_eq!(square(&folder.cache(), 8), (64, true));
 }
 
-/// A result that `decode` does not take whole is computed again.
+/// A result that `decode` does not use completely is computed again.
 #[test]
 fn content_that_makes_no_sense_is_computed_again() {
     let cache = Cache::in_memory();

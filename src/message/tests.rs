@@ -1,4 +1,4 @@
-//! One test, since the receiver is the process's.
+//! A single test, because the receiver belongs to the process.
 
 use super::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -29,7 +29,7 @@ fn messages_reach_the_receiver_that_is_set_and_no_other() {
     let expected = [(Level::Warn, "a test of messages, 1"), (Level::Debug, "a test of messages, 2")];
     assert_eq!(*heard.lock().expect("not poisoned"), expected.map(|(level, text)| (level, text.to_owned())));
 
-    // A panic that the fence stops is a message, with its words.
+    // A panic that the barrier stops is a message with the panic's text.
     heard.lock().expect("not poisoned").clear();
     assert_eq!(crate::fence::guard(|| panic!("a test of messages panics")), None::<()>);
     let messages = std::mem::take(&mut *heard.lock().expect("not poisoned"));
@@ -42,7 +42,7 @@ fn messages_reach_the_receiver_that_is_set_and_no_other() {
     log::error!("a test of messages after the receiver");
     assert!(heard.lock().expect("not poisoned").is_empty());
 
-    // Removal waits: nothing is received afterwards, whatever other threads say meanwhile.
+    // Removal waits: nothing is received afterwards, even if other threads go on.
     let (stop, count) = (AtomicBool::new(false), Arc::new(AtomicUsize::new(0)));
     std::thread::scope(|scope| {
         for _ in 0..4 {

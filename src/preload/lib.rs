@@ -1,9 +1,9 @@
 //! `LD_PRELOAD=…/libcupola_preload.so program`: Cupola without a launcher.
 //!
-//! Interposes nothing. Its SONAME is that of a GLX vendor library called "cupola", so that
-//! libGLX's own request for that vendor is answered by the library that is already loaded; before
-//! the program's `main` it names that vendor in the environment, and gives libEGL a vendor file
-//! that names this very library.
+//! It interposes nothing. Its SONAME is that of a GLX vendor library called "cupola", so that the
+//! library that is already loaded answers libGLX's own request for that vendor. Before the
+//! program's `main` it names that vendor in the environment, and gives libEGL a vendor file that
+//! names this very library.
 
 #![deny(unsafe_op_in_unsafe_fn)]
 
@@ -11,18 +11,18 @@ use std::ffi::{CStr, c_int, c_void};
 use std::io::{Seek, Write};
 use std::os::fd::{FromRawFd, IntoRawFd};
 
-// The entries that libGLX and libEGL look for, by their use kept in this library.
+// Entry points for libGLX and libEGL; the re-export keeps them in this library.
 pub use cupola::intercept::gl::entry::egl::__egl_Main;
 pub use cupola::intercept::gl::entry::glx::__glx_Main;
 
-/// Run by the dynamic linker before the program's `main`.
+/// Called by the dynamic linker before the program's `main`.
 // SAFETY: a function pointer in the section where the linker expects function pointers.
 #[used]
 #[unsafe(link_section = ".init_array")]
 static BEFORE_MAIN: extern "C" fn(c_int, *const c_void, *const c_void) = before_main;
 
 extern "C" fn before_main(_: c_int, _: *const c_void, _: *const c_void) {
-    // A panic here would end the program; without our variables it runs as ever.
+    // A panic here would end the program; without the variables the program runs without Cupola.
     let _ = cupola::fence::guard(name_vendors);
 }
 
@@ -39,17 +39,17 @@ fn name_vendors() {
         std::env::set_var("__GLX_VENDOR_LIBRARY_NAME", "cupola");
     }
     let Some(vendor_file) = egl_vendor_file() else { return };
-    // A child that does not inherit LD_PRELOAD finds nothing behind the first name; the system's
+    // A child that does not inherit LD_PRELOAD finds no library under the first name; the system's
     // own file keeps its EGL working.
     let system = std::env::var("__EGL_VENDOR_LIBRARY_FILENAMES")
         .unwrap_or_else(|_| "/usr/share/glvnd/egl_vendor.d/50_mesa.json".to_owned());
-    // A process that was itself started by us already names such a file first.
+    // A process that was itself started by Cupola already names such a file first.
     let system = system.split(':').filter(|name| !name.starts_with("/proc/self/fd/")).collect::<Vec<_>>().join(":");
     // SAFETY: as above.
     unsafe { std::env::set_var("__EGL_VENDOR_LIBRARY_FILENAMES", format!("{vendor_file}:{system}")) };
 }
 
-/// A vendor file for libEGL that names this library, in memory; its path.
+/// Creates a vendor file for libEGL in memory, which names this library. Returns its path.
 fn egl_vendor_file() -> Option<String> {
     let library = own_path()?;
     // SAFETY: a fresh descriptor, owned by the File until it is leaked on purpose: libEGL opens it

@@ -47,7 +47,7 @@ pub fn build_id() -> Option<Vec<u8>> {
     search.found
 }
 
-/// The content of the first note with this type and owner. A note consists of three numbers, the
+/// Content of the first note with this type and owner. A note consists of three numbers, the
 /// owner's name and the content, both padded to a multiple of four bytes.
 fn note(mut notes: &[u8], kind: u32, owner: &[u8]) -> Option<Vec<u8>> {
     loop {

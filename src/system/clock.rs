@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// Time of this thread on the processor.
+/// Processor time of this thread.
 pub fn thread_time() -> Duration {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: writes one structure.

@@ -1,4 +1,4 @@
-//! Files that are written where somebody else may have put something.
+//! Files that are written where others may have put something.
 
 use std::ffi::CString;
 use std::fs::{File, OpenOptions};
@@ -7,11 +7,11 @@ use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 
-/// Opens a file for writing and empties it, or makes it. A link is not followed: whoever may write
-/// to its folder would choose which file is overwritten.
+/// Opens a file for writing and empties it, or creates it. A link is not followed: otherwise
+/// anybody with the right to write to the folder could choose which file is overwritten.
 ///
 /// # Errors
-/// Those of the system, and for a link; but `/dev/stdout` and its like are followed.
+/// Errors of the system, and links; but `/dev/stdout` and similar links are followed.
 pub fn create(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.write(true).create(true).truncate(true);
@@ -24,7 +24,7 @@ pub fn create(path: &Path) -> io::Result<File> {
     })
 }
 
-/// Bytes that this user can still write on the file system of a folder.
+/// Number of bytes that this user can still write on the file system of a folder.
 ///
 /// # Errors
 /// Those of the system.

@@ -1,6 +1,6 @@
 //! Processes that belong together: signals passed on, and helpers that end with their parent.
 //!
-//! Safe fronts of what the standard library has no safe form of, for the `cupola` command.
+//! Safe functions for the `cupola` command that the standard library lacks.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -17,20 +17,19 @@ pub fn user() -> u32 {
     unsafe { libc::getuid() }
 }
 
-/// True if this program has more rights than the user who started it, as set-user-ID programs have:
-/// what the user's environment asks for does not count then.
+/// True if this program has more rights than the user who started it, as set-user-ID programs have.
+/// Then the user's environment is ignored.
 pub fn is_privileged() -> bool {
     // SAFETY: reads a number that the kernel gave to this process.
     unsafe { libc::getauxval(libc::AT_SECURE) != 0 }
 }
 
-/// The environment variable of this name, as text; `None` for a program that [`is_privileged`].
+/// Environment variable of this name, as text; `None` for a program that [`is_privileged`].
 pub fn variable(name: &str) -> Option<OsString> {
     if is_privileged() { None } else { std::env::var_os(name) }
 }
 
-/// The folder of the user's profiles; `None` if neither `XDG_CONFIG_HOME` nor `HOME` says where it
-/// is.
+/// Folder of the user's profiles; `None` if neither `XDG_CONFIG_HOME` nor `HOME` is set.
 pub fn profile_folder() -> Option<PathBuf> {
     let absolute = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let config = absolute("XDG_CONFIG_HOME").or_else(|| Some(absolute("HOME")?.join(".config")))?;
@@ -42,14 +41,14 @@ pub fn host_name() -> String {
     std::fs::read_to_string("/proc/sys/kernel/hostname").map_or_else(|_| String::new(), |name| name.trim().to_owned())
 }
 
-/// The file name of this process' program; empty if the system does not tell.
+/// File name of this process' program; empty if the system does not report it.
 pub fn program_name() -> String {
     let file = std::env::current_exe().unwrap_or_default();
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// File names of the libraries that this process has loaded by now, each once; none if the system
-/// does not tell.
+/// File names of the libraries that this process has loaded by now, each once; empty if the system
+/// does not report them.
 pub fn loaded_libraries() -> Vec<String> {
     let maps = std::fs::read("/proc/self/maps").unwrap_or_default();
     let text = String::from_utf8_lossy(&maps);
@@ -58,10 +57,10 @@ pub fn loaded_libraries() -> Vec<String> {
     libraries.into_iter().map(str::to_owned).collect()
 }
 
-/// The process that signals are passed on to; 0 = none.
+/// Process to which signals are passed on; 0 = none.
 static PROGRAM: AtomicI32 = AtomicI32::new(0);
 
-/// Signals that would end this process and are the program's to decide about.
+/// Signals that would end this process, and about which the program decides.
 const PASSED_ON: [libc::c_int; 4] = [libc::SIGINT, libc::SIGQUIT, libc::SIGTERM, libc::SIGHUP];
 
 /// Makes `command` receive SIGTERM when the thread that spawns it ends, however it ends.
@@ -84,7 +83,7 @@ pub fn end_with_parent(command: &mut Command) -> &mut Command {
     unsafe { command.pre_exec(request) }
 }
 
-/// The program is not ended when it writes to a pipe that nobody reads any more.
+/// Keeps `command` from being ended when it writes to a pipe without a reader.
 pub fn without_broken_pipes(command: &mut Command) -> &mut Command {
     let request = || {
         // SAFETY: takes plain numbers, and is safe to call between fork and exec. What is ignored
@@ -96,7 +95,7 @@ pub fn without_broken_pipes(command: &mut Command) -> &mut Command {
     unsafe { command.pre_exec(request) }
 }
 
-/// Lets the system place the program's memory at the same addresses in each run, where it permits
+/// Makes the system place the program's memory at the same addresses in each run, if it permits
 /// that: programs sort by addresses, and use them as random numbers.
 pub fn with_fixed_addresses(command: &mut Command) -> &mut Command {
     let request = || {
@@ -139,11 +138,11 @@ pub fn kill_group(child: &Child) -> io::Result<()> {
     }
 }
 
-/// A signal that would end this process has come, since [`note_end_signals`].
+/// True if a signal that would end this process has come since [`note_end_signals`].
 static END_ASKED_FOR: AtomicBool = AtomicBool::new(false);
 
-/// SIGINT, SIGTERM and SIGHUP no longer end this process: [`end_was_asked_for`] says that one has
-/// come.
+/// Keeps SIGINT, SIGTERM and SIGHUP from ending this process: [`end_was_asked_for`] reports that
+/// one has come.
 pub fn note_end_signals() {
     extern "C" fn note(_signal: libc::c_int) {
         END_ASKED_FOR.store(true, Ordering::SeqCst);
@@ -162,9 +161,9 @@ pub fn end_was_asked_for() -> bool {
 /// End of a program.
 #[derive(Clone, Copy, Debug)]
 pub enum Ended {
-    /// By itself, or by a signal of others.
+    /// The program ended by itself, or by a signal of another process.
     ByItself(ExitStatus),
-    /// Its time was over, and it was stopped.
+    /// The program was stopped at its limit.
     Stopped,
 }
 
@@ -210,8 +209,8 @@ pub fn stop_foreground() {
 /// Time that a program has after SIGTERM.
 const GRACE: Duration = Duration::from_secs(5);
 
-/// Waits for a child. After `limit` it gets SIGTERM, with the processes that it started. Those that
-/// do not end then get SIGKILL.
+/// Waits for a child. After `limit` the child and the processes that it started get SIGTERM. Those
+/// that do not end then get SIGKILL.
 fn wait_or_stop(child: &mut Child, limit: Duration) -> io::Result<Ended> {
     const STEP: Duration = Duration::from_millis(20);
     let started = Instant::now();
@@ -229,7 +228,7 @@ fn wait_or_stop(child: &mut Child, limit: Duration) -> io::Result<Ended> {
     };
     send(libc::SIGTERM);
     let stopped = Instant::now();
-    // A child that has ended, and was waited for, is there no longer; signal 0 only asks.
+    // A child that has ended, and was waited for, no longer exists; signal 0 only asks.
     while child.try_wait()?.is_none() || send(0) > 0 {
         if stopped.elapsed() > GRACE {
             send(libc::SIGKILL);
@@ -254,7 +253,7 @@ fn add_descendants(parent: u32, family: &mut Vec<u32>) {
     }
 }
 
-/// Handler of signals: sends what another process sent on to the program.
+/// Signal handler: passes signals of other processes on to the program.
 extern "C" fn pass_on(signal: libc::c_int, info: *mut libc::siginfo_t, _context: *mut libc::c_void) {
     let program = PROGRAM.load(Ordering::SeqCst);
     // SAFETY: the kernel passes a valid `info` to a handler installed with SA_SIGINFO.

@@ -1,4 +1,4 @@
-//! Memory that processes share by way of a file.
+//! Memory that processes share through a file.
 
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -22,11 +22,11 @@ unsafe impl Send for SharedMemory {}
 unsafe impl Sync for SharedMemory {}
 
 impl SharedMemory {
-    /// Makes a file of `bytes` zeroes (rounded up to whole words) that its user alone can open. The
-    /// room is reserved: later writes cannot fail for want of it.
+    /// Creates a file of `bytes` zeroes (rounded up to whole words) that only its user can open.
+    /// The space is reserved, so that later writes cannot fail for lack of it.
     ///
     /// # Errors
-    /// Those of the system: a file of this name exists, its folder does not exist or is full.
+    /// Errors of the system: a file of this name exists, its folder does not exist or is full.
     pub fn create(path: &Path, bytes: usize) -> io::Result<Self> {
         let count = bytes.div_ceil(size_of::<u64>());
         let length = libc::off_t::try_from(count * size_of::<u64>()).map_err(|_| io::ErrorKind::InvalidInput)?;
@@ -39,10 +39,10 @@ impl SharedMemory {
         made.inspect_err(|_| drop(std::fs::remove_file(path)))
     }
 
-    /// Opens a file that another process made.
+    /// Opens a file that another process created.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     pub fn open(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         let count = usize::try_from(file.metadata()?.len()).unwrap_or(0) / size_of::<u64>();
@@ -64,14 +64,14 @@ impl SharedMemory {
         }
     }
 
-    /// The words of the memory, each as another process wrote it last.
+    /// Words of the memory, each as a process last wrote it.
     pub fn words(&self) -> &[AtomicU64] {
         // SAFETY: so many words are mapped for as long as this lives, and zeroes are atomics.
         unsafe { std::slice::from_raw_parts(self.words.as_ptr(), self.count) }
     }
 
-    /// Copies `bytes` to the word with this index and those behind it. A last word that is not
-    /// whole is filled with zeroes.
+    /// Copies `bytes` to the word with this index and those after it. An incomplete last word is
+    /// filled with zeroes.
     ///
     /// # Panics
     /// If they reach beyond the memory.
@@ -96,7 +96,7 @@ impl SharedMemory {
         }
     }
 
-    /// Copies to `bytes` from the word with this index on.
+    /// Copies the memory to `bytes`, from the word with this index on.
     ///
     /// # Panics
     /// If they reach beyond the memory.
@@ -111,13 +111,13 @@ impl SharedMemory {
         }
     }
 
-    /// Takes a lock on the byte at this place of the file, unless another opener has it. The lock
-    /// ends with this value, or with the process.
+    /// Takes a lock on the byte at this position of the file, unless another opener has it. The
+    /// lock ends with this value, or with the process.
     pub fn lock(&self, byte: usize) -> bool {
         self.ask(libc::F_OFD_SETLK, libc::F_WRLCK, byte).is_some()
     }
 
-    /// Gives the lock back.
+    /// Releases the lock.
     pub fn unlock(&self, byte: usize) {
         self.ask(libc::F_OFD_SETLK, libc::F_UNLCK, byte);
     }
@@ -151,7 +151,7 @@ impl SharedMemory {
         unsafe { libc::syscall(libc::SYS_futex, half, libc::FUTEX_WAIT, value, &raw const time) };
     }
 
-    /// Wakes those who wait for the word with this index.
+    /// Wakes the threads that wait for the word with this index.
     pub fn wake(&self, word: usize) {
         // SAFETY: as above.
         unsafe { libc::syscall(libc::SYS_futex, self.low_half(word), libc::FUTEX_WAKE, libc::c_int::MAX) };
