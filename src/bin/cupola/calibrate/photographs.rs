@@ -105,8 +105,8 @@ pub struct Photographed {
     pub light: Option<light::Found>,
 }
 
-/// Failure of a folder in which the number of photographs is not that of the patterns: `[is,
-/// wanted]`.
+/// Failure of a folder in which the number of photographs is not that of the patterns:
+/// `[is, wanted]`.
 fn wrong_number(arguments: &Arguments, rig: &Rig, folder: &Path, [is, wanted]: [usize; 2]) -> Failure {
     Failure::usage(format!(
         "{} has {is} photographs (*.png, *.jpg); the patterns of {} with --cell {}{} are {wanted}",

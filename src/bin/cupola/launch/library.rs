@@ -25,7 +25,7 @@ pub fn find() -> Result<PathBuf, Failure> {
         let listed = places.iter().map(|place| format!("  {}", place.display())).collect::<Vec<_>>().join("\n");
         Failure::new(format!(
             "libcupola.so was not found. These paths were tried:\n{listed}\n\
-             `cargo install` brings the command alone: run `make && sudo make install` in the folder with Cupola's \
+             `cargo install` installs only the command: run `make && sudo make install` in the folder with Cupola's \
              sources, or set CUPOLA_LIBRARY to the path of a libcupola.so that `cargo build --release` has made there"
         ))
     })

@@ -133,8 +133,8 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     serve(rigs, programs, options, starts, arguments.marks, &arguments.ways, false)
 }
 
-/// Serves the page for one program with these options of `run`, until it ends: `cupola run
-/// --serve`.
+/// Serves the page for one program with these options of `run`, until it ends:
+/// `cupola run --serve`.
 pub fn run_with(rig: String, options: Vec<OsString>, program: &[OsString]) -> Result<ExitCode, Failure> {
     let name = program.first().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let ways = Ways { port: PORT, listen: None, osc: None };
