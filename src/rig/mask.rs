@@ -21,7 +21,7 @@ pub(super) fn unusable(path: &Path) -> Option<String> {
     // Opening a named pipe would wait for a writer.
     let read = std::fs::metadata(path).and_then(|about| match about.is_file() {
         true => std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut signature)),
-        false => Err(std::io::Error::other("it is not a regular file")),
+        false => Err(std::io::Error::other("it is no file")),
     });
     match read {
         Ok(()) if signature == *b"\x89PNG\r\n\x1a\n" => None,

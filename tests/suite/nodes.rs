@@ -256,7 +256,7 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     show.says("node 2: this program has lost the other nodes");
     (0..3).for_each(|node| show.goes_on(node, 20));
     let words = show.words();
-    for said in ["node 2 has not come", "node 2: the other nodes do not answer", "node 1: this program has lost"] {
+    for said in ["node 2 has not reached", "node 2: the other nodes do not answer", "node 1: this program has lost"] {
         assert_eq!(words.matches(said).count(), 1, "{said}:\n{words}");
     }
 }

@@ -46,7 +46,7 @@ fn described(mut section: Section, directory: &Path, problems: &mut Problems) ->
     let ways = ["measured", "file"].into_iter().filter(|key| section.has(key)).count() + usize::from(by_channel);
     if ways != 1 {
         let expected = "expected one of: red, green and blue; measured = [[value, light], …]; file = \"response.csv\"";
-        problems.add(&section.path("measured"), format!("{ways} descriptions of the response; {expected}"));
+        problems.add(&section.path("measured"), format!("{ways} ways to give the response; {expected}"));
     }
     let missing: Vec<String> =
         CHANNELS.iter().filter(|key| by_channel && !section.has(key)).map(|key| section.path(key)).collect();
