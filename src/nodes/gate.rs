@@ -57,6 +57,7 @@ pub struct Passed {
 impl Gate {
     /// The gate of a page.
     pub fn new(page: Page) -> Self {
+        page.take();
         Self { page, frame: 0, went: 0, state: State::InStep }
     }
 
@@ -83,7 +84,7 @@ impl Gate {
             (State::InStep | State::Alone { .. }, State::Left) => Some(Said::Left),
             _ => None,
         };
-        Passed { frame, time: self.page.time_after(frame), is_late: self.page.released() > frame, said }
+        Passed { frame, time: self.page.time_after(frame), is_late: self.page.newest() > frame, said }
     }
 
     /// Waits for the command, and goes on without it after the limit.

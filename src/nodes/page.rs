@@ -10,7 +10,7 @@ use std::time::Duration;
 /// First word of each page: `CUPONODE`.
 const MAGIC: u64 = u64::from_ne_bytes(*b"CUPONODE");
 /// Second word. It is equal only in releases whose pages are compatible.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 /// Words of the page.
 mod word {
@@ -30,8 +30,12 @@ mod word {
     pub const WENT: usize = 11;
     /// Width of the program's window times 2³², plus height.
     pub const SIZE: usize = 12;
-    /// Number of the newest frame that may be shown. Its low half is a futex.
+    /// Number of the program's process, as the system counts them.
+    pub const PROCESS: usize = 13;
+    /// Number of the newest frame that the program may pass. Its low half is a futex.
     pub const RELEASED: usize = 16;
+    /// Number of the newest frame that all may show.
+    pub const NEWEST: usize = 17;
     /// The command holds a lock on the first byte of this word.
     pub const COMMAND_LOCK: usize = 24;
     /// Times of the program after the newest frames, by their number modulo [`super::TIMES`].
@@ -115,6 +119,16 @@ impl Page {
         Duration::from_nanos(self.get(word::LENGTH))
     }
 
+    /// Records that the program that will arrive here is this process.
+    pub fn take(&self) {
+        self.set(word::PROCESS, std::process::id().into());
+    }
+
+    /// Number of the program's process; 0 before it has opened the page.
+    pub fn process(&self) -> u32 {
+        self.get(word::PROCESS) as u32
+    }
+
     /// Announces that the program has reached the end of a frame. Only the program calls it.
     pub fn arrive(&self, arrival: &Arrival) {
         let Arrival { frame, digest, time, went, size: (width, height) } = *arrival;
@@ -146,15 +160,33 @@ impl Page {
         (frame != known && self.get(word::ARRIVED) == frame).then_some(arrival)
     }
 
-    /// Number of the newest frame that may be shown.
+    /// Number of the frame whose end the program has reached.
+    pub fn arrived(&self) -> u64 {
+        self.get(word::ARRIVED)
+    }
+
+    /// Number of the newest frame that the program may pass.
     pub fn released(&self) -> u64 {
         self.get(word::RELEASED)
     }
 
-    /// Releases frames up to this number; `time` is the program's time after the last of them.
-    pub fn release(&self, frame: u64, time: u64) {
-        if frame > self.released() {
+    /// Number of the newest frame that all may show.
+    pub fn newest(&self) -> u64 {
+        self.get(word::NEWEST)
+    }
+
+    /// Announces that all may show frames up to this number; `time` is the program's time after the
+    /// last of them. This program does not pass them yet.
+    pub fn announce(&self, frame: u64, time: u64) {
+        if frame > self.newest() {
             self.set(word::TIMES + (frame % TIMES) as usize, time);
+            self.set(word::NEWEST, frame);
+        }
+    }
+
+    /// The program may pass frames up to this number.
+    pub fn release(&self, frame: u64) {
+        if frame > self.released() {
             self.set(word::RELEASED, frame);
             self.0.wake(word::RELEASED);
         }
@@ -163,10 +195,10 @@ impl Page {
     /// Time of the program after a frame, if the command has set one.
     pub fn time_after(&self, frame: u64) -> Option<u64> {
         let time = self.get(word::TIMES + (frame % TIMES) as usize);
-        (time != 0 && frame + TIMES > self.released()).then_some(time)
+        (time != 0 && frame + TIMES > self.newest()).then_some(time)
     }
 
-    /// Waits until a frame beyond `released` may be shown, for no longer than `limit`.
+    /// Waits until the program may pass more than `released` frames, for no longer than `limit`.
     pub fn wait_for_more(&self, released: u64, limit: Duration) {
         self.0.wait(word::RELEASED, released as u32, limit);
     }

@@ -47,6 +47,7 @@ mod reference;
 mod rigs;
 mod semantics;
 mod steady;
+mod steered;
 mod stream;
 mod vertices;
 mod vkcube;
@@ -94,6 +95,7 @@ harness::tests! {
     random_order,
     semantics,
     steady,
+    steered,
     stream,
     vertices,
     vulkan,

@@ -17,10 +17,10 @@ tests! {
 }
 
 /// Nobody is late on a busy machine.
-const PATIENT: [&str; 2] = ["--time-out", "60000"];
+pub const PATIENT: [&str; 2] = ["--time-out", "60000"];
 
 /// The preset with projectors of few pixels.
-fn rig() -> PathBuf {
+pub fn rig() -> PathBuf {
     let preset = cupola::rig::presets().iter().find(|preset| preset.name == "planetarium-6").expect("a preset");
     let text = preset.text.replace("size = [1920, 1080]", "size = [96, 54]");
     assert_ne!(text, preset.text);
@@ -40,7 +40,7 @@ fn by_time(rig: &Path, mode: &str, frames: usize, cupola: &[&str]) -> Option<Fin
 }
 
 /// Whether the pictures of all outputs are the same, byte for byte.
-fn are_equal(rig: &Path, one: &Finished, other: &Finished) -> bool {
+pub fn are_equal(rig: &Path, one: &Finished, other: &Finished) -> bool {
     let rig = cupola::rig::load(&rig.to_string_lossy()).expect("a rig");
     let bytes = |finished: &Finished, name: &str| {
         let file = finished.directory.join(format!("capture-{name}.png"));
@@ -124,36 +124,44 @@ fn children(parent: u32, program: &str) -> Vec<u32> {
     text.split_whitespace().filter_map(|id| id.parse().ok()).filter(|id| name(id).trim() == program).collect()
 }
 
-fn kill(signal: &str, process: u32) {
+pub fn kill(signal: &str, process: u32) {
     // The shell's own: a bare Debian has no such program.
     let status = Command::new("sh").args(["-c", &format!("kill -s {signal} {process}")]).status();
     assert!(status.expect("a shell").success(), "{signal} {process}");
 }
 
 /// A node of a show that runs.
-struct RunningNode {
-    sidecar: u32,
-    program: u32,
+pub struct RunningNode {
+    pub sidecar: u32,
+    pub program: u32,
     page: Page,
 }
 
 impl RunningNode {
+    /// The newest frame that all may show, as far as its command knows.
+    pub fn newest(&self) -> u64 {
+        self.page.newest()
+    }
+
     /// The frame whose end its program has reached.
-    fn frame(&self) -> u64 {
+    pub fn frame(&self) -> u64 {
         let newest = || self.page.arrival(u64::MAX, Duration::ZERO).map(|arrival| arrival.frame);
         std::iter::from_fn(|| Some(newest())).flatten().next().expect("it goes on")
     }
 }
 
-/// Three nodes with a time-out of 0.3 s.
-struct Show {
+/// Starts the program of a node in a folder of its own, `node-N`.
+pub const IN_OWN_FOLDER: &str = "folder=node-${CUPOLA_NODE%/*} && mkdir -p $folder && cd $folder && exec \"$0\" \"$@\"";
+
+/// Nodes with a time-out of 0.3 s.
+pub struct Show {
     launcher: Child,
-    nodes: Vec<RunningNode>,
-    log: PathBuf,
+    pub nodes: Vec<RunningNode>,
+    pub directory: PathBuf,
 }
 
 /// Waits for something that comes within seconds.
-fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+pub fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
         if let Some(found) = found() {
@@ -165,41 +173,44 @@ fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
 }
 
 impl Show {
-    fn start() -> Option<Self> {
+    /// Starts so many nodes with options of `cupola node` and a program.
+    pub fn start(count: usize, cupola: &[&str], program: &str, arguments: &[&str]) -> Option<Self> {
         let display = display::get()?;
-        let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
-        let log = scratch("show").join("log");
+        let run = Run { frames: 0, size: (96, 96), extra: arguments, ..Run::new(program) };
+        let directory = scratch("show");
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
-        command.args(["node", "--local", "3", "--time-out", "300", "--rig"]).arg(rig()).arg("--");
+        command.args(["node", "--local", &count.to_string(), "--time-out", "300", "--rig"]).arg(rig());
+        command.args(cupola).args(["--", "sh", "-c", IN_OWN_FOLDER]);
         command.arg(built().join(run.program)).args(run.arguments(&display::place()));
         command.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display.name).env("LIBGL_ALWAYS_SOFTWARE", "1");
-        command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
-        command.stderr(std::fs::File::create(&log).expect("a file")).stdout(Stdio::null());
+        command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results")).current_dir(&directory);
+        let log = std::fs::File::create(directory.join("log")).expect("a file");
+        command.stderr(log).stdin(Stdio::null()).stdout(Stdio::null());
         let launcher = command.spawn().expect("cupola starts");
-        let mut show = Self { launcher, nodes: Vec::new(), log };
-        let sidecars = || Some(children(show.launcher.id(), "cupola")).filter(|ids| ids.len() == 3);
-        let sidecars = until("three nodes start", sidecars);
+        let mut show = Self { launcher, nodes: Vec::new(), directory };
+        let sidecars = || Some(children(show.launcher.id(), "cupola")).filter(|ids| ids.len() == count);
+        let sidecars = until("all nodes start", sidecars);
         for sidecar in sidecars {
             let mut path = cupola::ring::default_path().into_os_string();
             path.push(format!("-node-{sidecar}"));
             let page = until("a page is made", || Page::open(path.as_ref()).ok());
-            let program = until("a program starts", || children(sidecar, "by_time").first().copied());
-            show.nodes.push(RunningNode { sidecar, program, page });
+            let process = until("a program starts", || children(sidecar, program).first().copied());
+            show.nodes.push(RunningNode { sidecar, program: process, page });
         }
         until("all nodes show frames", || show.nodes.iter().all(|node| node.page.released() > 15).then_some(()));
         Some(show)
     }
 
-    fn words(&self) -> String {
-        std::fs::read_to_string(&self.log).expect("a log")
+    pub fn words(&self) -> String {
+        std::fs::read_to_string(self.directory.join("log")).expect("a log")
     }
 
-    fn says(&self, words: &str) {
+    pub fn says(&self, words: &str) {
         until(&format!("{words}:\n{}", self.words()), || self.words().contains(words).then_some(()));
     }
 
     /// Waits until a node has shown `count` more frames.
-    fn goes_on(&self, node: usize, count: u64) {
+    pub fn goes_on(&self, node: usize, count: u64) {
         let before = self.nodes[node].frame();
         until("a node goes on", || (self.nodes[node].frame() > before + count).then_some(()));
     }
@@ -221,7 +232,7 @@ impl Drop for Show {
 }
 
 fn stopped_and_killed_nodes_do_not_stop_the_others() {
-    let Some(show) = Show::start() else { return };
+    let Some(show) = Show::start(3, &[], "by_time", &[]) else { return };
     let distance = |one: usize, other: usize| show.nodes[one].frame().abs_diff(show.nodes[other].frame());
     // A machine that hangs: the command and the program.
     kill("STOP", show.nodes[2].sidecar);

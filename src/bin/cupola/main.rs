@@ -24,6 +24,7 @@ mod convert;
 mod ctl;
 mod decimal;
 mod doctor;
+mod input;
 mod inspect;
 mod launch;
 #[cfg(feature = "manual")]
@@ -63,6 +64,7 @@ enum Command {
     Record(record::Arguments),
     Stream(stream::Arguments),
     Node(node::Arguments),
+    Input(input::Arguments),
     Window(window::Arguments),
     Serve(serve::Arguments),
     Ctl(ctl::Arguments),
@@ -91,6 +93,7 @@ fn main() -> ExitCode {
         Command::Record(arguments) => record::run(arguments),
         Command::Stream(arguments) => stream::run(&arguments),
         Command::Node(arguments) => node::run(arguments),
+        Command::Input(arguments) => input::run(&arguments),
         Command::Window(arguments) => window::run(&arguments),
         Command::Serve(arguments) => serve::run(arguments),
         Command::Ctl(arguments) => ctl::run(&arguments),

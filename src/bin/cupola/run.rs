@@ -11,7 +11,7 @@ use cupola::system::process::{self, Ended};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, SystemTime};
 
 /// Time in which a program may present one more frame after its limit.
@@ -100,6 +100,9 @@ pub struct Options {
     /// frames are released.
     #[arg(skip)]
     pub node: Option<(String, PathBuf)>,
+    /// The program's standard input is empty.
+    #[arg(skip)]
+    pub without_input: bool,
     /// Publish a domemaster of N × N pixels that is drawn beside the window
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16384))]
     domemaster: Option<u32>,
@@ -180,6 +183,9 @@ fn command(program: &OsString, given: &[OsString], options: &Options, switched_o
     }
     if options.waits_for_readers {
         process::end_with_parent(&mut command);
+    }
+    if options.without_input {
+        command.stdin(Stdio::null());
     }
     if options.node.is_some() {
         process::without_broken_pipes(&mut command);

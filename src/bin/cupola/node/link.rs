@@ -1,12 +1,13 @@
 //! Messages between the nodes, and their transport.
 
+use super::input::Event;
 use cupola::nodes::Arrival;
 
 /// Words of a message.
 pub const WORDS: usize = 6;
 
 /// A message between nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
     /// To node 0: the program is at the end of a frame.
     Arrived(Arrival),
@@ -19,6 +20,8 @@ pub enum Message {
     End,
     /// From node 0: all nodes have ended. `is_clean`: each of them has said so.
     Over { is_clean: bool },
+    /// From node 0, before the release of this frame: what reaches the program at its end.
+    Input { frame: u64, event: Event },
 }
 
 impl Message {
@@ -32,6 +35,10 @@ impl Message {
             Self::Release { frame, time } => [3, frame, time, 0, 0, 0],
             Self::End => [4, 0, 0, 0, 0, 0],
             Self::Over { is_clean } => [5, is_clean.into(), 0, 0, 0, 0],
+            Self::Input { frame, event } => {
+                let [kind, first, second] = event.words();
+                [6, frame, kind, first, second, 0]
+            }
         }
     }
 
@@ -44,6 +51,7 @@ impl Message {
             3 => Self::Release { frame, time: digest },
             4 => Self::End,
             5 => Self::Over { is_clean: frame != 0 },
+            6 => Self::Input { frame, event: Event::of([digest, time, went])? },
             _ => return None,
         })
     }
@@ -51,9 +59,9 @@ impl Message {
 
 /// Connection from this node to others. Node 0 is connected to all, the others to node 0.
 pub trait Link: Send + Sync {
-    /// Sends a message without waiting until it is received. Does nothing if the connection is
-    /// lost.
-    fn send(&self, to: usize, message: &Message);
+    /// Sends messages in their order without waiting until they are received. Does nothing if the
+    /// connection is lost.
+    fn send(&self, to: usize, messages: &[Message]);
 
     /// True if all nodes are on this machine, and share one clock.
     fn is_one_machine(&self) -> bool;
@@ -73,9 +81,9 @@ mod tests {
     fn messages_come_out_as_they_went_in() {
         let arrival = Arrival { frame: 1, digest: 2, time: 3, went: 4, size: (5, 6) };
         let over = Message::Over { is_clean: true };
-        for message in
-            [Message::Arrived(arrival), Message::Gone, Message::Release { frame: 7, time: 8 }, Message::End, over]
-        {
+        let release = Message::Release { frame: 7, time: 8 };
+        let input = Message::Input { frame: 9, event: Event::Shift { x: -1, y: 2 } };
+        for message in [Message::Arrived(arrival), Message::Gone, release, Message::End, over, input] {
             assert_eq!(Message::of(message.words()), Some(message));
         }
         assert_eq!(Message::of([9, 0, 0, 0, 0, 0]), None);

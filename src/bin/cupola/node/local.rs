@@ -19,10 +19,11 @@ const FULL: Duration = Duration::from_millis(5);
 struct Sockets(Vec<OnceLock<Mutex<UnixStream>>>);
 
 impl Link for Sockets {
-    fn send(&self, to: usize, message: &Message) {
+    fn send(&self, to: usize, messages: &[Message]) {
         let Some(socket) = self.0.get(to).and_then(OnceLock::get) else { return };
         let Ok(mut socket) = socket.lock() else { return };
-        let bytes: Vec<u8> = message.words().iter().flat_map(|word| word.to_ne_bytes()).collect();
+        let words = messages.iter().flat_map(Message::words);
+        let bytes: Vec<u8> = words.flat_map(u64::to_ne_bytes).collect();
         if socket.write_all(&bytes).is_err() {
             // A message that was sent in part cannot be taken back.
             let _ = socket.shutdown(Shutdown::Both);

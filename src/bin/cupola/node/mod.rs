@@ -4,7 +4,9 @@
 //! releases the program's frames when `head` decides so, which runs beside the program of node 0.
 //! Messages between them (`link`) travel through `mpi` or, on one machine, through `local`.
 
+mod door;
 pub mod head;
+pub mod input;
 mod link;
 mod local;
 #[cfg(feature = "mpi")]
@@ -49,6 +51,10 @@ pub struct Arguments {
     /// Leave the program's clocks and random numbers alone
     #[arg(long, conflicts_with_all = ["clock", "seed", "clock_start"])]
     own_clocks: bool,
+    /// Give what this file says of keyboard and mouse to the programs of all nodes in the same
+    /// frame: a file, a named pipe, or - for the standard input of node 0
+    #[arg(long, value_name = "FILE|-")]
+    input: Option<PathBuf>,
     /// Write the observations of node 0 to a JSON file
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
@@ -110,6 +116,9 @@ fn prepared(arguments: &Arguments, place: &Place) -> Result<(Rig, Option<(u32, u
             "--clock-start now differs from node to node; give a date, for example 2030-12-24T18:00:00",
         ));
     }
+    if let Some(source) = arguments.input.as_deref().filter(|source| place.number == 0 && !input::is_standard(source)) {
+        std::fs::metadata(source).map_err(|error| Failure::usage(format!("--input {}: {error}", source.display())))?;
+    }
     let rig = arguments.options.rig()?;
     let hosts = rig.outputs.iter().filter_map(|output| match &output.node {
         Some(Node::Host(host)) => Some(host.clone()),
@@ -133,7 +142,7 @@ fn show(
     connect: impl FnOnce(Arc<Deliver>) -> Result<Box<dyn Link>, Failure>,
 ) -> Result<ExitCode, Failure> {
     let (rig, size) = prepared(&arguments, place)?;
-    let Arguments { mut options, time_out, unpaced, own_clocks, summary, program, .. } = arguments;
+    let Arguments { mut options, time_out, unpaced, own_clocks, input, summary, program, .. } = arguments;
     let outputs: Vec<&str> = rig.outputs.iter().filter(|output| output.here).map(|output| &*output.name).collect();
     let shows = if outputs.is_empty() { "no output".to_owned() } else { outputs.join(", ") };
     sidecar::say(&format!("node {} of {} ({}) shows {shows}", place.number, place.count, place.host));
@@ -156,7 +165,13 @@ fn show(
     let path = page_path();
     options.node = Some((format!("{}/{}", place.number, place.count), path.clone()));
     let paced = (!unpaced && !own_clocks).then_some(length);
+    // The standard input of node 0 is for the programs of all nodes.
+    options.without_input = input.as_deref().is_some_and(input::is_standard);
+    let source = input.as_deref().filter(|_| place.number == 0).map(input::open).transpose()?;
     let sidecar = Sidecar::start(place, &path, limit, length, paced, connect)?;
+    if input.is_some() {
+        sidecar.take_input(source);
+    }
     let code = run::start(options, &program, None);
     let ended = code.as_ref().is_ok_and(|code| *code == ExitCode::SUCCESS);
     sidecar.finish(ended, summary.as_deref());

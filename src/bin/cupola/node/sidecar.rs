@@ -1,13 +1,15 @@
 //! The part beside the program of a node: it reports the program's progress to node 0, and releases
 //! its frames.
 
+use super::door::Door;
 use super::head::{Action, Head};
+use super::input;
 use super::link::{Deliver, Link, Message};
 use crate::failure::Failure;
 use cupola::nodes::Page;
 use cupola::rig::Place;
 use cupola::system::{self, process};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -27,7 +29,7 @@ pub struct Sidecar(Arc<Shared>);
 
 struct Shared {
     place: Place,
-    page: Page,
+    door: Arc<Door>,
     path: PathBuf,
     link: OnceLock<Box<dyn Link>>,
     /// Decisions of node 0; only on node 0.
@@ -72,7 +74,7 @@ impl Sidecar {
         let head = (place.number == 0).then(|| Mutex::new(Head::new(place.count as usize, limit / 2, paced)));
         let shared = Arc::new(Shared {
             place: place.clone(),
-            page,
+            door: Door::new(page, place.number, say),
             path: path.to_owned(),
             link: OnceLock::new(),
             head,
@@ -96,11 +98,24 @@ impl Sidecar {
         Ok(Self(shared))
     }
 
+    /// Gives the programs of all nodes the input that comes from `source`, which node 0 has.
+    pub fn take_input(&self, source: Option<Box<dyn Read + Send>>) {
+        self.0.door.expect_events();
+        let shared = Arc::clone(&self.0);
+        if let (Some(source), true) = (source, shared.head.is_some()) {
+            std::thread::spawn(move || {
+                let add = |line| shared.head.iter().for_each(|head| locked(head).add_input(line));
+                input::read(source, add, say);
+            });
+        }
+    }
+
     /// Handles the end of the program and waits for the others. `well`: it ended by itself and
     /// without an error.
     pub fn finish(&self, well: bool, summary: Option<&Path>) {
         let shared = &*self.0;
         shared.has_ended.store(true, Ordering::SeqCst);
+        shared.door.close();
         let mut is_clean = !shared.has_lost.load(Ordering::SeqCst);
         match &shared.head {
             Some(head) => {
@@ -114,19 +129,19 @@ impl Sidecar {
                 };
                 if well {
                     // The others may end by themselves with the same frame.
-                    let by_themselves = shared.page.limit().max(LAST);
+                    let by_themselves = shared.door.limit().max(LAST);
                     wait(by_themselves);
-                    shared.send_all(&Message::End);
+                    shared.send_all(&[Message::End]);
                     wait(by_themselves + GRACE);
                 } else {
                     wait(Duration::MAX);
                 }
                 is_clean &= locked(head).left() == 0 && !shared.has_lost.load(Ordering::SeqCst);
-                shared.send_all(&Message::Over { is_clean });
+                shared.send_all(&[Message::Over { is_clean }]);
                 shared.report(&locked(head), summary);
             }
             None => {
-                shared.send(0, &Message::Gone);
+                shared.send(0, &[Message::Gone]);
                 while shared.over.load(Ordering::SeqCst) == 0
                     && !shared.has_lost.load(Ordering::SeqCst)
                     && shared.silence() < SILENCE
@@ -149,14 +164,14 @@ impl Shared {
         let _ = std::fs::remove_file(&self.path);
     }
 
-    fn send(&self, to: usize, message: &Message) {
+    fn send(&self, to: usize, messages: &[Message]) {
         if let Some(link) = self.link.get() {
-            link.send(to, message);
+            link.send(to, messages);
         }
     }
 
-    fn send_all(&self, message: &Message) {
-        (1..self.place.count as usize).for_each(|to| self.send(to, message));
+    fn send_all(&self, messages: &[Message]) {
+        (1..self.place.count as usize).for_each(|to| self.send(to, messages));
     }
 
     /// Time since the last message of another node.
@@ -167,12 +182,14 @@ impl Shared {
     /// Executes the actions of the head. The caller holds the head's lock, so that releases are
     /// sent in their order.
     fn act(&self, actions: Vec<Action>) {
+        let messages: Vec<Message> = actions.iter().filter_map(Action::message).collect();
+        if !messages.is_empty() {
+            self.send_all(&messages);
+        }
         for action in actions {
             match action {
-                Action::Release { frame, time } => {
-                    self.send_all(&Message::Release { frame, time });
-                    self.page.release(frame, time);
-                }
+                Action::Input { frame, event } => self.door.add(frame, event),
+                Action::Release { frame, time } => self.door.open(frame, time),
                 Action::Say(words) => words.lines().for_each(say),
             }
         }
@@ -204,9 +221,10 @@ impl Shared {
             }
             (None, None) if self.over.load(Ordering::SeqCst) == 0 => {
                 say(&format!("node {}: node 0 cannot be reached any more", self.place.number));
-                self.page.leave();
+                self.door.leave();
             }
-            (Some(Message::Release { frame, time }), None) => self.page.release(frame, time),
+            (Some(Message::Input { frame, event }), None) => self.door.add(frame, event),
+            (Some(Message::Release { frame, time }), None) => self.door.open(frame, time),
             (Some(Message::End), None) => process::stop_foreground(),
             (Some(Message::Over { is_clean }), None) => {
                 self.over.store(1 + u64::from(is_clean), Ordering::SeqCst);
@@ -226,7 +244,7 @@ impl Shared {
     fn watch(&self) {
         let mut known = 0;
         while !self.has_ended.load(Ordering::SeqCst) {
-            let Some(arrival) = self.page.arrival(known, LOOK) else { continue };
+            let Some(arrival) = self.door.arrival(known, LOOK) else { continue };
             known = arrival.frame;
             match &self.head {
                 Some(head) => {
@@ -235,7 +253,7 @@ impl Shared {
                     self.act(head.arrived(0, arrival, now));
                     self.look_at(&head, now);
                 }
-                None => self.send(0, &Message::Arrived(arrival)),
+                None => self.send(0, &[Message::Arrived(arrival)]),
             }
         }
     }

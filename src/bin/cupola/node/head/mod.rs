@@ -3,6 +3,8 @@
 //! This is a state machine: its input are arrivals and the time, its output are messages to send
 //! and to show.
 
+use super::input::{Event, Line, Queue};
+use super::link::Message;
 use super::sums::Sums;
 use cupola::nodes::{Arrival, FIRST_FRAMES};
 use std::time::Duration;
@@ -11,13 +13,27 @@ use std::time::Duration;
 const START: Duration = Duration::from_secs(55);
 
 /// An action that follows from a decision.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Action {
+    /// This event reaches the programs of all nodes at the end of this frame, which is released
+    /// next.
+    Input { frame: u64, event: Event },
     /// All nodes may show frames up to this number. `time` is the program's time after it; 0 leaves
     /// it open.
     Release { frame: u64, time: u64 },
     /// A message for the user.
     Say(String),
+}
+
+impl Action {
+    /// What is to be sent to the other nodes.
+    pub fn message(&self) -> Option<Message> {
+        match *self {
+            Self::Input { frame, event } => Some(Message::Input { frame, event }),
+            Self::Release { frame, time } => Some(Message::Release { frame, time }),
+            Self::Say(_) => None,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +75,7 @@ pub struct Head {
     /// Time from which a frame may be shown at which all nodes have arrived.
     early: Option<u64>,
     sums: Sums,
+    input: Queue,
 }
 
 impl Head {
@@ -77,6 +94,7 @@ impl Head {
             start: None,
             early: None,
             sums: Sums::default(),
+            input: Queue::default(),
         }
     }
 
@@ -102,6 +120,11 @@ impl Head {
         actions.extend(self.sums.add(number, &arrival).map(Action::Say));
         self.look(now, &mut actions);
         actions
+    }
+
+    /// Adds a line of what the operator has done with keyboard or mouse.
+    pub fn add_input(&mut self, line: Line) {
+        self.input.add(line);
     }
 
     /// Handles the end of a node's program, or of the connection to it.
@@ -206,6 +229,7 @@ impl Head {
             let in_step = |node: &Node| node.state == State::InStep;
             let members: Vec<usize> = (0..self.nodes.len()).filter(|number| in_step(&self.nodes[*number])).collect();
             actions.extend(self.sums.settle(newest, &members).map(Action::Say));
+            actions.extend(self.input.take(newest).into_iter().map(|event| Action::Input { frame: newest, event }));
             actions.push(Action::Release { frame: newest, time });
         }
     }
@@ -237,137 +261,4 @@ fn nanoseconds(length: Duration) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const MS: u64 = 1_000_000;
-
-    fn head(count: usize) -> Head {
-        Head::new(count, Duration::from_millis(50), None)
-    }
-
-    fn at(frame: u64) -> Arrival {
-        Arrival { frame, digest: frame, time: frame * 16 * MS, went: 0, size: (640, 480) }
-    }
-
-    fn released(actions: &[Action]) -> Option<u64> {
-        actions.iter().rev().find_map(|action| match action {
-            Action::Release { frame, .. } => Some(*frame),
-            Action::Say(_) => None,
-        })
-    }
-
-    fn said(actions: &[Action]) -> String {
-        let words = actions.iter().filter_map(|action| match action {
-            Action::Say(words) => Some(words.as_str()),
-            Action::Release { .. } => None,
-        });
-        words.collect::<Vec<_>>().join("\n")
-    }
-
-    #[test]
-    fn a_frame_is_released_when_all_have_come() {
-        let mut head = head(3);
-        for frame in 1..5 {
-            assert_eq!(released(&head.arrived(2, at(frame), 0)), None);
-            assert_eq!(released(&head.arrived(0, at(frame), 10)), None);
-            assert_eq!(released(&head.tick(49 * MS)), None);
-            assert_eq!(head.arrived(1, at(frame), 20), [Action::Release { frame, time: 0 }]);
-        }
-    }
-
-    #[test]
-    fn others_go_on_without_one_that_is_late_and_it_comes_back() {
-        let mut head = head(3);
-        for frame in 1..20 {
-            (0..3).for_each(|node| drop(head.arrived(node, at(frame), 0)));
-        }
-        head.arrived(0, at(20), 0);
-        head.arrived(1, at(20), 5 * MS);
-        assert_eq!(released(&head.tick(49 * MS)), None);
-        let actions = head.tick(51 * MS);
-        assert_eq!(released(&actions), Some(20));
-        assert!(said(&actions).contains("node 2 has not reached frame 20"), "{actions:?}");
-        for frame in 21..100 {
-            head.arrived(0, at(frame), 60 * MS);
-            assert_eq!(head.arrived(1, at(frame), 60 * MS), [Action::Release { frame, time: 0 }]);
-            // The node draws the frames that it has missed, and no node waits for it.
-            assert_eq!(head.arrived(2, at(frame - 1), 60 * MS), []);
-        }
-        head.arrived(0, at(100), 70 * MS);
-        assert!(said(&head.arrived(2, at(100), 71 * MS)).contains("node 2 is in step again at frame 100"));
-        // The others wait for it again. No message is repeated.
-        assert_eq!(released(&head.tick(90 * MS)), None);
-        assert_eq!(released(&head.arrived(1, at(100), 91 * MS)), Some(100));
-        head.arrived(0, at(101), 100 * MS);
-        head.arrived(1, at(101), 100 * MS);
-        assert_eq!(head.tick(160 * MS), [Action::Release { frame: 101, time: 0 }]);
-    }
-
-    #[test]
-    fn a_node_that_is_gone_is_not_waited_for() {
-        let mut head = head(3);
-        (0..2).for_each(|node| drop(head.arrived(node, at(1), 0)));
-        assert_eq!(released(&head.gone(2, MS)), Some(1));
-        assert_eq!((head.left(), released(&head.gone(2, MS))), (2, None));
-        head.arrived(1, at(2), 0);
-        assert_eq!(released(&head.gone(0, MS)), Some(2));
-        assert_eq!(released(&head.arrived(1, at(3), 0)), Some(3));
-    }
-
-    /// Node 0 was stopped, and the others went on by themselves.
-    #[test]
-    fn all_meet_at_the_frame_of_the_one_that_is_ahead() {
-        let mut head = head(3);
-        (0..3).for_each(|node| drop(head.arrived(node, at(1), 0)));
-        assert_eq!(released(&head.arrived(1, at(120), 0)), Some(119));
-        assert_eq!(released(&head.arrived(2, at(117), 0)), None);
-        assert_eq!(released(&head.arrived(2, at(120), 0)), None);
-        assert_eq!(released(&head.arrived(0, at(120), 0)), Some(120));
-    }
-
-    #[test]
-    fn frames_follow_the_real_time() {
-        let mut head = Head::new(1, Duration::from_millis(50), Some(Duration::from_millis(16)));
-        // The first frames take no time, and none is skipped.
-        for frame in 1..10 {
-            let time = frame * 16 * MS;
-            assert_eq!(head.arrived(0, at(frame), frame * 7000 * MS), [Action::Release { frame, time }]);
-        }
-        let start = 90_000 * MS;
-        assert_eq!(head.arrived(0, at(10), start), [Action::Release { frame: 10, time: 160 * MS }]);
-        assert_eq!(head.arrived(0, at(11), start + MS), []);
-        assert_eq!(head.tick(start + 15 * MS), []);
-        assert_eq!(head.tick(start + 16 * MS), [Action::Release { frame: 11, time: 176 * MS }]);
-        // The frame is too slow by two and a half frames.
-        assert_eq!(head.arrived(0, at(12), start + 72 * MS), [Action::Release { frame: 12, time: 224 * MS }]);
-    }
-
-    #[test]
-    fn the_one_that_draws_something_else_is_named() {
-        let mut head = head(3);
-        for frame in 1..30 {
-            let other = |node: usize| u64::from(node == 1 && (4..8).contains(&frame));
-            let actions: Vec<Action> = (0..3)
-                .flat_map(|node| head.arrived(node, Arrival { digest: frame + 100 * other(node), ..at(frame) }, 0))
-                .collect();
-            let words = said(&actions);
-            assert_eq!(words.contains("node 1 draws something else than the others in frame 4"), frame == 4, "{words}");
-            assert_eq!(
-                words.contains("node 1 draws the same as the others again since frame 8"),
-                frame == 18,
-                "{words}"
-            );
-            assert_eq!(words.is_empty(), frame != 4 && frame != 18, "{frame}: {words}");
-        }
-        assert!(head.summary(false).contains("node 1 differed in 4 frames from 4 to 7"), "{}", head.summary(false));
-    }
-
-    #[test]
-    fn windows_of_different_sizes_are_told() {
-        let mut head = head(2);
-        head.arrived(0, at(1), 0);
-        let words = said(&head.arrived(1, Arrival { size: (800, 600), ..at(1) }, 0));
-        assert!(words.contains("800x600") && words.contains("640x480"), "{words}");
-    }
-}
+mod tests;
