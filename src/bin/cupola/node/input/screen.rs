@@ -29,11 +29,14 @@ const DEEPEST: u32 = 4;
 /// Those of the connection.
 pub fn own(connection: &RustConnection, window: Window) -> Result<bool, ReplyError> {
     let selection = connection.intern_atom(false, OWNER)?.reply()?.atom;
-    if connection.get_selection_owner(selection)?.reply()?.owner != x11rb::NONE {
-        return Ok(false);
+    // Two that ask at the same time would both find it free.
+    connection.grab_server()?;
+    let is_free = connection.get_selection_owner(selection)?.reply()?.owner == x11rb::NONE;
+    if is_free {
+        connection.set_selection_owner(window, selection, CURRENT_TIME)?;
     }
-    connection.set_selection_owner(window, selection, CURRENT_TIME)?;
-    Ok(connection.get_selection_owner(selection)?.reply()?.owner == window)
+    connection.ungrab_server()?;
+    Ok(is_free)
 }
 
 /// A window of the program: where it is on the screen, and its width and height.
