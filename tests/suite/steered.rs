@@ -129,7 +129,7 @@ fn has_come(show: &Show, node: usize, what: &str) {
 fn server_of(process: u32) -> (RustConnection, Window) {
     let variables = std::fs::read(format!("/proc/{process}/environ")).expect("a process");
     let name = variables.split(|byte| *byte == 0).find_map(|variable| variable.strip_prefix(b"DISPLAY="));
-    connection(&String::from_utf8(name.expect("a display").to_vec()).expect("a name"))
+    connection(std::str::from_utf8(name.expect("a display")).expect("a name"))
 }
 
 fn connection(name: &str) -> (RustConnection, Window) {
