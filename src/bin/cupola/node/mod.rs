@@ -51,8 +51,8 @@ pub struct Arguments {
     /// Leave the program's clocks and random numbers alone
     #[arg(long, conflicts_with_all = ["clock", "seed", "clock_start"])]
     own_clocks: bool,
-    /// Give what this file says of keyboard and mouse to the programs of all nodes in the same
-    /// frame: a file, a named pipe, or - for the standard input of node 0
+    /// Send keyboard and mouse events of a file to the programs of all nodes in the same frame: a
+    /// file, a named pipe, or - for the standard input of node 0
     #[arg(long, value_name = "FILE|-")]
     input: Option<PathBuf>,
     /// Write the observations of node 0 to a JSON file
