@@ -1,5 +1,4 @@
-//! `cupola input`: what is done with keyboard and mouse in a window, as lines for `cupola node
-//! --input`.
+//! `cupola input`: keyboard and mouse events in a window, as lines for `cupola node --input`.
 
 use crate::failure::Failure;
 use crate::node::input::{Event, screen};
@@ -12,7 +11,7 @@ use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, CreateWindowAux, Eve
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-/// Print what is done with keyboard and mouse in a window, for `cupola node --input`.
+/// Print keyboard and mouse events of a window, for `cupola node --input`.
 #[derive(clap::Args)]
 #[command(after_help = "\
   cupola input | mpirun --hostfile machines cupola node --input - --rig dome.toml -- program
@@ -34,27 +33,27 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let desk = Desk::open(connection, number, arguments.size).map_err(|error| failed(&error))?;
     let Some(mut desk) = desk else {
         return Err(Failure::usage(format!(
-            "on the X screen {name} programs of cupola node or another window of cupola input take keyboard and mouse \
-             already, and this window would get their events: open it on another X server (--display)"
+            "the X screen {name} is already used by programs of cupola node, or by another window of cupola input, and \
+             this window would receive their events: open it on another X server (--display)"
         )));
     };
     desk.serve().map_err(|error| failed(&error))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// The window, and what is held down in it.
+/// The window, and the keys and buttons that are held down in it.
 struct Desk {
     connection: RustConnection,
     /// Symbols of the keys by their code.
     symbols: Vec<u32>,
-    /// The message that closes the window.
+    /// Message that closes the window.
     close: u32,
     size: (u16, u16),
     held: Vec<Event>,
 }
 
 impl Desk {
-    /// Opens the window; `None` where events are given to programs.
+    /// Opens the window; `None` if the X server already sends events to programs.
     fn open(connection: RustConnection, number: usize, size: (u32, u32)) -> Result<Option<Self>, ReplyError> {
         let setup = connection.setup();
         let screen = setup.roots.get(number).ok_or(ConnectionError::UnknownError)?;
@@ -100,7 +99,7 @@ impl Desk {
                     self.size = (event.width, event.height);
                     continue;
                 }
-                // The release of what is held goes to another window.
+                // The release of held keys goes to another window.
                 XEvent::FocusOut(_) => self.released(),
                 XEvent::ClientMessage(event) if event.data.as_data32()[0] == self.close => {
                     // Nobody may read any more.
@@ -123,10 +122,10 @@ impl Desk {
         self.held_or_not(Event::Button { number, is_down: true }, is_down)
     }
 
-    /// A key or a button was pressed or released; `held`: the same, pressed.
+    /// Records a pressed or released key or button, and returns its event; `held` is its press.
     fn held_or_not(&mut self, held: Event, is_down: bool) -> Vec<Event> {
         if matches!(held, Event::Key { symbol: 0, .. }) {
-            // A key that writes nothing has no name.
+            // A key without a symbol has no name.
             return Vec::new();
         }
         self.held.retain(|known| *known != held);

@@ -1,7 +1,7 @@
-//! Where a node's program is let go, after it got what keyboard and mouse have for it.
+//! Release of a node's program, after it has received the events of keyboard and mouse.
 //!
 //! Events belong to the end of a frame, where the program waits. A program that is late is stopped
-//! there, too, and gets them in the same frame as all others.
+//! there, too, and receives them in the same frame as all others.
 
 use super::input::Event;
 use super::input::screen::Screen;
@@ -12,30 +12,30 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// So often it is looked whether the program has ended.
+/// Interval at which the end of the program is checked.
 const LOOK: Duration = Duration::from_millis(10);
-/// The longest wait for an X server when the program has ended.
+/// Longest wait for an X server when the program has ended.
 const LAST: Duration = Duration::from_secs(1);
 
 #[derive(Default)]
 struct Held {
-    /// All may show frames up to this number.
+    /// Number of the newest frame that all may show.
     newest: u64,
     /// Events with the frames at whose end they reach the program.
     events: VecDeque<(u64, Event)>,
-    /// Events of this frame are on their way.
+    /// Frame whose events are being sent to the program.
     busy: Option<u64>,
     has_ended: bool,
 }
 
 impl Held {
-    /// The first frame that the program may not pass yet.
+    /// Number of the first frame that the program may not pass yet.
     fn held_at(&self) -> Option<u64> {
         self.busy.or(self.events.front().map(|(frame, _)| *frame))
     }
 }
 
-/// The page of a program, and what the program has to get before it is let go.
+/// Page of a program, and the events that it receives before it is released.
 pub struct Door {
     page: Page,
     /// Number of this node.
@@ -48,7 +48,7 @@ pub struct Door {
 }
 
 impl Door {
-    /// The door of a node's program.
+    /// Makes the door of a node's program.
     pub fn new(page: Page, node: u32, say: fn(&str)) -> Arc<Self> {
         let (held, changed) = (Mutex::default(), Condvar::new());
         Arc::new(Self { page, node, held, changed, once: Once::new(), thread: Mutex::default(), say })
@@ -58,22 +58,22 @@ impl Door {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The longest wait of the program.
+    /// Longest wait of the program.
     pub fn limit(&self) -> Duration {
         self.page.limit()
     }
 
-    /// The program's newest arrival: [`Page::arrival`].
+    /// Newest arrival of the program: [`Page::arrival`].
     pub fn arrival(&self, known: u64, limit: Duration) -> Option<Arrival> {
         self.page.arrival(known, limit)
     }
 
-    /// The program is let go for good: [`Page::leave`].
+    /// Releases the program for good: [`Page::leave`].
     pub fn leave(&self) {
         self.page.leave();
     }
 
-    /// All may show frames up to this number; `time`: the program's time after the last of them.
+    /// Lets all show frames up to this number; `time` is the program's time after the last of them.
     pub fn open(&self, frame: u64, time: u64) {
         let mut held = self.held();
         held.newest = held.newest.max(frame);
@@ -84,20 +84,20 @@ impl Door {
         }
     }
 
-    /// Lets the program go as far as it may.
+    /// Releases the program as far as its events allow.
     fn release(&self, held: &Held) {
         self.page.release(held.held_at().map_or(held.newest, |frame| held.newest.min(frame.saturating_sub(1))));
     }
 
-    /// An event reaches the program at the end of this frame. What belongs to a frame is added
-    /// before it is opened.
+    /// Adds an event that reaches the program at the end of this frame. The events of a frame are
+    /// added before the frame is opened.
     pub fn add(self: &Arc<Self>, frame: u64, event: Event) {
         self.expect_events();
         self.held().events.push_back((frame, event));
         self.changed.notify_all();
     }
 
-    /// Gets ready for events.
+    /// Starts the thread that sends events, once.
     pub fn expect_events(self: &Arc<Self>) {
         self.once.call_once(|| {
             let door = Arc::clone(self);
@@ -106,19 +106,19 @@ impl Door {
         });
     }
 
-    /// The program has ended.
+    /// Handles the end of the program.
     pub fn close(&self) {
         self.held().has_ended = true;
         self.changed.notify_all();
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
         let begin = Instant::now();
-        // It puts the keyboard back as it was, unless the X server hangs.
+        // The thread restores the keyboard's repetition, unless the X server hangs.
         while thread.as_ref().is_some_and(|thread| !thread.is_finished()) && begin.elapsed() < LAST {
             std::thread::sleep(LOOK);
         }
     }
 
-    /// What the program does not get while it ends is not missed.
+    /// False while the program ends; events that it does not receive then are not reported.
     fn is_running(&self) -> bool {
         !self.held().has_ended && Path::new(&format!("/proc/{}", self.page.process())).exists()
     }
@@ -127,7 +127,7 @@ impl Door {
         (self.say)(&format!("node {}: {words}", self.node));
     }
 
-    /// Waits until the program has come to the end of a frame. `false`: it has ended.
+    /// Waits until the program has reached the end of a frame. `false`: it has ended.
     fn wait_for(&self, frame: u64) -> bool {
         while self.page.arrived() < frame && !self.held().has_ended {
             self.page.arrival(self.page.arrived(), LOOK);
@@ -135,7 +135,7 @@ impl Door {
         !self.held().has_ended
     }
 
-    /// Gives events to the program as long as it runs.
+    /// Sends events to the program as long as it runs.
     fn give_events(&self) {
         if !self.wait_for(1) {
             return;
@@ -187,7 +187,7 @@ impl Door {
                 return None;
             }
             match held.events.front().map(|(frame, _)| *frame) {
-                // All events of a frame are there when it was opened.
+                // All events of a frame were added before it was opened.
                 Some(frame) if frame <= held.newest => {
                     held.busy = Some(frame);
                     return Some(frame);

@@ -104,7 +104,14 @@ impl Sidecar {
         let shared = Arc::clone(&self.0);
         if let (Some(source), true) = (source, shared.head.is_some()) {
             std::thread::spawn(move || {
-                let add = |line| shared.head.iter().for_each(|head| locked(head).add_input(line));
+                let add = |line| {
+                    if let Some(head) = &shared.head {
+                        while locked(head).is_input_full() {
+                            std::thread::sleep(LOOK);
+                        }
+                        locked(head).add_input(line);
+                    }
+                };
                 input::read(source, add, say);
             });
         }

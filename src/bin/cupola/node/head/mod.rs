@@ -122,7 +122,12 @@ impl Head {
         actions
     }
 
-    /// Adds a line of what the operator has done with keyboard or mouse.
+    /// True if no line should be added before some have reached the programs.
+    pub fn is_input_full(&self) -> bool {
+        self.input.is_full()
+    }
+
+    /// Adds a line of keyboard or mouse.
     pub fn add_input(&mut self, line: Line) {
         self.input.add(line);
     }

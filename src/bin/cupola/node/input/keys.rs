@@ -1,6 +1,6 @@
-//! Names of keys, as the X server calls the symbols on them.
+//! Names of keys: those of X for the symbols on them.
 
-/// Keys that write nothing, and those whose sign cannot stand alone in a line.
+/// Names of keys without a character, and of those whose character cannot stand in a line.
 const NAMES: [(&str, u32); 62] = [
     ("space", 0x20),
     ("BackSpace", 0xff08),
@@ -66,10 +66,10 @@ const NAMES: [(&str, u32); 62] = [
     ("Delete", 0xffff),
 ];
 
-/// Symbols of signs beyond Latin-1 are their number in Unicode, and this.
+/// Added to a character's number in Unicode, gives its symbol beyond Latin-1.
 const UNICODE: u32 = 0x0100_0000;
 
-/// The symbol of a key that is named by its sign, its name or, in hexadecimal, its number.
+/// Returns the symbol of a key from its character, its name or its hexadecimal number.
 pub fn symbol(name: &str) -> Option<u32> {
     let mut signs = name.chars();
     if let (Some(sign), None) = (signs.next(), signs.next()) {
@@ -80,7 +80,7 @@ pub fn symbol(name: &str) -> Option<u32> {
     known.or_else(|| u32::from_str_radix(name.strip_prefix("0x")?, 16).ok().filter(|symbol| *symbol > 0))
 }
 
-/// The name of a key, as [`symbol`] takes it.
+/// Returns the name of a key, as [`symbol`] accepts it.
 pub fn name(symbol: u32) -> String {
     if let Some((name, _)) = NAMES.iter().find(|(_, known)| *known == symbol) {
         return (*name).to_owned();

@@ -1,6 +1,6 @@
-//! What an operator does with keyboard and mouse: lines of text, and when it reaches the programs.
+//! Keyboard and mouse events: lines of text, and the frames in which they reach the programs.
 //!
-//! Node 0 reads the lines (`--input`), and says at the end of which frame each event reaches the
+//! Node 0 reads the lines (`--input`). It decides at the end of which frame each event reaches the
 //! programs of all nodes.
 
 pub mod keys;
@@ -13,21 +13,21 @@ use std::io::{BufRead, BufReader, Read};
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
-/// Something that was done with keyboard or mouse.
+/// Event of keyboard or mouse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// The key with this symbol of X.
     Key { symbol: u32, is_down: bool },
     /// A button of the mouse, from 1.
     Button { number: u8, is_down: bool },
-    /// The pointer is here, in parts of the window's width and height from its left upper corner.
+    /// Position of the pointer, in parts of the window's width and height from its top left corner.
     Place { x: f64, y: f64 },
-    /// The mouse was moved by so many pixels.
+    /// Movement of the mouse in pixels.
     Shift { x: i32, y: i32 },
 }
 
 impl Event {
-    /// As numbers.
+    /// Returns the event as numbers of a message.
     pub fn words(&self) -> [u64; 3] {
         match *self {
             Self::Key { symbol, is_down } => [1, symbol.into(), is_down.into()],
@@ -37,7 +37,7 @@ impl Event {
         }
     }
 
-    /// From numbers; `None` for those of another release.
+    /// Reads the numbers of a message; `None` for those of another release.
     pub fn of([kind, first, second]: [u64; 3]) -> Option<Self> {
         Some(match kind {
             1 => Self::Key { symbol: first as u32, is_down: second != 0 },
@@ -48,7 +48,7 @@ impl Event {
         })
     }
 
-    /// Joins what follows with this, if the programs see the same then.
+    /// Joins the next event with this one, if that makes no difference to programs.
     fn join(&mut self, next: &Self) -> bool {
         match (self, next) {
             (Self::Place { x, y }, Self::Place { x: next_x, y: next_y }) => (*x, *y) = (*next_x, *next_y),
@@ -60,7 +60,7 @@ impl Event {
         true
     }
 
-    /// The key or the button is released.
+    /// Returns the release of the key or the button.
     pub fn released(&self) -> Self {
         match *self {
             Self::Key { symbol, .. } => Self::Key { symbol, is_down: false },
@@ -70,7 +70,7 @@ impl Event {
     }
 }
 
-/// The line that says this.
+/// Writes the line of the event.
 impl std::fmt::Display for Event {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let way = |is_down: bool| if is_down { "down" } else { "up" };
@@ -86,7 +86,7 @@ impl std::fmt::Display for Event {
 /// A line of input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// It reaches the programs at the end of this frame at the earliest.
+    /// Number of the earliest frame at whose end the event reaches the programs.
     frame: u64,
     event: Event,
     /// The key or the button is released at the end of the next frame.
@@ -94,10 +94,10 @@ pub struct Line {
 }
 
 impl Line {
-    /// Reads a line; `None` if it says nothing.
+    /// Reads a line; `None` for an empty line and a comment.
     ///
     /// # Errors
-    /// What was expected, for people.
+    /// A message with what was expected.
     pub fn parse(text: &str) -> Result<Option<Self>, String> {
         let text = text.trim();
         if text.is_empty() || text.starts_with('#') {
@@ -149,12 +149,14 @@ impl Line {
 
 /// Most events at the end of one frame. The rest waits for the next one.
 const MOST: usize = 256;
+/// Number of lines that wait, at most. A source that is faster waits.
+const MOST_LINES: usize = 4096;
 
-/// Lines whose frame has not come.
+/// Lines that no frame has taken yet.
 #[derive(Default)]
 pub struct Queue {
     lines: VecDeque<Line>,
-    /// What is released at the end of the next frame.
+    /// Releases at the end of the next frame.
     short: Vec<Event>,
 }
 
@@ -164,7 +166,12 @@ impl Queue {
         self.lines.push_back(line);
     }
 
-    /// What reaches the programs at the end of this frame.
+    /// True if no line should be added before some are taken.
+    pub fn is_full(&self) -> bool {
+        self.lines.len() >= MOST_LINES
+    }
+
+    /// Takes the events that reach the programs at the end of this frame.
     pub fn take(&mut self, frame: u64) -> Vec<Event> {
         let mut taken = std::mem::take(&mut self.short);
         while let Some(line) = self.lines.front().filter(|line| line.frame <= frame && taken.len() < MOST) {
@@ -199,7 +206,7 @@ pub fn open(source: &Path) -> Result<Box<dyn Read + Send>, Failure> {
     Ok(Box::new(OpenOptions::new().read(true).write(is_pipe).open(source).map_err(failed)?))
 }
 
-/// Whether lines come by the standard input.
+/// True if the source of lines is the standard input.
 pub fn is_standard(source: &Path) -> bool {
     source.as_os_str() == "-"
 }
@@ -211,7 +218,7 @@ const LONGEST: u64 = 1000;
 pub fn read(source: impl Read, mut add: impl FnMut(Line), say: impl Fn(&str)) {
     let mut source = BufReader::new(source);
     let mut bytes = Vec::new();
-    // The end of a line that was too long says nothing.
+    // The rest of a line that was too long is skipped.
     let mut is_rest = false;
     loop {
         bytes.clear();
@@ -320,6 +327,12 @@ mod tests {
             queue.add(line("button 1 up"));
         });
         assert_eq!([queue.take(2).len(), queue.take(3).len(), queue.take(4).len()], [MOST, MOST, 2]);
+        (1..MOST_LINES).for_each(|_| queue.add(line("shift 1 0")));
+        assert!(!queue.is_full());
+        queue.add(line("shift 1 0"));
+        assert!(queue.is_full());
+        queue.take(5);
+        assert!(!queue.is_full());
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Gives events to a program by its X server, as if they came from the keyboard and the mouse there
-//! (XTEST).
+//! Events for a program by its X server, as if they came from the keyboard and the mouse of that
+//! server (XTEST).
 
 use super::{Event, keys};
 use std::collections::HashMap;
@@ -16,11 +16,11 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// The selection whose owner is the only one that gives events to the server's programs, or takes
-/// them there.
+/// Selection of the server. Only its owner may send events to the server's programs, or receive
+/// them in a window.
 pub const OWNER: &[u8] = b"CUPOLA_INPUT";
 
-/// Windows of programs lie in those of window managers, no deeper than this.
+/// Number of levels at which a program's window may lie within those of a window manager.
 const DEEPEST: u32 = 4;
 
 /// Makes the selection [`OWNER`] that of `window`. `false`: another window has it.
@@ -39,33 +39,33 @@ pub fn own(connection: &RustConnection, window: Window) -> Result<bool, ReplyErr
     Ok(is_free)
 }
 
-/// A window of the program: where it is on the screen, and its width and height.
+/// Window of the program: its position on the screen, and its width and height.
 struct Target {
     window: Window,
     corner: (i16, i16),
     size: (u16, u16),
 }
 
-/// The X server of a program.
+/// X server of a program.
 pub struct Screen {
     connection: RustConnection,
     name: String,
     root: Window,
     process: u32,
-    /// Codes of the keys by the symbol that they have without others.
+    /// Codes of the keys by the symbol that they have without modifiers.
     codes: HashMap<u32, Option<u8>>,
     window: Option<Window>,
-    /// The server repeated keys that are held.
+    /// True if the server repeated held keys before.
     repeats: bool,
-    /// What the user has to know.
+    /// Messages for the user.
     said: Vec<String>,
 }
 
 impl Screen {
-    /// Connects with the server that this process shows its windows on.
+    /// Connects to the server on which this process shows its windows.
     ///
     /// # Errors
-    /// There is none, or it does not take events; for people.
+    /// A message, if there is no server or it does not accept events.
     pub fn open(process: u32) -> Result<Self, String> {
         let name = display_of(process).ok_or("it has no X server (the variable DISPLAY)")?;
         let failed = |error: &dyn std::fmt::Display| format!("its X server {name}: {error}");
@@ -80,7 +80,7 @@ impl Screen {
             let is_ours = own(&connection, window)?;
             let repeats = connection.get_keyboard_control()?.reply()?.global_auto_repeat == AutoRepeatMode::ON;
             if is_ours && repeats {
-                // The server would repeat keys in its own time, which is in other frames on each node.
+                // The server repeats keys in its own time, in different frames on each node.
                 let off = ChangeKeyboardControlAux::new().auto_repeat_mode(AutoRepeatMode::OFF);
                 connection.change_keyboard_control(&off)?.check()?;
             }
@@ -104,10 +104,10 @@ impl Screen {
         Ok(Self { connection, name, root, process, codes, window: None, repeats, said: Vec::new() })
     }
 
-    /// Gives events to the program, and waits until it has them. Returns what the user has to know.
+    /// Sends events to the program, and waits until it has them. Returns messages for the user.
     ///
     /// # Errors
-    /// They did not reach it; for people.
+    /// A message, if the events did not reach the program.
     pub fn give(&mut self, events: &[Event]) -> Result<Vec<String>, String> {
         self.try_to_give(events).map_err(|error| format!("its X server {}: {error}", self.name))?;
         Ok(std::mem::take(&mut self.said))
@@ -116,8 +116,7 @@ impl Screen {
     fn try_to_give(&mut self, events: &[Event]) -> Result<(), ReplyError> {
         let Some(Target { window, corner, size }) = self.target()? else {
             let words = format!(
-                "it has no window on the X server {} that is seen: what is done with keyboard and mouse until it has \
-                 one is lost",
+                "it has no visible window on the X server {}; events of keyboard and mouse are lost until it has one",
                 self.name
             );
             self.said.push(words);
@@ -136,12 +135,12 @@ impl Screen {
                         let kind = if is_down { KEY_PRESS_EVENT } else { KEY_RELEASE_EVENT };
                         fake(kind, code, x11rb::NONE, 0, 0)?;
                     }
-                    // It was told.
+                    // Already reported.
                     Some(None) => {}
                     None => {
                         self.codes.insert(symbol, None);
                         self.said.push(format!(
-                            "the keyboard of the X server {} has no key that writes {} by itself",
+                            "the keyboard of the X server {} has no key for {} without a modifier",
                             self.name,
                             keys::name(symbol)
                         ));
@@ -175,7 +174,7 @@ impl Screen {
         Ok(())
     }
 
-    /// The program's window as it is now.
+    /// Returns the program's window, with its present position and size.
     fn target(&mut self) -> Result<Option<Target>, ReplyError> {
         for is_known in [true, false] {
             if !is_known {
@@ -192,8 +191,8 @@ impl Screen {
         Ok(None)
     }
 
-    /// The largest window of the program that is seen; where the server does not know whose windows
-    /// are whose, the largest of all.
+    /// Finds the largest visible window of the program. If the server does not know the owners of
+    /// windows, it is the largest of all.
     fn find_window(&self) -> Result<Option<Window>, ReplyError> {
         let all = ClientIdSpec { client: 0, mask: ClientIdMask::LOCAL_CLIENT_PID };
         let clients = self.connection.res_query_client_ids(&[all])?.reply().map(|reply| reply.ids).unwrap_or_default();
@@ -227,12 +226,12 @@ impl Screen {
         Ok(found.map(|(_, window)| window))
     }
 
-    /// The client that has made this.
+    /// Returns the client that owns this resource.
     fn client(&self, id: u32) -> u32 {
         id & !self.connection.setup().resource_id_mask
     }
 
-    /// Lets the keyboard write to the program.
+    /// Gives the keyboard focus to the program.
     fn focus(&self, window: Window) -> Result<(), ReplyError> {
         let now = self.connection.get_input_focus()?.reply()?.focus;
         // A window of a toolkit may have given it to one of its parts.
@@ -253,7 +252,7 @@ impl Drop for Screen {
     }
 }
 
-/// The X server of a process, by its environment.
+/// Returns the name of a process's X server, from its environment.
 fn display_of(process: u32) -> Option<String> {
     let variables = std::fs::read(format!("/proc/{process}/environ")).ok()?;
     let value = variables.split(|byte| *byte == 0).find_map(|variable| variable.strip_prefix(b"DISPLAY="))?;
