@@ -1,5 +1,6 @@
 //! The GLSL of `src/correct/projected/projection.rs` and `src/correct/projected/division.rs` →
-//! SPIR-V functions that are put into a Vulkan program's shader, or into a stage of ours behind it.
+//! SPIR-V functions that are put into a Vulkan program's shader, or into a stage of Cupola behind
+//! it.
 //!
 //! naga makes a whole module; what one function reaches is kept, in three parts that go to three
 //! places of another module. Which words are ids is written down with them, since ids have to be

@@ -23,7 +23,7 @@ impl Face {
     /// All faces, in the order in which views are made.
     pub const ALL: [Self; 6] = [Self::Front, Self::Right, Self::Left, Self::Up, Self::Down, Self::Back];
 
-    /// Name for people and files.
+    /// Name in messages and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Front => "front",

@@ -22,9 +22,9 @@ pub struct Division {
     pub map: PictureMap,
     /// Its width and height in pixels.
     pub pixels: DVec2,
-    /// Greatest distance in pixels of what a primitive shows from where it should be, > 0.
+    /// Greatest distance in pixels of a point of a primitive from its exact place, > 0.
     pub max_error: f64,
-    /// A primitive becomes at most so many; what then is not fine enough is counted.
+    /// Greatest number of parts of a primitive. Parts that are not fine enough then are counted.
     pub most: usize,
 }
 

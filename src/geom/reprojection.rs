@@ -48,8 +48,8 @@ pub enum MatrixClass {
     Perspective(Intrinsics),
     /// Keeps w constant: a model, view or orthographic matrix.
     Affine,
-    /// A perspective projection times an affine matrix that is no similarity: of the lens only E
-    /// and F are told, as in [`Intrinsics`].
+    /// A perspective projection times an affine matrix that is not a similarity: only E and F of
+    /// the lens are known, as in [`Intrinsics`].
     Stretched {
         /// E, with the same error as that of a perspective.
         e: f64,

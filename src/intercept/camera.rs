@@ -12,7 +12,7 @@ pub struct Camera {
     /// Rows for every view, as the patched shaders take them.
     pub rows: Vec<ReprojectionMatrix>,
     used: bool,
-    /// For so many frames, this one included, it is known that the views are drawn with it.
+    /// Number of frames, this one included, for which the views are known to be drawn with it.
     shown: u8,
 }
 

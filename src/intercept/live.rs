@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// Least interval at which the file is checked.
 const INTERVAL: Duration = Duration::from_millis(10);
-/// A check of the file is followed by a pause of at least so many times its own time.
+/// Least ratio of the pause after a check of the file to the time of the check.
 const PAUSE: u32 = 100;
 
 /// The rig of the moment.

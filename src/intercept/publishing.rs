@@ -13,7 +13,8 @@ use std::sync::{Mutex, Once};
 /// Frames that readers have time for before they lose one.
 const SLOTS: usize = 4;
 
-/// So many frames of other windows without one of the published window mean that it is gone.
+/// Number of frames of other windows, without one of the published window, after which that window
+/// counts as gone.
 const GONE: u32 = 30;
 
 struct Publishing {

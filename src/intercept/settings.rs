@@ -53,7 +53,7 @@ pub struct Settings {
     pub publish: Option<PathBuf>,
     /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for those who read them, and loses no picture.
     pub publish_waits: bool,
-    /// `CUPOLA_PUBLISH_RATE=N`: at most so many frames a second are published, here as the least
+    /// `CUPOLA_PUBLISH_RATE=N`: at most N frames a second are published. Here it is the least
     /// time from one to the next in nanoseconds; 0: all frames.
     pub publish_interval: u64,
     /// `CUPOLA_DOMEMASTER=SIDE`: one more output beside the window, to be published.
@@ -256,12 +256,12 @@ fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
     )
 }
 
-/// The time so many seconds from now; a number above 0.
+/// Returns the time after this number of seconds, which must be above 0.
 fn parse_seconds(text: &str) -> Option<Instant> {
     Instant::now().checked_add(parse_length(text)?)
 }
 
-/// So many seconds; a number above 0.
+/// Reads a number of seconds above 0.
 fn parse_length(text: &str) -> Option<Duration> {
     Duration::try_from_secs_f64(text.parse().ok()?).ok().filter(|seconds| !seconds.is_zero())
 }

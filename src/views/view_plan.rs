@@ -27,7 +27,7 @@ impl Tile {
 /// One picture of the program's world; a perspective one mostly.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct View {
-    /// Name for people: `front`, `left`, `projector-3` …
+    /// Name in messages: `front`, `left`, `projector-3` …
     pub name: String,
     /// Axes of the viewer → axes of the view.
     pub rotation: DMat3,
@@ -81,7 +81,7 @@ pub struct ViewPlan {
     /// Texels among them for outputs whose sampling is approximate: views stay valid this far
     /// beyond their part.
     pub sampling_margin: u32,
-    /// Remarks for people: what was left out or scaled down, and why.
+    /// Remarks for the user: what was left out or scaled down, and why.
     pub notes: Vec<String>,
 }
 

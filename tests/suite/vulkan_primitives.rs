@@ -1,5 +1,5 @@
-//! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against
-//! the exact map.
+//! Method `primitive` in Vulkan programs: triangles and lines that a stage of Cupola divides,
+//! against the exact map.
 
 use crate::compare::{EDGE, Limits, Shown, TOLERANCE, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};

@@ -73,7 +73,7 @@ impl Accumulation {
         let (framebuffer, mut vertex_array, mut sampler) = (own_names::framebuffer(gl), 0, 0);
         let saved = state::save_and_set(gl, &caps, state::UNITS, &KnownState::default());
         let program = link(gl, VERTEX, FRAGMENT);
-        // SAFETY: makes objects of ours on the current context; `saved` holds what is touched.
+        // SAFETY: makes objects of Cupola on the current context; `saved` holds what is touched.
         let (texture, status) = unsafe {
             let texture = own_names::texture(gl);
             gl.active_texture(api::GL_TEXTURE0);
@@ -193,7 +193,7 @@ impl Accumulation {
 
     /// Deletes it.
     pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
+        // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
             gl.delete_program(self.program);
             gl.delete_framebuffers(1, &self.framebuffer);

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `driver` is the function table with what answers questions, `state` what is put back, `objects`
-//! are programs, textures and framebuffers of ours, `passes` the correction of a frame.
+//! are programs, textures and framebuffers of Cupola, `passes` the correction of a frame.
 
 pub mod accumulation;
 pub mod driver;

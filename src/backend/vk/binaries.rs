@@ -7,7 +7,7 @@ use crate::correct::shaders::spirv::Modules;
 use crate::error::Result;
 use ash::vk;
 
-/// Data of so many bytes is a header without anything behind.
+/// Number of bytes of a header. Data of this length contains nothing else.
 const HEADER: usize = 32;
 
 /// A pipeline by `make`, which is told where the driver finds what it made of the same shaders

@@ -1,4 +1,4 @@
-//! Buffers and images of ours. Each has an allocation of its own: there are two and one for each
+//! Buffers and images of Cupola. Each has an allocation of its own: there are two and one for each
 //! mask and table, far from any limit of their number.
 
 use super::barrier::COLOR;
@@ -89,7 +89,7 @@ impl Image {
         Self::layered(api, format, size, None, usage)
     }
 
-    /// As [`Image::new`]; `layers`: so many, and the view is that of an array.
+    /// As [`Image::new`], with a number of layers; the view is that of an array.
     pub fn layered(
         api: &Api,
         format: vk::Format,

@@ -7,8 +7,8 @@ use crate::correct::{Arrangement, ImageSize};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
-/// Images of ours, a set for each frame that may be on its way. [`Surface::destroy`] destroys them,
-/// not dropping.
+/// Images of Cupola, a set for each frame that may be on its way. [`Surface::destroy`] destroys
+/// them, not dropping.
 pub struct Surface {
     images: Vec<Image>,
     sources: Vec<SourceImage>,

@@ -12,15 +12,15 @@ use crate::geom::rectangle::PixelSpan;
 use crate::rig::Rig;
 use crate::views::{View, ViewPlan};
 
-/// At most so many batches of an output differ only in their neighbours and in the view that they
-/// sample.
+/// Greatest number of batches of an output that differ only in their neighbours and in the view
+/// that they sample.
 const MOST_OVERLAPS: usize = 6;
-/// Of these, each has at least this part of the blocks where pictures overlap: a shader for fewer
+/// Least part of the blocks with overlapping pictures that such a batch has: a shader for fewer
 /// costs more time to compile than it saves.
 const LEAST_PART: f64 = 0.02;
-/// And so many blocks: a shader where pictures overlap takes a software driver a tenth of a second
-/// to compile, for which so few blocks (12,288 pixels at about a nanosecond) would have to be drawn
-/// eight thousand times.
+/// Least number of blocks of such a batch. A software driver compiles a shader for overlapping
+/// pictures in a tenth of a second; in that time it draws these blocks (12,288 pixels at about a
+/// nanosecond) eight thousand times.
 const LEAST_BLOCKS: usize = 48;
 
 /// A class of blocks that share a shader.

@@ -56,7 +56,8 @@ pub(super) const MOST_UNSEEN: usize = 4096;
 /// view, and the positions that no view can show.
 type Kept = (Vec<(u32, Needs)>, Vec<Option<Frustum>>, Vec<DVec2>);
 
-/// Returns the result of `compute` for so many blocks and views, or what `cache` has for `key`.
+/// Returns the result of `compute` for these numbers of blocks and views, or what `cache` has for
+/// `key`.
 pub(super) fn cached(
     key: &impl Serialize,
     blocks: usize,
@@ -86,7 +87,7 @@ fn runs(needs: &[Needs]) -> Vec<(u32, Needs)> {
     needs.chunk_by(|one, other| one == other).map(|run| (run.len() as u32, run[0])).collect()
 }
 
-/// True if the runs are those of so many blocks.
+/// True if the runs are those of this number of blocks.
 fn is_sound(runs: &[(u32, Needs)], blocks: usize) -> bool {
     runs.iter().map(|(length, _)| u64::from(*length)).sum::<u64>() == blocks as u64
 }

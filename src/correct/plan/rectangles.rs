@@ -2,7 +2,7 @@
 
 use crate::geom::rectangle::PixelRect;
 
-/// Blocks are squares of so many pixels, but for those at the right and the bottom border.
+/// Side of a block in pixels. Blocks are squares, except those at the right and the bottom border.
 pub(in crate::correct) const BLOCK: u32 = 16;
 
 /// Rectangles that cover exactly the blocks of each class, without overlap: `classes` holds a class

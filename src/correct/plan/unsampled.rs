@@ -141,8 +141,8 @@ impl Marker<'_> {
         source.direction(x, y).and_then(DVec3::try_normalize)
     }
 
-    /// The directions at the corners of a block that is widened by so many pixels, if all show
-    /// something.
+    /// Returns the directions at the corners of a block, widened by this number of pixels, if all
+    /// show something.
     fn corners(&self, block: PixelSpan, wider: f64) -> Option<[DVec3; 4]> {
         let [x0, y0, x1, y1] = block.edges();
         let (x0, y0, x1, y1) = (x0 - wider, y0 - wider, x1 + wider, y1 + wider);

@@ -108,7 +108,7 @@ pub struct LensConstants {
 }
 
 impl LensConstants {
-    /// Returns the constants for a picture of so many pixels.
+    /// Returns the constants for a picture of this size in pixels.
     pub fn of(map: &PictureMap, pixels: DVec2, max_error: f64) -> Self {
         let (fisheye, scale, offset, limit) = match map.lens {
             PictureLens::Fisheye { aperture, circle, .. } => {

@@ -14,7 +14,7 @@ use crate::correct::single;
 use crate::views::fitting::axes::facing;
 use std::sync::{Arc, Mutex};
 
-/// Every so many pixels are looked at to find the middle of what is shown.
+/// Interval of the pixels, in each direction, from which the middle of the picture is found.
 const COARSE_STEP: usize = 16;
 /// Rows that are computed at once.
 const PART_ROWS: usize = 16;

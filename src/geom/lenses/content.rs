@@ -74,8 +74,8 @@ impl Region {
         Self { origin: 0.5 * (1.0 - size), size }
     }
 
-    /// The nearest rectangle of whole pixels, at least one, in a window of so many. Of two the left
-    /// or upper one, where players put what does not fit evenly.
+    /// Returns the nearest rectangle of whole pixels, at least one, in a window of this size in
+    /// pixels. Of two it is the left or upper one, as players choose.
     pub fn of_whole_pixels(&self, window: DVec2) -> Self {
         let size = (self.size * window).round().max(DVec2::ONE);
         let corner = self.origin * window;

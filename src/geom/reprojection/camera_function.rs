@@ -12,7 +12,7 @@ use glam::{DMat4, DVec4};
 
 /// Greatest relative deviation from a similarity that rounding explains: what is tested comes from
 /// a product or an inverse that the program formed in f32. Lenses whose openings differ by this
-/// much are told apart.
+/// much are different lenses.
 const TOLERANCE: f64 = 1e-3;
 
 /// A matrix whose determinant is this small beside its numbers has no inverse.

@@ -43,7 +43,7 @@ pub struct Mesh {
 pub enum MeshProblem {
     /// No triangle has an area, there are too many, or a corner is not finite.
     NoSurface,
-    /// Rays meet so many triangles, on the average.
+    /// Average number of triangles that a ray meets.
     Layers(f64),
 }
 
@@ -79,7 +79,7 @@ struct Node {
     count: u32,
 }
 
-/// Most triangles in a leaf: testing so many costs about what another box does.
+/// Greatest number of triangles in a leaf: testing them costs about as much as another box.
 const LEAF: usize = 4;
 /// Boxes are larger than their content by this part of the mesh, more than rounding can move a hit.
 const PADDING: f64 = 1e-12;

@@ -63,10 +63,10 @@ pub struct PassNote {
     pub picture: Option<Picture>,
 }
 
-/// So many different draws in a pass are described; more are only counted.
+/// Greatest number of different draws of a pass that are described; more are only counted.
 const MOST_DRAWS: usize = 400;
 
-/// So many passes of a frame are described.
+/// Greatest number of passes of a frame that are described.
 const MOST_PASSES: usize = 400;
 
 static PASSES: Mutex<Vec<PassNote>> = Mutex::new(Vec::new());

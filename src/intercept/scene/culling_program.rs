@@ -18,14 +18,14 @@ pub struct Places {
 /// one large model tells nothing.
 const ENOUGH: u64 = 12;
 
-/// So many frames have to tell the same.
+/// Number of frames that have to agree.
 const FRAMES: u32 = 10;
 
-/// After so many frames nothing is looked for any more: each draw costs a little until then.
+/// Number of frames after which the search ends: each draw costs a little until then.
 const MOST_FRAMES: u32 = 2000;
 
-/// A program that leaves out what it does not see has so many times as many draws at the border as
-/// beside it: it leaves out larger boxes or spheres than ours.
+/// Ratio of draws at the border to draws beside it from which a program counts as one that culls:
+/// its boxes or spheres are larger than Cupola's.
 const FACTOR: u64 = 4;
 
 /// Says once that objects are missing beside the program's own field of view.
@@ -86,7 +86,7 @@ impl CullingProgram {
 mod tests {
     use super::{CullingProgram, ENOUGH, FRAMES, MOST_FRAMES, Places};
 
-    /// In how many of these frames a program that has so many draws in each is told.
+    /// Number of these frames in which a program with this number of draws in each is reported.
     fn told(program: &mut CullingProgram, frames: u32, crossing: u64, outside: u64) -> usize {
         let Places { crossing: c, outside: o } = program.before;
         let after = |frame: u64| Places { crossing: c + frame * crossing, outside: o + frame * outside };

@@ -3,7 +3,7 @@
 use crate::intercept::log;
 use crate::runtime::Session;
 
-/// Number of draws after which it is told so.
+/// Number of draws after which the message is shown.
 const ENOUGH: u64 = 300;
 
 /// Drawing of a program to images of its own.

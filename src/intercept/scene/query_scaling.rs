@@ -1,5 +1,5 @@
-//! Query factors: a draw is issued once per view, and the program is told what its own picture
-//! would have counted.
+//! Query factors: a draw is issued once per view, and the program gets the count that its own
+//! picture would have.
 //!
 //! - Samples: those of all views together, scaled so that what fills the program's own picture
 //!   counts as many as that picture has. Samples outside the program's own picture count too:

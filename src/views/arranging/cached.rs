@@ -15,7 +15,7 @@ pub(in crate::views) fn arrange(rig: &Rig, output_maps: &[OutputMap], cache: &Ca
     cache.cached("views", &(rig, sizes), is_sound, || choose::arrange(rig, output_maps))
 }
 
-/// True if the numbers of a view are finite, and its outputs are some of so many.
+/// True if the numbers of a view are finite, and its outputs are below `outputs`.
 fn is_sound(view: &PlannedView, outputs: usize) -> bool {
     view.rotation.is_finite()
         && view.fit.extent.is_finite()

@@ -6,7 +6,7 @@ use crate::views::sampling::output_map::UNIT_FRUSTUM;
 use crate::views::view_plan::Request;
 use glam::{DMat3, DVec2};
 
-/// The program's window, for so many outputs.
+/// The program's window, for this number of outputs.
 pub(in crate::views) fn window(request: &Request, outputs: usize) -> PlannedView {
     let (width, height) = request.window;
     let density = DVec2::new(f64::from(width), f64::from(height)) / 2.0;

@@ -232,7 +232,7 @@ impl<'a> Task<'a> {
         if found < 0.995 * plain { (front, found) } else { (1.0, plain) }
     }
 
-    /// Directions within so many radians beyond a cell's side are left to the neighbour.
+    /// Angle in radians: directions within it beyond a cell's side are left to the neighbour.
     ///
     /// A fifth of a pixel: less is shown by the widened part of the neighbour, and a dome that ends
     /// exactly at a side (180° and a cube with an edge forward) must not make views beyond it.

@@ -9,13 +9,13 @@ use glam::DMat3;
 /// A view before it has a place and its final size.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct PlannedView {
-    /// Name for people.
+    /// Name in messages.
     pub name: String,
     /// Viewer axes → view axes.
     pub rotation: DMat3,
     /// The sampled part and the resolution it needs.
     pub fit: Fit,
-    /// The sampled part is exactly so many pixels, one texel each at quality 1.
+    /// Size of the sampled part in pixels, one texel each at quality 1.
     pub exact: Option<(u32, u32)>,
     /// Drawn with the program's own projection.
     pub program_lens: bool,
@@ -27,7 +27,7 @@ pub(crate) struct PlannedView {
     pub outputs: Vec<usize>,
 }
 
-/// The views of a rig, and remarks for people.
+/// The views of a rig, and remarks for the user.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Arrangement {
     /// In order of precedence.

@@ -10,7 +10,8 @@ use crate::views::sampling::output_map::OutputMap;
 use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
-/// A view that is not idle mostly shows in some of so many pixels of an output, across and down.
+/// Number of pixels of an output, across and down, that are tried first: most views that are not
+/// idle show in one of them.
 const FEW: u32 = 24;
 
 /// A view that answers for no pixel of any output, if there is one.

@@ -1,4 +1,4 @@
-//! Reports on a finished plan: sizes and shares for people and JSON (`report`), and texels per
+//! Reports on a finished plan: sizes and shares as text and JSON (`report`), and texels per
 //! pixel, pixel by pixel (`survey`).
 
 mod answers;

@@ -1,4 +1,4 @@
-//! Cost of a plan, for people and for programs.
+//! Cost of a plan, as text and as JSON.
 
 use crate::rig::Rig;
 use crate::views::reporting::answers::Answers;
@@ -8,13 +8,13 @@ use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
 
-/// At most so many pixels of an output are looked at in each direction to tell shares.
+/// Greatest number of pixels of an output, in each direction, from which shares are computed.
 const GRID: u32 = 256;
 
 /// One view of a [`Report`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ViewReport {
-    /// Name for people.
+    /// Name in messages.
     pub name: String,
     /// Width of the tile in texels.
     pub width: u32,

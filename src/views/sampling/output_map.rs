@@ -409,7 +409,7 @@ impl Hit {
 }
 
 impl ProjectorMap {
-    /// The sample of a hit, for so many picture coordinates per pixel.
+    /// Returns the sample of a hit; `per_pixel` is the size of a pixel in picture coordinates.
     fn sample(&self, hit: &Hit, per_pixel: DVec2) -> Option<Sample> {
         let across = self.to_viewer * hit.moved_by(self.rays.x_axis * per_pixel.x);
         let down = self.to_viewer * hit.moved_by(self.rays.y_axis * per_pixel.y);

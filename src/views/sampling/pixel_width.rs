@@ -1,8 +1,7 @@
 //! Widths of the pixels of measured calibrations.
 //!
-//! A pixel has hardly any width if two measured values are the same but for noise. A view as fine
-//! as that would be of no use, so pixels that are far narrower than nearly all others do not
-//! decide.
+//! A pixel has hardly any width if two measured values are the same but for noise. No view has to
+//! be as fine as that, so pixels that are far narrower than nearly all others are not counted.
 
 use glam::{DMat3, DVec2, DVec3};
 

@@ -24,7 +24,7 @@ pub(crate) const FINE: Fineness = Fineness { cells: 64, border: 768 };
 /// Between two samples, the spread may differ from the mean of theirs by this part.
 const UNEVEN: f64 = 0.01;
 
-/// A cell is divided at most so many times.
+/// Greatest number of times that a cell is divided.
 const REFINEMENTS: u32 = 5;
 
 /// The directions that one output shows.

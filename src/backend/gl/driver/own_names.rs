@@ -5,7 +5,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 
-/// So many names are left to programs that use some without having asked for them.
+/// Number of names that are left to programs that use names which they have not generated.
 const PROGRAM_NAMES: usize = 4096;
 
 /// A command that writes names, and one that deletes them.

@@ -1,4 +1,4 @@
-//! Objects of ours in the program's context: programs, textures, framebuffers.
+//! Objects of Cupola in the program's context: programs, textures, framebuffers.
 
 pub mod binaries;
 pub mod own_framebuffer;

@@ -1,4 +1,4 @@
-//! A framebuffer of ours with one texture.
+//! A framebuffer of Cupola with one texture.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -11,10 +11,10 @@ pub struct OwnFramebuffer {
 }
 
 impl OwnFramebuffer {
-    /// Of so many pixels.
+    /// Makes one of this size in pixels.
     pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
         let canvas = Self { framebuffer: own_names::framebuffer(gl), texture: own_names::texture(gl) };
-        // SAFETY: makes objects of ours; the bindings that are touched are put back.
+        // SAFETY: makes objects of Cupola; the bindings that are touched are put back.
         unsafe {
             let (mut bound, mut texture) = (0, 0);
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
@@ -37,7 +37,7 @@ impl OwnFramebuffer {
 
     /// Deletes it in its context, which must be current.
     pub fn destroy(self, gl: &Gl) {
-        // SAFETY: objects of ours.
+        // SAFETY: objects of Cupola.
         unsafe {
             gl.delete_framebuffers(1, &self.framebuffer);
             gl.delete_textures(1, &self.texture);

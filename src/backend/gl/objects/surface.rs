@@ -6,7 +6,7 @@ use crate::backend::gl::driver::{api, own_names};
 use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 
-/// A framebuffer of ours. The methods take the context that it was made on as current.
+/// A framebuffer of Cupola. The methods take the context that it was made on as current.
 #[derive(Debug)]
 pub struct Surface {
     framebuffer: u32,
@@ -43,7 +43,7 @@ impl Surface {
         let (width, height) = size;
         let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
         let mut surface = Self { framebuffer: 0, color: 0, as_srgb: 0, depth: 0, samples, size };
-        // SAFETY: makes objects of ours on the current context; bindings are put back.
+        // SAFETY: makes objects of Cupola on the current context; bindings are put back.
         unsafe {
             let bindings = Bindings::save(gl);
             if samples > 0 {
@@ -87,7 +87,7 @@ impl Surface {
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
     pub fn rehome(&mut self, gl: &Gl) -> Result<()> {
-        // SAFETY: makes an object of ours on the current context; bindings are put back.
+        // SAFETY: makes an object of Cupola on the current context; bindings are put back.
         let (status, error) = unsafe {
             let bindings = Bindings::save(gl);
             self.framebuffer = own_names::framebuffer(gl);
@@ -175,7 +175,7 @@ impl Surface {
 
     /// Deletes it.
     pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
+        // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
             gl.delete_framebuffers(1, &self.framebuffer);
             gl.delete_renderbuffers(1, &self.depth);

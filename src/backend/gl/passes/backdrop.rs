@@ -113,8 +113,8 @@ impl Backdrop {
     fn copy(&mut self, gl: &Gl, what: &Spread<'_>) -> Result<()> {
         let LowerLeftRect { width, height, .. } = what.picture;
         let [x0, y0, x1, y1] = what.picture.corners();
-        // SAFETY: objects of ours; the bindings of framebuffers are put back, those of textures by
-        // the caller.
+        // SAFETY: objects of Cupola; the bindings of framebuffers are put back, those of textures
+        // by the caller.
         let complete = unsafe {
             let [read, draw] =
                 [GL_READ_FRAMEBUFFER_BINDING, GL_DRAW_FRAMEBUFFER_BINDING].map(|n| integer(gl, n) as u32);

@@ -30,7 +30,7 @@ pub(in crate::backend::gl) struct Saved {
     vertex_array: u32,
     draw_framebuffer: u32,
     active_texture: u32,
-    /// So many of the next two are kept.
+    /// Number of elements of the next two that are used.
     units: usize,
     textures: [u32; UNITS],
     samplers: [u32; UNITS],

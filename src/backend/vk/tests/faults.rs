@@ -200,7 +200,7 @@ fn plan(arrangement: Arrangement) -> Plan {
     arrangement.arrange(plan)
 }
 
-/// Everything of ours on a device.
+/// Everything of Cupola on a device.
 struct Stage {
     api: Api,
     backend: VkBackend,

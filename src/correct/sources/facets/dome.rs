@@ -23,7 +23,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 /// Least distance of triangles from the lens, as a part of the dome's radius: nearer ones would be
 /// all around it.
 const NEAR: f64 = 1e-3;
-/// About so many triangles are measured.
+/// Approximate number of triangles that are measured.
 const MEASURED: usize = 8192;
 
 /// The triangles of output `index` of `rig` with `density` cells along the edge of the cube;

@@ -12,7 +12,7 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let four = |rect: LowerLeftRect| Some((rect.to_array().map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
     match (name, &ctx.lists.recording) {
-        // The driver compiles lists of ours in between.
+        // The driver compiles lists of Cupola in between.
         (api::GL_LIST_INDEX, Some(recording)) => return one(recording.list.into()),
         (api::GL_LIST_MODE, Some(recording)) if recording.execute => return one(api::GL_COMPILE_AND_EXECUTE.into()),
         _ => {}

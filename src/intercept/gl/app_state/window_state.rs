@@ -23,7 +23,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     }
 }
 
-/// `glPopAttrib`: what comes back in the driver are tiles of ours, so what the program has set
+/// `glPopAttrib`: what comes back in the driver are tiles of Cupola, so what the program has set
 /// comes back from our own stack.
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.

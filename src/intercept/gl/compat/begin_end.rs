@@ -2,7 +2,7 @@
 //!
 //! While the program is between Begin and End the driver is, too, but gets no vertices: so it says
 //! the program's errors as it would without us. Display lists are called when the draw is issued,
-//! and so are elements of arrays, which go into lists of ours. Begin or End may lie in a list of
+//! and so are elements of arrays, which go into lists of Cupola. Begin or End may lie in a list of
 //! the program.
 
 use crate::backend::gl::driver::api::{self, Gl};
@@ -39,7 +39,7 @@ pub fn note_element(ctx: &mut Context) {
         immediate.bounds.add_unknown();
         immediate.phase = Phase::Elements;
         let list = immediate.lists.get(immediate.used_lists).copied().unwrap_or_default();
-        // SAFETY: the driver compiles a list of ours.
+        // SAFETY: the driver compiles a list of Cupola.
         unsafe { ctx.driver.gl.new_list(list, api::GL_COMPILE) };
     }
 }

@@ -23,13 +23,13 @@ pub fn current() -> Option<&'static mut Context> {
     unsafe { pointer.as_mut() }
 }
 
-/// The driver's table for calls without a context of ours.
+/// The driver's table for calls without a context of Cupola.
 pub fn driver() -> &'static Gl {
     // SAFETY: set once, from a leaked table, before libglvnd can dispatch any GL call to us.
     unsafe { DRIVER.load(Ordering::Acquire).as_ref() }.expect("a vendor was loaded before any call")
 }
 
-/// Sets the table for calls without a context of ours.
+/// Sets the table for calls without a context of Cupola.
 pub fn set_driver(gl: &'static Gl) {
     DRIVER.store(std::ptr::from_ref(gl).cast_mut(), Ordering::Release);
 }

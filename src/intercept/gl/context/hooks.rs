@@ -1,6 +1,6 @@
 //! Definition of hooks: functions that answer OpenGL entry points.
 
-/// A name of the API and the function of ours that answers it.
+/// A name of the API and the function of Cupola that answers it.
 pub struct Hook {
     /// The entry point's core name.
     pub name: &'static str,
@@ -16,8 +16,8 @@ unsafe impl Sync for Hook {}
 /// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context of
 /// ours the call goes straight to the driver; so it does after a panic, which switches the context
 /// off: interception fails open; and so it does once the process ends, and where the profile does
-/// not have the command. Between Begin and End of a draw of ours it goes to the driver, too, which
-/// says that it is not allowed there; hooks of what is allowed say so by `between;`.
+/// not have the command. Between Begin and End of a draw of Cupola it goes to the driver, too,
+/// which reports that it is not allowed there; hooks of allowed commands are marked by `between;`.
 macro_rules! hooks {
     (between; $($hooks:tt)*) => {
         $crate::intercept::gl::context::hooks::hooks! { @between true; $($hooks)* }

@@ -100,7 +100,7 @@ impl Primitive {
 pub(in crate::intercept::gl) enum Item {
     /// A real list of the driver.
     Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds, primitive: Primitive },
-    /// A command of ours.
+    /// A command of Cupola.
     Command(Command),
 }
 
@@ -108,11 +108,11 @@ pub(in crate::intercept::gl) enum Item {
 #[derive(Default)]
 pub struct Lists {
     pub(in crate::intercept::gl) items: HashMap<u32, Arc<Vec<Item>>>,
-    /// Names of ours that are in no use.
+    /// Names of Cupola that are in no use.
     own: Vec<u32>,
 }
 
-/// So many names are taken from OpenGL for ours at once.
+/// Number of names that are generated at once.
 pub(in crate::intercept::gl) const OWN_NAMES: u32 = 1024;
 
 /// Old programs use names from 1 on that they never asked for. Ours are this far from them.

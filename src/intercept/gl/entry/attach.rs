@@ -94,7 +94,7 @@ impl Context {
                 self.drawable.other_windows.remove(0).1.destroy(self.driver.gl);
             }
             self.drawable.other_windows.push((old, target));
-            // SAFETY: the program's window is bound in place of ours.
+            // SAFETY: the program's window is bound in place of Cupola.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);

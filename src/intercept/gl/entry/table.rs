@@ -118,7 +118,7 @@ fn core_name(name: &str) -> &str {
 mod tests {
     use super::table;
 
-    /// Programs pay for each call that goes through a function of ours, so that an entry point is
+    /// Programs pay for each call that goes through a function of Cupola, so that an entry point is
     /// hooked only where Cupola must see it.
     #[test]
     fn the_number_of_hooked_entry_points_is_known() {

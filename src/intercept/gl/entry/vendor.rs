@@ -32,8 +32,8 @@ pub fn wanted() -> bool {
     !settings::switched_off() && settings::settings().is_some()
 }
 
-/// The function of ours that answers `name`, unless the rig corrects nothing: then only frames are
-/// counted.
+/// The function of Cupola that answers `name`, unless the rig corrects nothing: then only frames
+/// are counted.
 pub fn hook(name: &str) -> Option<*const ()> {
     let passthrough = settings::settings().is_none_or(|s| s.rig.passthrough);
     if passthrough { None } else { table::find(name) }

@@ -44,7 +44,7 @@ fn copy(ctx: &Context, target: &DefaultFramebuffer, from: LowerLeftRect, to: Low
     let ([x0, y0, x1, y1], [u0, v0, u1, v1]) = (from.corners(), to.corners());
     let filter = if from.size() == to.size() { api::GL_NEAREST } else { api::GL_LINEAR };
     let (mut read, mut draw) = (0, 0);
-    // SAFETY: copies between framebuffers of ours; the bindings are put back.
+    // SAFETY: copies between framebuffers of Cupola; the bindings are put back.
     unsafe {
         gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
         gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);

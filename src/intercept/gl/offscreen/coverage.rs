@@ -88,7 +88,7 @@ fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool 
 pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context)) {
     let gl = ctx.driver.gl;
     let mut query = 0;
-    // SAFETY: a query of ours around the draw; no other counts samples, as `can_measure` saw.
+    // SAFETY: a query of Cupola around the draw; no other counts samples, as `can_measure` saw.
     unsafe {
         gl.gen_queries(1, &mut query);
         gl.begin_query(api::GL_SAMPLES_PASSED, query);
@@ -98,7 +98,7 @@ pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context
     unsafe { gl.end_query(api::GL_SAMPLES_PASSED) };
     match ctx.view_copies.coverage.0.get_mut(what.kind) {
         Some(kind) => kind.state = State::Measured(query, what.all),
-        // SAFETY: an object of ours.
+        // SAFETY: an object of Cupola.
         None => unsafe { gl.delete_queries(1, &query) },
     }
 }

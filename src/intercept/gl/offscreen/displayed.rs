@@ -114,7 +114,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         let picture = End { corners: whole.corners(), samples: 0, format: canvas_format(ctx) };
         let (from, to) =
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
-        // SAFETY: framebuffers of ours; the read binding is put back.
+        // SAFETY: framebuffers of Cupola; the read binding is put back.
         unsafe {
             let bindings = Bindings::save(ctx.driver.gl);
             ctx.set_scissor(None);
@@ -138,7 +138,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             target.issued(view);
         }
         if let Some(canvas) = ctx.view_copies.displayed.canvases.get(view) {
-            // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put
+            // SAFETY: a framebuffer of Cupola in place of the window's, which is ours too and put
             // back below.
             unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }

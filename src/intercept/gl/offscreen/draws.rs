@@ -93,7 +93,7 @@ struct Classified {
     class: DrawClass,
     /// Images with a copy per view that it samples.
     sampled: Set,
-    /// True if its fragment shader asks for its place in the framebuffer, and no shader of ours
+    /// True if its fragment shader asks for its place in the framebuffer, and no shader of Cupola
     /// answers.
     in_framebuffer: bool,
 }

@@ -235,7 +235,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
     unsafe { gl.get_integerv(api::GL_READ_BUFFER, &mut buffer) };
     // The window has no tile for the program's own picture; it keeps what it was given last.
     let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { copy_count(ctx) };
-    // SAFETY: framebuffers of ours, or as the program bound them; the bindings are put back.
+    // SAFETY: framebuffers of Cupola, or as the program bound them; the bindings are put back.
     unsafe {
         let bindings = Bindings::save(gl);
         for view in 0..count {
@@ -307,7 +307,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     let ([w, h], [across, up]) = (here, there);
     let (resolved, scaled) = (canvas(ctx, here, from.format), (to.samples > 0).then(|| canvas(ctx, there, to.format)));
     let Some(resolved) = resolved else { return };
-    // SAFETY: between framebuffers of ours and those that were bound, which are put back.
+    // SAFETY: between framebuffers of Cupola and those that were bound, which are put back.
     unsafe {
         let bindings = Bindings::save(gl);
         let scissor = ctx.driver.scissor();
@@ -353,7 +353,7 @@ pub(in crate::intercept::gl) fn window_format(drawable: &Drawable) -> u32 {
     if drawable.target().is_some_and(|target| target.config().srgb) { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 }
 }
 
-/// A framebuffer of ours of this size and format; it is kept.
+/// A framebuffer of Cupola of this size and format; it is kept.
 fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
     if let Some(canvas) = ctx.view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
         return Some(canvas.framebuffer());

@@ -2,8 +2,8 @@
 //!
 //! The `images` of the program's framebuffers remember the draws, the sampled images and the copies
 //! that go into them. From the next frame on each image that lies between a scene and the window
-//! (`scene_graph`) has a *view copy* with a tile for each view, and framebuffers of ours with view
-//! copies stand for the program's (`framebuffers`), so that draws of the scene change no
+//! (`scene_graph`) has a *view copy* with a tile for each view, and framebuffers of Cupola with
+//! view copies stand for the program's (`framebuffers`), so that draws of the scene change no
 //! framebuffer. A tile has the size of the program's own image, so the sizes, texels and viewports
 //! that the program has set stay true. Before a flat draw that samples such an image (`sampling`)
 //! is issued to a view, the view's tile is copied into the program's own image: filter, wrapping
@@ -33,7 +33,7 @@ pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
 
-/// True if images have copies: there are views of ours, which are not the program's own picture,
+/// True if images have copies: there are views of Cupola, which are not the program's own picture,
 /// and not drawn in turn.
 pub(super) fn possible(ctx: &Context) -> bool {
     let has_other_lenses = |s: &Session| s.turns().is_none() && s.views().iter().any(|v| !v.program_lens);
@@ -106,7 +106,7 @@ pub fn leave(ctx: &mut Context) {
     }
 }
 
-/// The binding changed: nothing of ours stands in its place.
+/// The binding changed: nothing of Cupola stands in its place.
 pub fn rebound(view_copies: &mut ViewCopies) -> bool {
     std::mem::take(&mut view_copies.bound)
 }
@@ -379,7 +379,7 @@ pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     }
     ctx.view_copies.bound = true;
     let view_copy = ctx.view_copies.framebuffers[index].view_copy;
-    // SAFETY: a framebuffer of ours; `leave` puts the program's back.
+    // SAFETY: a framebuffer of Cupola; `leave` puts the program's back.
     unsafe { ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, view_copy) };
     true
 }

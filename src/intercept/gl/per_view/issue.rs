@@ -166,7 +166,7 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// `pushed` are so many attributes of ours at that time, beside the program's.
+    /// `pushed`: number of entries of Cupola's on the attribute stack, beside the program's.
     pub fn new(changes: Changes, ctx: &Context, pushed: usize) -> Self {
         let mask = match changes {
             _ if !ctx.driver.profile.compatibility() => 0,

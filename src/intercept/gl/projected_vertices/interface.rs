@@ -1,9 +1,9 @@
-//! Outputs of a stage before rasterisation, found in its text, so that a stage of ours can be put
+//! Outputs of a stage before rasterisation, found in its text, so that a stage of Cupola can be put
 //! behind it.
 //!
-//! The outputs become plain variables, which are copied into outputs of ours at the end of `main`;
-//! the stage behind reads these and has outputs with the names, qualifiers and places that the
-//! fragment stage expects.
+//! The outputs become plain variables, which are copied into outputs of Cupola at the end of
+//! `main`; the stage behind reads these and has outputs with the names, qualifiers and places that
+//! the fragment stage expects.
 
 use crate::intercept::gl::shader::source::patch;
 use std::ops::Range;

@@ -3,7 +3,7 @@
 //! Shaders get the lens of an output beside the matrix ([`begin_view`]). Where primitives have to
 //! be divided, a variant of the program with a geometry or tessellation stage is put in use
 //! (`variants`), or the processor divides them ([`draw_divided`]). For the fixed-function pipeline
-//! a program of ours stands in ([`begin_stand_in`]). Other rooms use what is exported here.
+//! a program of Cupola stands in ([`begin_stand_in`]). Other rooms use what is exported here.
 //!
 //! ```text
 //! vertex shader → [geometry or tessellation stage that divides] → lens of the output

@@ -1,4 +1,4 @@
-//! Programs of ours beside the program's: the same shaders with a stage behind them that divides
+//! Programs of Cupola beside the program's: the same shaders with a stage behind them that divides
 //! lines or triangles.
 //!
 //! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's
@@ -69,7 +69,7 @@ impl Variant {
         let counter = ctx.projected.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
         let subroutines = ctx.shaders.program.as_ref().is_some_and(|program| program.subroutines);
         let own = subroutines.then(|| CurrentProgram::save(gl, ctx.driver.profile.version as i32));
-        // SAFETY: a program of ours; the locations are those of the two halves of our array.
+        // SAFETY: a program of Cupola; the locations are those of the two halves of our array.
         unsafe {
             gl.use_program(self.name);
             gl.uniform4fv(self.locations[0], projection::ROWS, rows.to_array().as_ptr());
@@ -109,7 +109,7 @@ impl Variant {
     }
 }
 
-/// Returns the limits of the context for a stage of ours.
+/// Returns the limits of the context for a stage of Cupola.
 fn limits(driver: &Driver, kind: Kind) -> Limits {
     let number = |name: u32| {
         let mut value = 0;
@@ -151,7 +151,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
         fragments(program).filter_map(|source| interface::read(&patch::strip_comments(source)).ok()).collect();
     let linked = link(gl, program.name, &shaders, &outputs);
     for shader in shaders {
-        // SAFETY: a shader of ours.
+        // SAFETY: a shader of Cupola.
         unsafe { gl.delete_shader(shader) };
     }
     let name = linked?;
@@ -198,7 +198,7 @@ fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, &
     index.ok_or("its shaders' texts are not known")
 }
 
-/// A stage of ours.
+/// A stage of Cupola.
 struct Stage {
     /// `GL_GEOMETRY_SHADER` and so on.
     kind: u32,
@@ -242,7 +242,7 @@ fn fragments(program: &Program) -> impl Iterator<Item = &str> {
     program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).map(|(_, source)| &**source)
 }
 
-/// A shader of ours; what the driver says of it the link tells.
+/// A shader of Cupola; what the driver says of it the link tells.
 fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
     let length = source.len() as i32;
     let start = source.as_ptr().cast::<c_char>();
@@ -258,7 +258,7 @@ fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
 /// Links with attributes and fragment outputs where the program `original` has them.
 fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Result<u32, &'static str> {
     let mut linked = 0;
-    // SAFETY: objects of ours; names end with NUL; queries write what they have room for.
+    // SAFETY: objects of Cupola; names end with NUL; queries write what they have room for.
     unsafe {
         let name = gl.create_program();
         for shader in shaders {

@@ -11,7 +11,7 @@ fn begin(driver: &mut Driver, queries: &mut Queries, query: u32, mode: u32) {
     let object = scaling::condition(driver.gl, queries, query);
     // Only its error says whether the driver takes it.
     driver.take_errors();
-    // SAFETY: the program's own call; an object of ours in place of its query saw the same.
+    // SAFETY: the program's own call; an object of Cupola in place of its query saw the same.
     let error = unsafe {
         driver.gl.begin_conditional_render(object, mode);
         driver.gl.get_error()

@@ -21,7 +21,7 @@ fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
 fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u64> {
     let count = queries.split.get(&name)?;
     let ready = || count.parts.iter().all(|part| available(driver.gl, part.0));
-    // Questions of ours write numbers, wherever the program wants its own answer.
+    // Questions of Cupola write numbers, wherever the program wants its own answer.
     let buffer = unbind_results(driver);
     let answer = match what {
         api::GL_QUERY_RESULT => Some(count.total(driver.gl, queries.wide)),
@@ -89,7 +89,7 @@ fn forget(gl: &Gl, queries: &mut Queries, names: &[u32]) {
     }
 }
 
-/// Objects of ours are nothing to the program.
+/// Objects of Cupola are nothing to the program.
 fn is_own(queries: &Queries, name: u32) -> bool {
     let part = |count: &Count, of: u32| name != of && count.parts.iter().any(|part| part.0 == name);
     queries.own.iter().any(|own| own.1 == name)

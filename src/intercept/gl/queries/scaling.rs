@@ -2,8 +2,8 @@
 //!
 //! OpenGL cannot pause a query. So what must not be counted as it is (our own work, a picture that
 //! shows the same once more, the repetitions of a draw) is kept apart by ending the object that
-//! counts and going on with one of ours. The program gets the sum of these parts, each times its
-//! factor:
+//! counts and going on with one of Cupola's. The program gets the sum of these parts, each times
+//! its factor:
 //!
 //! - samples: all views together, scaled so that what fills the program's own picture counts as
 //!   many as that has. Samples outside the program's own picture count too: otherwise the program

@@ -37,7 +37,7 @@ fn own_uniforms(ctx: &Context, program: u32) -> Own {
     Own { indices: programs::record(&ctx.share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
-/// The location for the driver: none where the program's number is one of ours.
+/// The location for the driver: none where the program's number is one of Cupola's.
 fn location(ctx: &Context, program: u32, location: i32) -> i32 {
     let gl = ctx.driver.gl;
     let is_ours = |index: &u32| {
@@ -218,7 +218,7 @@ mod tests {
     use super::Own;
     use crate::backend::gl::driver::api;
 
-    /// The program counts on where the driver has uniforms of ours.
+    /// The program counts on where the driver has uniforms of Cupola.
     #[test]
     fn indices_do_not_count_ours() {
         let own = |ours: &[u32]| Own { indices: ours.to_vec() };

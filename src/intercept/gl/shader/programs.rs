@@ -106,7 +106,7 @@ pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensC
     }
 }
 
-/// Sets vectors of ours.
+/// Sets vectors of Cupola.
 pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32]) {
     let count = vectors.len() as i32 / 4;
     // SAFETY: the location is that of the array, of its second half or of a vector; where no
@@ -120,7 +120,7 @@ pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vecto
     }
 }
 
-/// Sets a 4×4 matrix of ours, given by columns.
+/// Sets a 4×4 matrix of Cupola, given by columns.
 pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix: &[f32; 16]) {
     // SAFETY: the location is that of the matrix; otherwise as for `set_vectors`.
     unsafe {
@@ -132,7 +132,7 @@ pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix
     }
 }
 
-/// Sets a number of ours.
+/// Sets a number of Cupola.
 pub(super) fn set_number(ctx: &Context, program: &Program, location: i32, number: f32) {
     // SAFETY: the location is that of the number; otherwise as for `set_vectors`.
     unsafe {

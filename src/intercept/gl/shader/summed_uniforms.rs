@@ -4,7 +4,7 @@
 use crate::intercept::call_sum::add_values;
 use crate::intercept::gl::context::hooks::hooks;
 
-/// Number of values in so many vectors of `length`.
+/// Number of values in this number of vectors of `length`.
 fn values(count: i32, length: usize) -> usize {
     length * usize::try_from(count).unwrap_or(0)
 }

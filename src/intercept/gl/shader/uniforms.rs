@@ -174,7 +174,7 @@ impl Reader<'_> {
         }
     }
 
-    /// One matrix from the element `first` on, which has so many elements.
+    /// Reads one matrix from the element `first` on, with this number of elements.
     fn matrix(&mut self, active: &Active<'_>, first: u32, elements: i32, order: Order, element: Option<(usize, u32)>) {
         let double = active.kind == api::GL_DOUBLE_MAT4;
         let mut value = [0.0; 16];
@@ -272,7 +272,7 @@ impl Reader<'_> {
             return None;
         }
         let kind = variable(api::GL_TYPE)? as u32;
-        // Of an array of structures only the first one's members are told.
+        // OpenGL lists only the members of the first structure of an array.
         let structures = variable(api::GL_TOP_LEVEL_ARRAY_STRIDE).filter(|stride| *stride > 0);
         let (array, size, between) = match (name.split_once("[0]."), structures) {
             (Some(_), Some(_)) if kind == api::GL_FLOAT_VEC4 => return None,

@@ -13,9 +13,9 @@ pub struct Queries {
     /// Finished queries whose result is more than what their object says, by the program's name for
     /// them.
     pub(in crate::intercept::gl) split: HashMap<u32, Count>,
-    /// Objects of ours that are in no use, with their target: an object stays what it was first.
+    /// Objects of Cupola that are in no use, with their target: an object stays what it was first.
     pub(in crate::intercept::gl) own: Vec<(u32, u32)>,
-    /// Objects of ours that were never anything.
+    /// Objects of Cupola that were never anything.
     pub(in crate::intercept::gl) fresh: Vec<u32>,
     /// The lens and viewport for which `worth` was computed.
     pub(in crate::intercept::gl) seen: Option<(Intrinsics, LowerLeftRect, bool)>,
@@ -78,7 +78,7 @@ pub(in crate::intercept::gl) fn kind(target: u32) -> u32 {
 /// More finished parts than this are read while their query runs on.
 pub(in crate::intercept::gl) const MOST_PARTS: usize = 16;
 
-/// So many names are taken from OpenGL for ours at once.
+/// Number of names that are generated at once.
 pub(in crate::intercept::gl) const OWN_NAMES: usize = 16;
 
 /// Programs of the old profile use names that they never asked for; ours are this far from them.
@@ -110,13 +110,13 @@ impl Queries {
         self.fresh.pop().unwrap_or_default()
     }
 
-    /// The objects of ours in `count` are free again.
+    /// The objects of Cupola in `count` are free again.
     pub(in crate::intercept::gl) fn give_back(&mut self, count: &Count, name: u32) {
         let parts = count.parts.iter().filter(|part| part.0 != name);
         self.own.extend(parts.map(|part| (count.target, part.0)));
     }
 
-    /// Goes on counting with an object of ours, unless one counts already.
+    /// Goes on counting with an object of Cupola, unless one counts already.
     pub(in crate::intercept::gl) fn begin_part(&mut self, gl: &Gl, number: usize, factor: Option<f64>) {
         let target = self.running[number].target;
         let object = self.object(gl, target);
@@ -140,7 +140,7 @@ impl Queries {
     }
 }
 
-/// Names of `count` objects of ours, which are not deleted.
+/// Names of `count` objects of Cupola, which are not deleted.
 pub(in crate::intercept::gl) fn own_names(gl: &Gl, count: usize) -> Vec<u32> {
     let mut names = vec![0; PROGRAM_NAMES + count];
     // SAFETY: writes as many names as there is room for, and gives back those that are not for us.
@@ -162,7 +162,7 @@ impl Running {
 }
 
 pub(in crate::intercept::gl) fn begin_real(gl: &Gl, target: u32, index: u32, object: u32) {
-    // SAFETY: a query of the program's kind, with its object or one of ours.
+    // SAFETY: a query of the program's kind, with its object or one of Cupola's.
     unsafe { if index == 0 { gl.begin_query(target, object) } else { gl.begin_query_indexed(target, index, object) } }
 }
 

@@ -232,7 +232,7 @@ unsafe fn follow(
 
 /// Images that a dispatch reads and writes in each view.
 struct Bindings<'a> {
-    /// The pipeline of ours with its view constants, if it has matrices of the camera.
+    /// The pipeline of Cupola with its view constants, if it has matrices of the camera.
     variant: Option<(&'a ComputeVariant, vk::DescriptorSet, ChunkOffset)>,
     sets: Vec<(vk::PipelineLayout, PerViewSet)>,
     /// Pushed descriptors of each view, by layout and number of their set.

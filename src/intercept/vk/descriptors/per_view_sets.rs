@@ -134,8 +134,8 @@ impl Copies {
                 write
             };
             let writes: Vec<_> = infos.iter().map(write).collect();
-            // SAFETY: sets of ours that nothing uses now, laid out as the program's; what `writes`
-            // points at lives.
+            // SAFETY: sets of Cupola that nothing uses now, laid out as the program's; what
+            // `writes` points at lives.
             unsafe {
                 device.driver.functions.update_descriptor_sets(&[], &copies);
                 device.driver.functions.update_descriptor_sets(&writes, &[]);

@@ -1,5 +1,5 @@
 //! Push descriptors. They are kept, so that matrices are found in them, and pushed again where a
-//! set of ours took their place.
+//! set of Cupola took their place.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors;

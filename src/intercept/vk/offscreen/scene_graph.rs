@@ -60,7 +60,7 @@ pub struct Cover {
     pub few_vertices: bool,
     /// It has matrices that may be a camera's.
     pub has_matrices: bool,
-    /// Its fragments are told their place in the program's window.
+    /// Its fragments get the coordinates of the program's window.
     pub told_place: bool,
 }
 

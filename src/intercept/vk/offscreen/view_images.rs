@@ -1,4 +1,4 @@
-//! Images of ours that view copies are made of, and those of a window that compute shaders write.
+//! Images of Cupola that view copies are made of, and those of a window that compute shaders write.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;

@@ -64,7 +64,7 @@ unsafe fn variant(
     let Some(chosen) = spirv::camera_matrices(words, ExecutionModel::GLCompute, &entry, ours, offset)? else {
         return Ok(None);
     };
-    let layout = layout.ok_or("there is no room for a descriptor set of ours")?;
+    let layout = layout.ok_or("there is no room for a descriptor set of Cupola")?;
     let mut modules = Modules::new(device);
     let mut stage = info.stage;
     if stage.module == vk::ShaderModule::null() {

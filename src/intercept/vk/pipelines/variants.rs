@@ -34,7 +34,8 @@ pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants:
     }
 }
 
-/// The layout with a set of ours: of the pipeline itself, or of its libraries where it names none.
+/// The layout with a set of Cupola: of the pipeline itself, or of its libraries where it names
+/// none.
 fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Option<Arc<PipelineLayout>> {
     match parts.info.layout == vk::PipelineLayout::null() {
         true => linked.iter().find_map(|library| library.layout.clone()),
@@ -42,7 +43,7 @@ fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Op
     }
 }
 
-/// The libraries that a pipeline is linked from, and the layout with a set of ours, if it needs
+/// The libraries that a pipeline is linked from, and the layout with a set of Cupola, if it needs
 /// one.
 ///
 /// # Errors
@@ -53,7 +54,7 @@ fn linked_libraries(device: &Device, parts: &Parts<'_>) -> Result<Linked, Obstac
     let linked = linked.ok_or_else(|| device.flatness.pipeline_obstacle())?;
     let layout = layout_of(device, parts, &linked);
     let layout = match parts.shades() || !linked.is_empty() {
-        true => Some(layout.ok_or("there is no room for a descriptor set of ours")?),
+        true => Some(layout.ok_or("there is no room for a descriptor set of Cupola")?),
         false => None,
     };
     let others = linked.iter().filter_map(|library| library.layout.as_ref());
@@ -83,7 +84,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut modules = Modules::new(device);
     let mut stages = parts.stages.clone();
     let mut divided = None;
-    // SAFETY: as promised; shaders of ours are destroyed when the pipelines are made.
+    // SAFETY: as promised; shaders of Cupola are destroyed when the pipelines are made.
     unsafe {
         made.matrices.extend(matrices_before_rasterisation(device, &stages));
         made.matrices.sort_by_key(|matrix| matrix.rank);
@@ -198,7 +199,7 @@ unsafe fn change_stages(
     Ok(Some((index, words)))
 }
 
-/// Shaders of ours, which are needed until the pipelines are made.
+/// Shaders of Cupola, which are needed until the pipelines are made.
 pub struct Modules<'a> {
     device: &'a Device,
     made: Vec<vk::ShaderModule>,

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub struct ViewStage {
     /// Its words; `None`: the program's own.
     pub words: Option<Vec<u32>>,
-    /// It is told its place in the program's window.
+    /// Its fragments get the coordinates of the program's window.
     pub moves_place: bool,
     /// It should be, and cannot.
     pub loses_place: bool,

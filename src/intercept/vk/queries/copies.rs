@@ -1,7 +1,7 @@
 //! Results of queries that a command copies into a buffer of the program: they are scaled on the
 //! device.
 //!
-//! The results of a pool are copied into a buffer of ours, a compute shader scales them, and they
+//! The results of a pool are copied into a buffer of Cupola, a compute shader scales them, and they
 //! are copied to where the program wants them. Results that are not available are those of the last
 //! copy.
 
@@ -56,7 +56,7 @@ impl QueryScaler {
         };
         let bindings: Vec<_> = (0..3).map(binding).collect();
         let functions = &device.driver.functions;
-        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they
+        // SAFETY: makes objects of Cupola on a live device; they are kept in `self` as soon as they
         // are made.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -133,7 +133,7 @@ impl Scratch {
         let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 3 }];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         let functions = &device.driver.functions;
-        // SAFETY: objects of ours on a live device; the buffers are live.
+        // SAFETY: objects of Cupola on a live device; the buffers are live.
         unsafe {
             self.pool = functions.create_descriptor_pool(&info, None)?;
             let layouts = [scaler.set_layout];

@@ -67,7 +67,7 @@ impl RunningQuery {
     }
 }
 
-/// A query begins in a command buffer. Pending clears of ours are done first, so that the query
+/// A query begins in a command buffer. Pending clears of Cupola are done first, so that the query
 /// does not count them.
 ///
 /// # Safety

@@ -1,7 +1,7 @@
 //! 4×4 matrices of a shader that may be functions of the program's camera: each becomes a choice
-//! between the program's own and one of ours.
+//! between the program's own and one of Cupola's.
 //!
-//! A function of ours, to which the entry point leads, gives each matrix a variable: what the
+//! A function of Cupola, to which the entry point leads, gives each matrix a variable: what the
 //! program's block holds, or what the view constants hold, as they say. Loads of the matrix, or of
 //! a part of it, become loads of the variable.
 
@@ -28,7 +28,7 @@ const INVERSE: u32 = 34;
 pub struct Chosen {
     /// Its words.
     pub words: Vec<u32>,
-    /// Its matrices, in the order of ours, and what they are by their names.
+    /// Its matrices, in the order of Cupola's, and what they are by their names.
     pub matrices: Vec<(Matrix, Option<ViewMatrix>)>,
     /// It computes an inverse.
     pub inverts: bool,
@@ -61,8 +61,8 @@ struct Found {
 }
 
 /// `words` with a choice for each 4×4 matrix; `None` where there is none. Of a vertex stage those
-/// are left that may flow into the position. The matrices of ours, and behind them the numbers that
-/// choose them, lie at `offset` in the uniform block at binding 0 of `set`.
+/// are left that may flow into the position. The matrices of Cupola, and behind them the numbers
+/// that choose them, lie at `offset` in the uniform block at binding 0 of `set`.
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.
@@ -217,7 +217,7 @@ fn handed_on(all: &[Instruction<'_>], chains: &HashMap<u32, Chain>) -> HashSet<P
     handed
 }
 
-/// A variable of ours.
+/// A variable of Cupola.
 fn private(to: &mut Additions<'_>, kind: u32) -> u32 {
     let [pointer, variable] = std::array::from_fn(|_| to.id());
     let class = StorageClass::Private as u32;

@@ -1,8 +1,8 @@
 //! Values that flow into `Position`: only a matrix among them can be the lens.
 //!
 //! Ids and variables of all functions are followed. Each variable is followed as a whole, except
-//! blocks that the program fills, whose members are told apart. In doubt a value flows: all
-//! conditions, in whichever function, and all arguments of a call.
+//! blocks that the program fills, whose members are followed one by one. In doubt a value flows:
+//! all conditions, in whichever function, and all arguments of a call.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};

@@ -1,5 +1,5 @@
-//! A geometry stage of ours behind a program's vertex shader, which divides triangles or lines and
-//! projects what it emits.
+//! A geometry stage of Cupola behind a program's vertex shader, which divides triangles or lines
+//! and projects what it emits.
 //!
 //! The arithmetic is `correct::projected::division`, made SPIR-V by the build. What reads the
 //! corners and writes vertices is put together here: what the vertex shader hands on is declared

@@ -1,8 +1,8 @@
 //! `FragCoord` of the program's fragment shaders: in the coordinates of the program's window.
 //!
-//! Loads of the built-in variable become loads of a variable of ours. A function of ours, to which
-//! the entry point leads, gives it what the driver says, less an offset and times a scale of the
-//! view constants, and calls the program's function.
+//! Loads of the built-in variable become loads of a variable of Cupola. A function of Cupola, to
+//! which the entry point leads, sets it to the driver's value, less an offset and times a scale of
+//! the view constants, and calls the program's function.
 
 use crate::intercept::vk::spirv::functions::{Additions, push};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
@@ -80,7 +80,7 @@ fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'stat
     Ok(chains)
 }
 
-/// Variables of ours.
+/// Variables of Cupola.
 struct Ours {
     /// The block of the view constants, of which there is one member here.
     block: u32,

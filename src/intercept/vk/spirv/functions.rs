@@ -165,7 +165,7 @@ impl<'a> Additions<'a> {
         }
     }
 
-    /// The operands of an instruction of ours with the ids that they have here.
+    /// The operands of an instruction of Cupola with the ids that they have here.
     fn renumbered(&mut self, part: &Part, instruction: &Instruction<'_>, ids: &mut [u32]) -> Vec<u32> {
         let mut operands = instruction.operands.to_vec();
         let first = instruction.offset + 1;

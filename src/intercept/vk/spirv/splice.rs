@@ -3,7 +3,7 @@
 //! The last stage before rasterisation gets an epilogue that re-projects `gl_Position`
 //! (`correct::projected::projection`). All words of the program stay as they are, known or not;
 //! functions, their types and a uniform block are put in, and the entry point leads to a function
-//! of ours that calls the program's.
+//! of Cupola that calls the program's.
 
 use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
@@ -122,7 +122,7 @@ pub struct Entry<'a> {
     pub main: u32,
     /// Our function that takes its place, unless ours is called at each vertex that is emitted.
     pub wrapper: Option<u32>,
-    /// Variables of ours that the entry point names.
+    /// Variables of Cupola that the entry point names.
     pub variables: Vec<u32>,
     /// Those of them that come from the stage before: each version names them.
     pub inputs: Vec<u32>,

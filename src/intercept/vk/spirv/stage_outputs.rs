@@ -87,7 +87,7 @@ fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Ve
 /// it does not read would only take room.
 ///
 /// # Errors
-/// The reason, for people, why a stage between them cannot hand an output on.
+/// The reason, for messages, why a stage between them cannot hand an output on.
 pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;

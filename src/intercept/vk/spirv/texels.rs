@@ -318,7 +318,7 @@ impl Sources {
     }
 }
 
-/// Types and variables of ours.
+/// Types and variables of Cupola.
 struct Ours {
     int: u32,
     int_pair: u32,

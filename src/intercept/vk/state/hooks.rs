@@ -2,7 +2,7 @@
 
 use std::ffi::CStr;
 
-/// A function of Vulkan and the function of ours that answers it.
+/// A function of Vulkan and the function of Cupola that answers it.
 pub struct Hook {
     /// The names that it goes by.
     pub names: &'static [&'static CStr],

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 pub struct PipelineLayout {
     /// The driver's object.
     pub(in crate::intercept::vk) handle: vk::PipelineLayout,
-    /// Number of the set of ours.
+    /// Number of the set of Cupola.
     pub(in crate::intercept::vk) ours: u32,
     /// The set has the counter, too.
     pub(in crate::intercept::vk) counts: bool,
@@ -56,7 +56,7 @@ impl PipelineLayouts {
 pub struct Pipeline {
     /// The program's.
     pub(in crate::intercept::vk) own: vk::Pipeline,
-    /// Its layout, if that has a set of ours.
+    /// Its layout, if that has a set of Cupola.
     pub(in crate::intercept::vk) layout: Option<Arc<PipelineLayout>>,
     /// Number of viewports and scissors is set by commands, too.
     pub(in crate::intercept::vk) with_count: bool,
@@ -80,7 +80,7 @@ pub struct Variants {
     pub(in crate::intercept::vk) panel: vk::Pipeline,
     /// Places of the matrices that its shaders read.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
-    /// Its fragment shader is told its place in the program's window, and the texels of the
+    /// Its fragment shader gets coordinates of the program's window, and the texels of the
     /// program's images.
     pub(in crate::intercept::vk) moves_place: bool,
     /// It should be, and cannot.
@@ -102,7 +102,7 @@ pub enum MatrixStage {
     Fragment,
 }
 
-/// A matrix of the program that a shader may replace by one of ours.
+/// A matrix of the program that a shader may replace by one of Cupola's.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraMatrix {
     pub(in crate::intercept::vk) matrix: Matrix,
@@ -126,7 +126,7 @@ pub struct ComputePipeline {
 /// A compute pipeline with the camera's matrices of a view.
 pub struct ComputeVariant {
     pub(in crate::intercept::vk) pipeline: vk::Pipeline,
-    /// Its layout, with the set of ours.
+    /// Its layout, with the set of Cupola.
     pub(in crate::intercept::vk) layout: Arc<PipelineLayout>,
     /// Matrices of the program.
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,

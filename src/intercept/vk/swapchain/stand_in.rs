@@ -274,7 +274,7 @@ impl StandIn {
     pub unsafe fn wait(&self, device: &Device) {
         let fences: Vec<vk::Fence> = self.slots.iter().filter(|slot| slot.pending).map(|slot| slot.done).collect();
         if !fences.is_empty() {
-            // SAFETY: fences of ours that were submitted; a lost device ends the wait with an
+            // SAFETY: fences of Cupola that were submitted; a lost device ends the wait with an
             // error.
             let _ = unsafe { device.driver.functions.wait_for_fences(&fences, true, u64::MAX) };
         }

@@ -124,7 +124,7 @@ pub(in crate::intercept::gl) fn copy(
         atlas,
         &[Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::new(0, 0, width, height) }],
     );
-    // SAFETY: copies between framebuffers of ours; bindings and scissor test are put back.
+    // SAFETY: copies between framebuffers of Cupola; bindings and scissor test are put back.
     unsafe {
         let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
         gl.disable(api::GL_SCISSOR_TEST);

@@ -148,7 +148,7 @@ impl Depths {
     }
 }
 
-/// Returns the texels in a rectangle of a framebuffer of ours. Bindings and pixel storage are put
+/// Returns the texels in a rectangle of a framebuffer of Cupola. Bindings and pixel storage are put
 /// back.
 pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) -> Vec<u32> {
     let LowerLeftRect { x, y, width, height } = rect;
@@ -175,7 +175,7 @@ pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content:
             gl.tex_image2_d(api::GL_TEXTURE_2D, 0, internal as i32, width, height, 0, format, kind, start);
         }
     });
-    // SAFETY: objects of ours; bindings and scissor test are put back.
+    // SAFETY: objects of Cupola; bindings and scissor test are put back.
     unsafe {
         let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
         gl.disable(api::GL_SCISSOR_TEST);

@@ -29,7 +29,7 @@ pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] 
     let Some(target) = ctx.drawable.target().filter(|target| target.resolved.is_some()) else {
         return tile.origin();
     };
-    // SAFETY: a framebuffer of ours; `finish` puts the program's back.
+    // SAFETY: a framebuffer of Cupola; `finish` puts the program's back.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
     tile.origin()
 }

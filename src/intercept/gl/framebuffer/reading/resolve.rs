@@ -37,7 +37,7 @@ fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
     ctx.set_scissor(Some(part));
     let mut bound = 0;
     let mut mask = [0u8; 4];
-    // SAFETY: clears a part of a framebuffer of ours; binding and mask are put back.
+    // SAFETY: clears a part of a framebuffer of Cupola; binding and mask are put back.
     unsafe {
         gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
         gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
@@ -63,7 +63,7 @@ impl DefaultFramebuffer {
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
         let reads =
             if ctx.drawable.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
-        // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
+        // SAFETY: copies between framebuffers of Cupola; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
             if scissor {

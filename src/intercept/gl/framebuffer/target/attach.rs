@@ -39,7 +39,7 @@ fn put(ctx: &mut Context, target: DefaultFramebuffer) {
     ctx.drawable.put_target(Box::new(target));
     adopt(ctx);
     let gl = ctx.driver.gl;
-    // SAFETY: state of ours and of our framebuffer.
+    // SAFETY: state of Cupola and of our framebuffer.
     unsafe {
         ctx.set_scissor(None);
         clear_everything(gl);
@@ -162,7 +162,8 @@ pub fn adopt(ctx: &mut Context) {
     }
 }
 
-/// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
+/// Plans anew for a program with this number of draws in a frame. Earlier drawing of the frame is
+/// lost.
 pub fn plan_for(ctx: &mut Context, draws: u32) {
     let Some(old) = ctx.drawable.take_target() else { return };
     let extras = Extras { draws: Some(draws), ..old.extras() };

@@ -39,7 +39,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
             adopt(ctx);
             ctx.set_scissor(None);
             if let Some(new) = ctx.drawable.target() {
-                // SAFETY: copies between two framebuffers of ours; the bindings are put back by
+                // SAFETY: copies between two framebuffers of Cupola; the bindings are put back by
                 // `adopt`.
                 unsafe {
                     gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());

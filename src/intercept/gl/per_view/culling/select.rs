@@ -79,7 +79,7 @@ struct Known {
     class: DrawClass,
     /// Around its vertices, where the views' own transforms start from.
     placed: Placed,
-    /// So many pixels beside a view still matter to it.
+    /// Width in pixels of the border around a view in which a draw still matters to it.
     spread: f64,
 }
 
@@ -107,7 +107,7 @@ impl Known {
         Some(Self { class, placed, spread })
     }
 
-    /// Looks from the view `index`, whose picture has so many pixels across and up.
+    /// Looks from the view `index`, whose picture has this size in pixels.
     fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
         let (_, own_lens) = session.tile(index);
         let view = position::of_view(&ctx.compat, &ctx.frame, self.class, index).filter(|_| !own_lens);

@@ -52,7 +52,7 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
 /// Draws `vertices` as they are. What is current afterwards is not said.
 pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
     let Ok(vertices) = vertices else { return };
-    // SAFETY: Begin and End of ours, around vertices with their attributes.
+    // SAFETY: Begin and End of Cupola, around vertices with their attributes.
     unsafe {
         gl.begin(vertices.mode);
         for number in 0..vertices.count() {
@@ -77,7 +77,7 @@ fn seen(rows: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
 
 impl Divided<'_> {
     fn triangles(&mut self) {
-        // SAFETY: Begin and End of ours, around vertices only.
+        // SAFETY: Begin and End of Cupola, around vertices only.
         unsafe { self.gl.begin(api::GL_TRIANGLES) };
         assembly::triangles(self.vertices.mode, self.vertices.count(), |triangle| {
             let seen = triangle.corners.map(|corner| self.seen.get(corner).copied().unwrap_or_default());
@@ -133,7 +133,7 @@ impl Divided<'_> {
             }
             single::values(sum)
         };
-        // SAFETY: between Begin and End of ours.
+        // SAFETY: between Begin and End of Cupola.
         unsafe {
             for (number, attribute) in self.vertices.attributes.iter().enumerate() {
                 let colours = matches!(attribute, Attribute::Color | Attribute::SecondaryColor | Attribute::Normal);

@@ -1,4 +1,5 @@
-//! The fixed-function pipeline, for which a program of ours stands in where vertices are projected.
+//! The fixed-function pipeline, for which a program of Cupola stands in where vertices are
+//! projected.
 
 pub mod arrays;
 pub mod assembly;

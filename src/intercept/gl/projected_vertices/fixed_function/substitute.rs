@@ -60,7 +60,7 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     // What lighting decides for the pipeline, switches of their own decide for shaders.
     let wanted = [(two_sided, api::GL_VERTEX_PROGRAM_TWO_SIDE), (separate, api::GL_COLOR_SUM)];
     let mut switched = Vec::new();
-    // SAFETY: switches of OpenGL 2.0, put back in `end`; a program of ours.
+    // SAFETY: switches of OpenGL 2.0, put back in `end`; a program of Cupola.
     unsafe {
         for (_, switch) in wanted.into_iter().filter(|(wanted, switch)| *wanted && gl.is_enabled(*switch) == 0) {
             gl.enable(switch);

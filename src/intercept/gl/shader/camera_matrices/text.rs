@@ -34,7 +34,7 @@ struct Spelling<'a> {
     name: &'a str,
 }
 
-/// `source` with its choices, and the matrices, in the order of ours. `None`: it
+/// `source` with its choices, and the matrices, in the order of Cupola's. `None`: it
 /// names none that is looked at. `wanted` tells by a word of the text whether it is.
 pub fn with_choices(
     source: &str,

@@ -313,12 +313,12 @@ fn read_program(
     }
 }
 
-/// A program of ours of one vertex shader, which draws with the fixed-function matrices: `patched`
-/// is what is linked, `own` the same without what projects. `flat`: a primitive has the colour of
-/// its last vertex. `None` where the driver does not link it.
+/// A program of Cupola of one vertex shader, which draws with the fixed-function matrices:
+/// `patched` is what is linked, `own` the same without what projects. `flat`: a primitive has the
+/// colour of its last vertex. `None` where the driver does not link it.
 pub fn of_own_text(driver: &Driver, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
     let gl = driver.gl;
-    // SAFETY: objects of ours.
+    // SAFETY: objects of Cupola.
     let name = unsafe {
         let (shader, name) = (gl.create_shader(api::GL_VERTEX_SHADER), gl.create_program());
         set_source(gl, shader, patched);

@@ -1,5 +1,5 @@
 //! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one
-//! element is told from what flows from another.
+//! element is distinguished from what flows from another.
 
 use crate::intercept::gl::shader::source::prover::declarations::behind;
 use crate::intercept::gl::shader::source::prover::tokens::is_name;

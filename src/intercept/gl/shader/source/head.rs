@@ -1,4 +1,4 @@
-//! The head of a shader's text, behind which uniforms of ours are declared.
+//! The head of a shader's text, behind which uniforms of Cupola are declared.
 
 use crate::intercept::gl::shader::source::patch::{end_of_version_line, version};
 

@@ -66,7 +66,7 @@ impl Default for AppState {
 }
 
 impl AppState {
-    /// True if the driver's attribute stack has a place, with `own` attributes of ours beside the
+    /// True if the driver's attribute stack has a place, with `own` attributes of Cupola beside the
     /// program's.
     pub fn can_push(&self, own: usize) -> bool {
         self.attribute_stack.len() + own < ATTRIBUTE_DEPTH

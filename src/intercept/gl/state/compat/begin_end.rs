@@ -12,8 +12,8 @@ pub enum Phase {
     Outside,
     /// Commands are recorded, and the driver is between Begin and End without vertices.
     Recording,
-    /// Elements of arrays go into a list of ours, for the program may change its arrays before the
-    /// End.
+    /// Elements of arrays go into a list of Cupola, for the program may change its arrays before
+    /// the End.
     Elements,
 }
 
@@ -27,7 +27,7 @@ pub struct Immediate {
     pub(in crate::intercept::gl) bounds: Bounds,
     /// Number of generic attributes of a vertex.
     pub(in crate::intercept::gl) generic_attributes: u32,
-    /// Lists of ours, one for each run of elements.
+    /// Lists of Cupola, one for each run of elements.
     pub(in crate::intercept::gl) lists: Vec<u32>,
     /// Number of them that hold elements of this Begin/End.
     pub(in crate::intercept::gl) used_lists: usize,
@@ -55,7 +55,7 @@ impl Default for Immediate {
 }
 
 impl Immediate {
-    /// Between `glBegin` and `glEnd` of a draw of ours.
+    /// Between `glBegin` and `glEnd` of a draw of Cupola.
     pub fn under_way(&self) -> bool {
         self.phase != Phase::Outside
     }

@@ -71,7 +71,7 @@ impl DefaultFramebuffer {
         self.surface.framebuffer()
     }
 
-    /// True if `name` is a framebuffer of ours.
+    /// True if `name` is a framebuffer of Cupola.
     pub fn is_ours(&self, name: u32) -> bool {
         let others = self.resolved.iter().chain(&self.collected);
         name == self.surface.framebuffer() || others.into_iter().any(|other| other.framebuffer() == name)
@@ -216,7 +216,7 @@ pub struct OwnObjects {
 impl OwnObjects {
     /// Deletes them in their context, which must be current.
     pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
+        // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
             gl.delete_framebuffers(3, self.framebuffers.as_ptr());
             gl.delete_vertex_arrays(1, &self.vertex_array);

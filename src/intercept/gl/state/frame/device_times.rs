@@ -6,7 +6,7 @@ use crate::intercept::gl::state::queries;
 use crate::runtime::frame_times::FrameTimes;
 use std::time::Duration;
 
-/// So many frames may be on their way; more are not measured.
+/// Number of frames that are measured at the same time; more are not measured.
 const FRAMES: usize = 4;
 
 /// Timestamps of a frame: at its begin, when all is drawn, when it is corrected.
@@ -62,7 +62,7 @@ impl DeviceTimes {
 
     fn mark(&mut self, gl: &Gl, moment: usize) {
         if self.written == moment && !self.objects.is_empty() && self.frame - self.oldest < FRAMES {
-            // SAFETY: objects of ours, for timestamps alone.
+            // SAFETY: objects of Cupola, for timestamps alone.
             unsafe { gl.query_counter(self.objects[self.frame % FRAMES][moment], api::GL_TIMESTAMP) };
             self.written += 1;
         }

@@ -17,11 +17,11 @@ pub struct DrawCount {
     pub(in crate::intercept::gl) draws: Option<u32>,
 }
 
-/// So many frames in a row must have about as many draws.
+/// Number of frames in a row that must have about the same number of draws.
 pub(in crate::intercept::gl) const STEADY_FRAMES: u32 = 8;
 
 impl DrawCount {
-    /// A frame ended, with so many draws seen since the beginning.
+    /// Handles the end of a frame; `seen` is the number of draws since the beginning.
     pub fn end_frame(&mut self, seen: u64) {
         let draws = seen - self.before;
         let alike = draws > 0 && draws.abs_diff(self.last) * 4 <= self.last.max(draws);

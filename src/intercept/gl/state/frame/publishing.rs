@@ -11,7 +11,7 @@ use crate::runtime::session::Session;
 use std::ffi::c_void;
 use std::sync::Arc;
 
-/// So many frames may be on their way from the device; more are left out.
+/// Number of frames that are read back at the same time; more are left out.
 const FRAMES: usize = 3;
 
 /// Nanoseconds of one wait for the device.
@@ -111,7 +111,7 @@ impl Publishing {
             transfer.buffer = own_names::buffer(gl);
             bound(gl, transfer.buffer, || {
                 let size = self.bytes as isize;
-                // SAFETY: room for a buffer of ours, which is bound.
+                // SAFETY: room for a buffer of Cupola, which is bound.
                 unsafe { gl.buffer_data(api::GL_PIXEL_PACK_BUFFER, size, std::ptr::null(), api::GL_STREAM_READ) };
             });
         }
@@ -137,7 +137,7 @@ impl Publishing {
         }
         let buffer = self.transfers[self.next % FRAMES].buffer;
         self.read_to(gl, buffer, std::ptr::null_mut());
-        // SAFETY: makes a fence of ours.
+        // SAFETY: makes a fence of Cupola.
         let fence = unsafe { gl.fence_sync(api::GL_SYNC_GPU_COMMANDS_COMPLETE, 0) };
         self.transfers[self.next % FRAMES] = Transfer { buffer, fence: fence.addr(), stamp };
         self.next += 1;
@@ -163,7 +163,7 @@ impl Publishing {
             let Transfer { buffer, fence, stamp } = self.transfers[self.oldest % FRAMES];
             let fence: *const c_void = std::ptr::with_exposed_provenance(fence);
             let (flags, wait) = if all { (api::GL_SYNC_FLUSH_COMMANDS_BIT, WAIT) } else { (0, 0) };
-            // SAFETY: a fence of ours.
+            // SAFETY: a fence of Cupola.
             match unsafe { gl.client_wait_sync(fence, flags, wait) } {
                 api::GL_ALREADY_SIGNALED | api::GL_CONDITION_SATISFIED => self.publish_buffer(gl, buffer, stamp),
                 api::GL_TIMEOUT_EXPIRED if all => continue,
@@ -179,8 +179,8 @@ impl Publishing {
     fn publish_buffer(&self, gl: &Gl, buffer: u32, stamp: Stamp) {
         bound(gl, buffer, || {
             let size = self.bytes as isize;
-            // SAFETY: a buffer of ours of that size is bound, and stays mapped while its bytes are
-            // borrowed.
+            // SAFETY: a buffer of Cupola of that size is bound, and stays mapped while its bytes
+            // are borrowed.
             unsafe {
                 let at = gl.map_buffer_range(api::GL_PIXEL_PACK_BUFFER, 0, size, api::GL_MAP_READ_BIT);
                 if at.is_null() {
@@ -207,7 +207,7 @@ impl Publishing {
     pub fn destroy(mut self, gl: &Gl) {
         self.publish(gl, true);
         for transfer in self.transfers.iter().filter(|transfer| transfer.buffer != 0) {
-            // SAFETY: a buffer of ours.
+            // SAFETY: a buffer of Cupola.
             unsafe { gl.delete_buffers(1, &transfer.buffer) };
         }
         self.canvases.into_iter().for_each(|canvas| canvas.destroy(gl));

@@ -25,7 +25,7 @@ pub struct Counts {
     pub closings: u64,
     /// Programs of shaders that were linked for us.
     pub linked: u64,
-    /// OpenGL errors of ours.
+    /// OpenGL errors of Cupola.
     pub errors: u64,
     /// Draws by the way their projection was found.
     pub found: Found,

@@ -52,7 +52,7 @@ impl Coverage {
         for kind in &mut self.0 {
             let State::Measured(query, all) = kind.state else { continue };
             let mut samples = 0;
-            // SAFETY: a query of ours that has ended; writes one integer.
+            // SAFETY: a query of Cupola that has ended; writes one integer.
             unsafe {
                 gl.get_query_objectuiv(query, api::GL_QUERY_RESULT, &mut samples);
                 gl.delete_queries(1, &query);
@@ -71,7 +71,7 @@ impl Coverage {
 impl Kind {
     pub(in crate::intercept::gl) fn destroy(&self, gl: &Gl) {
         if let State::Measured(query, _) = self.state {
-            // SAFETY: an object of ours.
+            // SAFETY: an object of Cupola.
             unsafe { gl.delete_queries(1, &query) };
         }
     }

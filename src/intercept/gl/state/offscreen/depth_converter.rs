@@ -4,8 +4,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name, with_texture};
 
-/// A depth texture of ours, and a framebuffer of it alone: `glBlitFramebuffer` copies depth between
-/// equal formats only, and `glCopyTexSubImage2D` converts.
+/// A depth texture of Cupola, and a framebuffer of it alone: `glBlitFramebuffer` copies depth
+/// between equal formats only, and `glCopyTexSubImage2D` converts.
 pub struct DepthConverter {
     framebuffer: u32,
     texture: u32,
@@ -24,7 +24,7 @@ impl DepthConverter {
             // bound there.
             unsafe { gl.copy_tex_image2_d(api::GL_TEXTURE_2D, 0, format, 0, 0, size[0], size[1], 0) };
         });
-        // SAFETY: makes an object of ours; the bindings are put back.
+        // SAFETY: makes an object of Cupola; the bindings are put back.
         let complete = unsafe {
             let bindings = Bindings::save(gl);
             converter.framebuffer = own_names::framebuffer(gl);
@@ -62,7 +62,7 @@ impl DepthConverter {
             // SAFETY: our texture is bound.
             unsafe { gl.copy_tex_sub_image2_d(api::GL_TEXTURE_2D, 0, 0, 0, x, y, width, height) };
         });
-        // SAFETY: a framebuffer of ours; the binding is put back.
+        // SAFETY: a framebuffer of Cupola; the binding is put back.
         unsafe {
             let bindings = Bindings::save(gl);
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.framebuffer);
@@ -74,7 +74,7 @@ impl DepthConverter {
 
     /// Deletes it.
     pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
+        // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
             gl.delete_framebuffers(1, &self.framebuffer);
             gl.delete_textures(1, &self.texture);

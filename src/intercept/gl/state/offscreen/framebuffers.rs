@@ -1,4 +1,4 @@
-//! The program's framebuffers that it draws into, their attachments, and the framebuffers of ours
+//! The program's framebuffers that it draws into, their attachments, and the framebuffers of Cupola
 //! that stand for them.
 
 use crate::backend::gl::driver::api::{self, Gl};
@@ -26,7 +26,7 @@ pub struct Framebuffer {
     pub known: bool,
     /// Reason that keeps it from being drawn once per view, whatever is drawn.
     pub obstacle: Option<Obstacle>,
-    /// The framebuffer of ours with the view copies of what is attached; 0 = none.
+    /// The framebuffer of Cupola with the view copies of what is attached; 0 = none.
     pub view_copy: u32,
     /// A scene was drawn to it since it was cleared.
     pub has_scene: bool,
@@ -88,11 +88,11 @@ impl Framebuffer {
         }
     }
 
-    /// Makes the framebuffer of ours, of images that all have view copies. Bindings are put back;
+    /// Makes the framebuffer of Cupola, of images that all have view copies. Bindings are put back;
     /// errors may be left.
     pub fn make_view_copy(&mut self, gl: &Gl, view_copy_of: impl Fn(Name) -> Option<u32>) -> bool {
         let mut buffers = [api::GL_NONE; COLOURS];
-        // SAFETY: makes an object of ours; the bindings are put back.
+        // SAFETY: makes an object of Cupola; the bindings are put back.
         let complete = unsafe {
             let bindings = Bindings::save(gl);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.name);
@@ -121,11 +121,11 @@ impl Framebuffer {
         complete
     }
 
-    /// Deletes the framebuffer of ours.
+    /// Deletes the framebuffer of Cupola.
     pub fn destroy_view_copy(&mut self, gl: &Gl) {
         let name = std::mem::take(&mut self.view_copy);
         if name != 0 {
-            // SAFETY: an object of ours.
+            // SAFETY: an object of Cupola.
             unsafe { gl.delete_framebuffers(1, &name) };
         }
     }

@@ -81,7 +81,7 @@ pub struct Pair {
 impl Pair {
     /// Deletes them in their context, which must be current.
     pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
+        // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe { gl.delete_framebuffers(2, [self.ours, self.own].as_ptr()) };
     }
 }
@@ -229,7 +229,7 @@ impl Image {
             return false;
         }
         let mut view_copy = ViewCopy { renderbuffer: 0, pairs: Vec::new(), grid, holds: None };
-        // SAFETY: makes an object of ours; the binding is put back.
+        // SAFETY: makes an object of Cupola; the binding is put back.
         unsafe {
             let mut renderbuffer = 0;
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer);
@@ -264,7 +264,7 @@ impl Image {
             return Some(*pair);
         }
         let mut pair = Pair { context, ours: 0, own: 0 };
-        // SAFETY: makes objects of ours; bindings are put back.
+        // SAFETY: makes objects of Cupola; bindings are put back.
         let complete = unsafe {
             let bindings = Bindings::save(gl);
             pair.ours = own_names::framebuffer(gl);
@@ -289,7 +289,7 @@ impl Image {
     }
 
     /// # Safety
-    /// `framebuffer` must be one of ours. It stays bound.
+    /// `framebuffer` must be one of Cupola's. It stays bound.
     unsafe fn attach_for_copies(&self, gl: &Gl, framebuffer: u32, image: Name) -> bool {
         // SAFETY: as promised; the image lives.
         unsafe {
@@ -344,7 +344,7 @@ impl Image {
     /// contexts.
     pub fn destroy_view_copy(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
         let Some(mut view_copy) = self.view_copy.take() else { return Vec::new() };
-        // SAFETY: an object of ours; the name 0 is ignored.
+        // SAFETY: an object of Cupola; the name 0 is ignored.
         unsafe { gl.delete_renderbuffers(1, &view_copy.renderbuffer) };
         view_copy.pairs.retain(|pair| {
             if pair.context == context {
@@ -359,7 +359,7 @@ impl Image {
 /// Attaches an image to the framebuffer that is bound for drawing.
 ///
 /// # Safety
-/// The framebuffer must be one of ours, and the image must live.
+/// The framebuffer must be one of Cupola's, and the image must live.
 pub unsafe fn attach(gl: &Gl, point: u32, image: Name) {
     // SAFETY: as promised.
     unsafe {
@@ -378,7 +378,7 @@ pub unsafe fn attach(gl: &Gl, point: u32, image: Name) {
 /// scissor test must be off.
 fn copy(gl: &Gl, from: (u32, LowerLeftRect), to: (u32, LowerLeftRect), mask: u32) {
     let ([x0, y0, x1, y1], [u0, v0, u1, v1]) = (from.1.corners(), to.1.corners());
-    // SAFETY: framebuffers of ours, or bindings as the program made them, that are put back.
+    // SAFETY: framebuffers of Cupola, or bindings as the program made them, that are put back.
     unsafe {
         let bindings = Bindings::save(gl);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);

@@ -18,7 +18,7 @@ impl SingleSampleImage {
     /// left. `None` where the driver gives none.
     pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
         let mut canvas = Self { framebuffer: 0, renderbuffer: 0, size, format };
-        // SAFETY: makes objects of ours; the bindings are put back.
+        // SAFETY: makes objects of Cupola; the bindings are put back.
         let complete = unsafe {
             let bindings = Bindings::save(gl);
             let mut bound = 0;
@@ -53,7 +53,7 @@ impl SingleSampleImage {
 
     /// Deletes it.
     pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
+        // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
             gl.delete_framebuffers(1, &self.framebuffer);
             gl.delete_renderbuffers(1, &self.renderbuffer);

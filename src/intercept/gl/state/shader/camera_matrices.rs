@@ -16,7 +16,7 @@ pub enum MatrixStage {
     Fragment,
 }
 
-/// Uniforms of ours in a stage.
+/// Uniforms of Cupola in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Names {
     /// An array of matrices.
@@ -59,7 +59,7 @@ pub(in crate::intercept::gl) struct Substitute {
     pub(in crate::intercept::gl) stage: MatrixStage,
     /// The shader computes its inverse.
     pub(in crate::intercept::gl) inverted: bool,
-    /// Location of ours.
+    /// Location of Cupola.
     pub(in crate::intercept::gl) location: i32,
     /// Location of the uniform that chooses ours.
     pub(in crate::intercept::gl) chosen_location: i32,

@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 
-/// An atomic counter in a buffer of ours.
+/// An atomic counter in a buffer of Cupola.
 pub struct Counter {
     buffer: u32,
     binding: u32,
@@ -22,7 +22,7 @@ impl Counter {
     pub fn new(gl: &Gl, binding: u32) -> Self {
         let mut counter = Self { buffer: 0, binding };
         let zero = 0u32;
-        // SAFETY: makes a buffer of ours of four bytes; the binding is put back.
+        // SAFETY: makes a buffer of Cupola of four bytes; the binding is put back.
         unsafe {
             let mut generic = 0;
             gl.get_integerv(api::GL_ATOMIC_COUNTER_BUFFER_BINDING, &mut generic);

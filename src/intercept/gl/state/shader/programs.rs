@@ -96,10 +96,9 @@ pub struct Program {
     pub position: Option<Position>,
     /// Subroutines can be chosen, which is lost when another program is put in use.
     pub(in crate::intercept::gl) subroutines: bool,
-    /// Its fragments ask where on the screen they are, and are told as of the framebuffer that is
-    /// drawn to.
+    /// Its fragments read their window coordinates, those of the framebuffer that is drawn to.
     pub reads_frag_coord: bool,
-    /// They are told as of the program's window.
+    /// Present if its fragments get the coordinates of the program's window instead.
     pub frag_coord: Option<FragCoord>,
     /// Its primitives choose a viewport by its index.
     pub chooses_viewport: bool,

@@ -1,4 +1,4 @@
-//! Programs of ours beside a program of the program's, which divide primitives.
+//! Programs of Cupola beside a program of the program's, which divide primitives.
 
 use crate::backend::gl::CurrentProgram;
 use crate::backend::gl::driver::api::Gl;
@@ -16,7 +16,7 @@ pub struct Variant {
     pub(in crate::intercept::gl) mirror: Mirror,
     /// It counts what is not fine enough.
     pub(in crate::intercept::gl) counts: bool,
-    /// It draws patches of so many vertices.
+    /// Number of vertices of a patch, if it draws patches.
     pub(in crate::intercept::gl) patch: Option<i32>,
 }
 
@@ -68,7 +68,8 @@ impl Variants {
     pub fn destroy(&mut self, gl: &Gl) {
         for (_, state) in self.0.drain(..) {
             if let State::Made(variant) = state {
-                // SAFETY: a program of ours; the context shares objects with the one that made it.
+                // SAFETY: a program of Cupola; the context shares objects with the one that made
+                // it.
                 unsafe { gl.delete_program(variant.name) };
             }
         }

@@ -1,11 +1,11 @@
-//! Puts back on the device what the program bound and set, after draws of ours.
+//! Puts back on the device what the program bound and set, after draws of Cupola.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::recording::Recording;
 use ash::vk;
 
-/// Puts back what the program bound and set, after draws of ours.
+/// Puts back what the program bound and set, after draws of Cupola.
 ///
 /// # Safety
 /// The command buffer is being recorded.
@@ -30,7 +30,7 @@ pub unsafe fn restore(device: &Device, buffer: vk::CommandBuffer, recording: &mu
     }
 }
 
-/// Binds the program's descriptor sets again whose place a set of ours took.
+/// Binds the program's descriptor sets again whose place a set of Cupola took.
 ///
 /// # Safety
 /// The command buffer is being recorded.

@@ -36,7 +36,7 @@ pub unsafe fn clear_pending(device: &Device, buffer: vk::CommandBuffer, recordin
     unsafe { clear_panel(device, buffer, &pass.target.layout, &uncleared_panels) };
 }
 
-/// In a pass that has secondary command buffers only, one of ours has to clear the panel.
+/// In a pass that has secondary command buffers only, one of Cupola's has to clear the panel.
 ///
 /// # Safety
 /// The command buffer is being recorded; the program uses its pool on this thread.

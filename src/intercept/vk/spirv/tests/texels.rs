@@ -59,7 +59,7 @@ fn coordinates_and_sizes_go_through_functions_of_ours() {
     let fetch = all.iter().find(|i| i.is(Op::ImageFetch)).expect("it stays");
     let call = all.iter().find(|i| i.is(Op::FunctionCall) && i.operand(1) == fetch.operand(3)).expect("a call");
     assert_eq!((call.operand(0), call.operand(3)), (13, 14), "of the program's coordinates");
-    // What the program uses is the result of ours, in its own type.
+    // What the program uses is the result of Cupola, in its own type.
     let cast = all.iter().find(|i| i.is(Op::Bitcast) && i.operand(1) == 22).expect("the size");
     assert!(all.iter().any(|i| i.is(Op::FunctionCall) && i.operand(1) == cast.operand(2)));
     let queries: Vec<_> = all.iter().filter(|i| i.is(Op::ImageQuerySizeLod)).map(|i| i.operand(1)).collect();

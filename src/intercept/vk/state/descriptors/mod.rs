@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex};
 pub struct SetLayout {
     /// Type and number of each binding.
     pub(in crate::intercept::vk) bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
-    /// Its descriptors lie in buffers: no set of ours can be bound beside them.
+    /// Its descriptors lie in buffers: no set of Cupola can be bound beside them.
     pub(in crate::intercept::vk) apart: bool,
     /// Descriptors may change while they are bound.
     pub(in crate::intercept::vk) changes_later: bool,

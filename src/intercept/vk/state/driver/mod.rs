@@ -2,7 +2,7 @@
 //!
 //! [`instance`] holds the next layer's functions for an instance, [`entry_points`] those of a
 //! device that hooks call. [`structures`] reads the structures that the program passes to Vulkan;
-//! [`own_image`] makes images of ours. Nothing here knows of views.
+//! [`own_image`] makes images of Cupola. Nothing here knows of views.
 
 pub mod entry_points;
 pub mod instance;
@@ -51,13 +51,13 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// A primary command buffer of ours, one that layers below can dispatch.
+    /// A primary command buffer of Cupola, one that layers below can dispatch.
     ///
     /// # Errors
     /// The driver's.
     ///
     /// # Safety
-    /// The pool must be one of ours, in use by no other thread.
+    /// The pool must be one of Cupola's, in use by no other thread.
     pub unsafe fn command_buffer(&self, pool: vk::CommandPool) -> VkResult<vk::CommandBuffer> {
         // SAFETY: as promised.
         unsafe { self.allocate(pool, vk::CommandBufferLevel::PRIMARY) }

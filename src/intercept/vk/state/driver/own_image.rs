@@ -1,4 +1,4 @@
-//! Images of ours, and barriers for them.
+//! Images of Cupola, and barriers for them.
 
 use crate::backend::vk::{COLOR, Use};
 use crate::intercept::vk::state::driver::Driver;
@@ -23,7 +23,7 @@ impl OwnImage {
     /// The device must be live, `info` valid.
     pub unsafe fn new(driver: &Driver, info: &vk::ImageCreateInfo<'_>) -> VkResult<Self> {
         let functions = &driver.functions;
-        // SAFETY: makes objects of ours; what was made before a failure is destroyed.
+        // SAFETY: makes objects of Cupola; what was made before a failure is destroyed.
         unsafe {
             let image = functions.create_image(info, None)?;
             let needs = functions.get_image_memory_requirements(image);

@@ -61,7 +61,7 @@ pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,
 }
 
-/// An image of ours that has to be brought into a layout before anything is submitted.
+/// An image of Cupola that has to be brought into a layout before anything is submitted.
 #[derive(Clone, Copy)]
 pub struct PendingLayout {
     /// The image.
@@ -296,8 +296,9 @@ impl Images {
         std::mem::take(&mut self.pending.locked())
     }
 
-    /// An image of ours that was to be brought into a layout before the next submission will be in
-    /// the layout `found` then. Returns the image, its aspects, and the layout that it was to have.
+    /// An image of Cupola that was to be brought into a layout before the next submission will be
+    /// in the layout `found` then. Returns the image, its aspects, and the layout that it was to
+    /// have.
     pub fn begins_in(
         &self,
         image: vk::Image,

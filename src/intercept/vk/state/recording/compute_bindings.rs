@@ -1,4 +1,5 @@
-//! Bindings of a program for compute shaders, so that they can be put back after a shader of ours.
+//! Bindings of a program for compute shaders, so that they can be put back after a shader of
+//! Cupola.
 
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::driver::entry_points::NextLayer;

@@ -97,7 +97,7 @@ pub struct DrawFacts {
     /// They are tested by their depth: without a matrix that can be read they may have the lens
     /// that the rig gives.
     pub(in crate::intercept::vk) deep: bool,
-    /// Viewport of the program, where fragments are told their place in its window.
+    /// Viewport of the program, if fragments get the coordinates of its window.
     pub(in crate::intercept::vk) viewport: Option<Area>,
     /// Of the images that they read by texels: places of the views, where a view has its own.
     pub(in crate::intercept::vk) pictures: Vec<Option<ShownLayout>>,

@@ -2,7 +2,7 @@
 //! them when they are submitted.
 //!
 //! [`bindings`] and [`compute_bindings`] are what the program has bound, so that it can be bound
-//! again after commands of ours. [`draw_groups`] are the draws that are classified at submission;
+//! again after commands of Cupola. [`draw_groups`] are the draws that are classified at submission;
 //! [`draw_parameters`] are those of their parameters that lie in memory.
 
 pub mod bindings;
@@ -135,7 +135,7 @@ pub struct GraphicsState {
 }
 
 impl GraphicsState {
-    /// Sets of ours are bound from this number on, in the place of the program's.
+    /// Sets of Cupola are bound from this number on, in the place of the program's.
     pub fn displace_from(&mut self, number: u32) {
         self.displaced = Some(self.displaced.map_or(number, |from| from.min(number)));
     }
@@ -177,7 +177,7 @@ pub struct Recording {
     pub(in crate::intercept::vk) draw_groups: Vec<DrawGroup>,
     /// Memory of their view constants.
     pub(in crate::intercept::vk) constants: ConstantChunks,
-    /// Command buffers of ours that clear the panel where the program's pass has only secondary
+    /// Command buffers of Cupola that clear the panel where the program's pass has only secondary
     /// ones.
     pub(in crate::intercept::vk) clearers: Vec<vk::CommandBuffer>,
     /// Scenes whose view copies its draws sample.

@@ -11,7 +11,7 @@ use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::Arc;
 
-/// So many frames may be on their way from the device; more are left out.
+/// Number of frames that are read back at the same time; more are left out.
 const FRAMES: usize = 3;
 
 /// Nanoseconds that the device may take for a frame that the program waits for.
@@ -205,7 +205,7 @@ impl Publishing {
         let functions = &driver.functions;
         while self.oldest < self.next {
             let transfer = &self.transfers[self.oldest % FRAMES];
-            // SAFETY: a fence of ours that was submitted.
+            // SAFETY: a fence of Cupola that was submitted.
             let done = unsafe {
                 match all {
                     true => functions.wait_for_fences(&[transfer.done], true, LONGEST_WAIT).is_ok(),

@@ -7,7 +7,7 @@ use ash::vk;
 /// Bytes of a number.
 const LENGTH: u64 = size_of::<u32>() as u64;
 
-/// A number in a buffer of ours, to which stages add.
+/// A number in a buffer of Cupola, to which stages add.
 pub struct Counter {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
@@ -29,7 +29,7 @@ impl Counter {
         let functions = &driver.functions;
         let info = vk::BufferCreateInfo::default().size(LENGTH).usage(vk::BufferUsageFlags::STORAGE_BUFFER);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they
+        // SAFETY: makes objects of Cupola on a live device; they are kept in `self` as soon as they
         // are made. The memory is as long as the number, and nothing uses it yet.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;

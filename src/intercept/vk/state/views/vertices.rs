@@ -16,7 +16,7 @@ pub enum VertexProcessing {
 pub struct VertexDecision {
     /// The work.
     pub vertices: VertexProcessing,
-    /// Reason why it does not divide, for people.
+    /// Reason why it does not divide, for messages.
     pub undivided: &'static str,
     /// The dividing stage can count primitives that it does not divide enough.
     pub counts: bool,

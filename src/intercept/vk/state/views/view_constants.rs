@@ -240,7 +240,7 @@ impl ConstantChunk {
             vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 1 },
         ];
         let pool = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes[..layouts.len()]);
-        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they
+        // SAFETY: makes objects of Cupola on a live device; they are kept in `self` as soon as they
         // are made.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;

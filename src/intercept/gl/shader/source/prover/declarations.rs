@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Meaning of a name outside of functions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Global<'a> {
-    /// An attribute of so many components.
+    /// An attribute with this number of components.
     Attribute(usize),
     /// A 4×4 matrix of floats that the program sets.
     Matrix,

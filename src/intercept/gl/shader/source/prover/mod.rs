@@ -47,7 +47,7 @@ pub struct Proof {
 /// More matrices are not multiplied: roundings add up.
 const MOST_FACTORS: usize = 8;
 
-/// So many steps are taken at most; they bound the depth of recursion, too.
+/// Greatest number of steps. It bounds the depth of recursion, too.
 const MOST_STEPS: u32 = 64;
 
 /// Words of shaders whose draws do more than what is seen, or go elsewhere.
