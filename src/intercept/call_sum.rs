@@ -1,8 +1,8 @@
-//! A sum of the program's calls in a frame, by which machines that should do the same are compared.
+//! A checksum of the program's calls in a frame. It shows whether several machines do the same.
 //!
-//! It is of the calls that Cupola sees, with their numbers, and of the matrices, vectors and
-//! buffers that they point at. Pointers differ between processes and are left out, as are
-//! questions, which a program may repeat until it likes the answer.
+//! It covers the calls that Cupola intercepts, with their numeric arguments, and the matrices,
+//! vectors and buffers that they point at. Pointers are left out because they differ between
+//! processes. Queries of state are left out because a program may repeat them any number of times.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static ON: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// The sum of this thread's calls: those of the thread that swaps count.
+    /// The checksum of this thread's calls. Only the thread that swaps is compared.
     static SUM: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Calls are summed up from here on.
+/// Starts to sum up calls.
 pub fn begin() {
     ON.store(true, Ordering::Relaxed);
 }
@@ -33,7 +33,7 @@ pub fn add(number: u64) {
 /// Adds `count` values that a call points at, if calls are summed up.
 ///
 /// # Safety
-/// `values` must be null or point at so many, as the program promises OpenGL.
+/// `values` must be null or point at `count` values, as the program promises OpenGL.
 #[inline]
 pub unsafe fn add_values<T: Copy>(values: *const T, count: usize) {
     if is_on() && !values.is_null() {
@@ -43,12 +43,12 @@ pub unsafe fn add_values<T: Copy>(values: *const T, count: usize) {
     }
 }
 
-/// The sum since the last call of this.
+/// Returns the sum since the last call of this function.
 pub fn take() -> u64 {
     SUM.replace(0)
 }
 
-/// A call's number in the sum; 0 for a question.
+/// Returns a call's number in the sum; 0 for a query of state.
 pub const fn code(name: &str) -> u64 {
     let bytes = name.as_bytes();
     let is_question = bytes.len() > 4
@@ -66,7 +66,7 @@ pub const fn code(name: &str) -> u64 {
 
 /// A parameter of a call.
 pub trait Parameter: Copy {
-    /// Returns the part of it that counts.
+    /// Returns the value that is added to the sum.
     fn number(self) -> u64;
 }
 

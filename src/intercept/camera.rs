@@ -1,44 +1,46 @@
-//! The program's cameras: which lenses it draws with, and each view's transform for them.
+//! The program's cameras: the lenses that it draws with, and the transform of each view for them.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::lens::same;
 use crate::runtime::Session;
 use crate::runtime::session::{CameraFunction, Intrinsics, MatrixClass, classify};
 
-/// A lens of the program and the rows that take it to each view.
+/// A lens of the program and its reprojection matrix for each view.
 pub struct Camera {
     /// The lens.
     pub intrinsics: Intrinsics,
-    /// Rows for every view, as the patched shaders take them.
+    /// Reprojection matrices of all views, as the patched shaders take them.
     pub rows: Vec<ReprojectionMatrix>,
     used: bool,
-    /// Number of frames, this one included, for which the views are known to be drawn with it.
+    /// Number of frames, including this one, for which the views are known to be drawn with this
+    /// lens.
     shown: u8,
 }
 
-/// The lenses seen lately. Draws with the same lens share bit-identical rows, or equal depths
-/// of two passes would fight.
+/// The lenses of recent draws. Draws with the same lens must use bit-identical matrices. Otherwise
+/// equal depths of two passes would fight.
 #[derive(Default)]
 pub struct Cameras {
     list: Vec<Camera>,
-    /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame
+    /// Memory of forgotten cameras, reused for new ones, so that a lens that changes in every frame
     /// allocates nothing.
     spare: Vec<Vec<ReprojectionMatrix>>,
-    /// The lens of the fixed-function pipeline, with which the views are drawn, and for how many
-    /// frames that is known. It is none of the list, whose first lenses others take over.
+    /// Lens of the fixed-function pipeline that the views are drawn with, and the number of frames
+    /// for which this is known. It is not in the list, because other code takes the first lenses of
+    /// the list.
     fixed: Option<(Intrinsics, u8)>,
     /// Number of times that the lenses of [`Cameras::shown`] changed.
     changes: u64,
 }
 
-/// A lens is shown in the frame that is drawn with it, and known to be in the next.
+/// A lens counts as shown in the frame that is drawn with it and in the next one.
 const FRAMES_SHOWN: u8 = 2;
 
-/// More lenses in a frame than this are not told apart from noise.
+/// Greatest number of lenses; with more in a frame, all are forgotten.
 const GREATEST: usize = 16;
 
 impl Cameras {
-    /// Index of the camera with `intrinsics`, made if new.
+    /// Returns the index of the camera with `intrinsics`, which is made if it is new.
     pub fn index(&mut self, intrinsics: &Intrinsics, session: &Session) -> usize {
         if let Some(found) = self.list.iter().position(|c| same(&c.intrinsics, intrinsics)) {
             self.list[found].used = true;
@@ -58,8 +60,8 @@ impl Cameras {
         self.list.get(index)
     }
 
-    /// The views are drawn with the camera at `index`. A lamp's lens, with which a shadow map is
-    /// drawn, is none of these.
+    /// Notes that the views are drawn with the camera at `index`. The lens of a lamp, which draws a
+    /// shadow map, is never noted here.
     pub fn show(&mut self, index: usize) {
         if let Some(camera) = self.list.get_mut(index) {
             self.changes += u64::from(camera.shown == 0);
@@ -67,7 +69,7 @@ impl Cameras {
         }
     }
 
-    /// The views are drawn with this lens of the fixed-function pipeline.
+    /// Notes that the views are drawn with this lens of the fixed-function pipeline.
     pub fn show_fixed(&mut self, lens: &Intrinsics) {
         self.changes += u64::from(self.fixed.is_none_or(|(known, _)| known != *lens));
         self.fixed = Some((*lens, FRAMES_SHOWN));
@@ -84,9 +86,9 @@ impl Cameras {
         list.chain(self.fixed.iter().map(|(lens, _)| lens))
     }
 
-    /// Returns the dependence of a matrix on one of the cameras that are shown, or, where there is
-    /// none, on the camera that the matrix itself tells. `inverted`: the shader computes its
-    /// inverse.
+    /// Returns the dependence of a matrix on one of the cameras that are shown. If none is shown,
+    /// returns the dependence on the camera that the matrix itself contains. `inverted`: the shader
+    /// computes the inverse of the matrix.
     pub fn function_of(&self, matrix: &[f64; 16], inverted: bool) -> Option<(CameraFunction, Intrinsics)> {
         let mut known = self.shown().peekable();
         if known.peek().is_none() {
@@ -103,7 +105,7 @@ impl Cameras {
         self.changes
     }
 
-    /// A frame ended: lenses that it did not use are forgotten.
+    /// Ends a frame: forgets lenses that it did not use.
     pub fn end_frame(&mut self) {
         let Self { list, spare, fixed, changes } = self;
         if let Some((_, frames)) = fixed {
@@ -125,7 +127,7 @@ impl Cameras {
         });
     }
 
-    /// The views changed: nothing is valid any more.
+    /// Forgets everything, because the views changed.
     pub fn clear(&mut self) {
         self.changes += 1;
         self.fixed = None;

@@ -19,11 +19,11 @@ fn clock() -> Option<&'static Clock> {
     static CLOCK: OnceLock<Option<Clock>> = OnceLock::new();
     CLOCK
         .get_or_init(|| {
-            // SAFETY: asks the dynamic linker for a name.
+            // SAFETY: looks up a name in the dynamic linker.
             let find = |name: &CStr| NonNull::new(unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) });
             let (frame, advance) = (find(c"cupola_clock_frame")?, find(c"cupola_clock_advance")?);
             let time = find(c"cupola_clock_time")?;
-            // SAFETY: the types that the library gives to these names.
+            // SAFETY: the types are those of the library's functions with these names.
             unsafe {
                 Some(Clock {
                     end_frame: std::mem::transmute::<NonNull<c_void>, unsafe extern "C" fn(c_ulong) -> c_int>(frame),
@@ -46,14 +46,14 @@ pub fn time() -> Option<u64> {
     clock().map(|clock| unsafe { (clock.time)() })
 }
 
-/// A frame of the window with this handle is complete, and will be shown next. The program's time
-/// goes on, unless the frames of another window lead. Returns whether it has.
+/// Notes that a frame of the window with this handle is complete and will be shown next. The
+/// program's time advances, unless the frames of another window lead. Returns whether it advanced.
 pub fn end_frame(window: u64) -> bool {
     // SAFETY: takes a number and returns one.
     clock().is_some_and(|clock| unsafe { (clock.end_frame)(window) } != 0)
 }
 
-/// The program's monotonic clock goes on to this time in nanoseconds, unless it is later already.
+/// Advances the program's monotonic clock to this time in nanoseconds, unless it is later already.
 pub fn advance(time: u64) {
     if let Some(clock) = clock() {
         // SAFETY: takes a number.
@@ -64,7 +64,7 @@ pub fn advance(time: u64) {
 /// Swapchains of Vulkan and their surfaces: a window gets a new swapchain when its size changes.
 static SURFACES: Mutex<Vec<(u64, u64)>> = Mutex::new(Vec::new());
 
-/// A swapchain was made for a surface.
+/// Notes the surface of a new swapchain.
 pub fn note_swapchain(swapchain: u64, surface: u64) {
     if is_there() || super::nodes::are_there() {
         let mut surfaces = SURFACES.locked();
@@ -73,7 +73,8 @@ pub fn note_swapchain(swapchain: u64, surface: u64) {
     }
 }
 
-/// The window of a swapchain, or what stands for it.
+/// Returns the surface of a swapchain as the window's handle, or the swapchain itself if its
+/// surface is unknown.
 pub fn window_of_swapchain(swapchain: u64) -> u64 {
     let known = SURFACES.locked().iter().find(|(known, _)| *known == swapchain).map(|(_, surface)| *surface);
     known.unwrap_or(swapchain)

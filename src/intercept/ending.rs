@@ -1,31 +1,32 @@
-//! The end of the process, from which on nothing is corrected: parts of the driver may be gone
-//! already.
+//! The end of the process. From then on nothing is corrected, because parts of the driver may be
+//! gone already.
 //!
 //! Handlers of `atexit` and destructors of libraries run in the reverse order of their
+//! Handlers of `atexit` and destructors of libraries run in the reverse order of their
 //! registration. Drivers register some when they are loaded and others when they first compile a
-//! shader, so that a handler of the program may run while the driver can no longer compile: what
-//! the program does there (making no context current, for example) works without Cupola and has to
+//! shader. A handler of the program may therefore run while the driver can no longer compile. The
+//! program's calls there (making no context current, for example) work without Cupola and have to
 //! work with it.
 //!
 //! Two signs show that the process ends. Destructors of thread-local values run before all
-//! handlers, on the thread that calls `exit`; those of the first thread run only then. Our `atexit`
-//! handler runs later; it is for the other threads.
+//! handlers, on the thread that calls `exit`. On the first thread they run only then. Cupola's
+//! `atexit` handler runs later; it is for the other threads.
 
 use std::cell::Cell;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The process ends.
+/// True if the process ends.
 static PROCESS: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// This thread ends, or calls `exit`.
+    /// True if this thread ends, or calls `exit`.
     static THREAD: Cell<bool> = const { Cell::new(false) };
-    /// Its destructor is the sign.
+    /// Its destructor shows that the thread ends.
     static LAST_ACT: LastAct = const { LastAct(Cell::new(None)) };
 }
 
-/// Function that runs when the thread ends, while the driver is whole.
+/// Function that runs when the thread ends, while the driver still works.
 struct LastAct(Cell<Option<fn()>>);
 
 impl Drop for LastAct {
@@ -45,8 +46,8 @@ extern "C" fn at_exit() {
     PROCESS.store(true, Ordering::Release);
 }
 
-/// Watches for the end of the process and of this thread, on which `act` is done then. To be called
-/// once the driver is loaded.
+/// Watches for the end of the process and of this thread, and calls `act` when this thread ends.
+/// Call it once the driver is loaded.
 pub fn watch(act: Option<fn()>) {
     static AT_EXIT: Once = Once::new();
     AT_EXIT.call_once(|| {
@@ -63,7 +64,7 @@ pub fn of_process() -> bool {
     PROCESS.load(Ordering::Relaxed)
 }
 
-/// True if the process ends, or this thread.
+/// True if the process or this thread ends.
 pub fn has_begun() -> bool {
     of_process() || THREAD.get()
 }
@@ -76,8 +77,7 @@ mod tests {
 
     static SEEN: AtomicU32 = AtomicU32::new(0);
 
-    /// Stands for what a program does at the end of a thread, after thread-local values are
-    /// destroyed.
+    /// Does what a program may do at the end of a thread, after thread-local values are destroyed.
     struct Late;
 
     thread_local! {
@@ -90,8 +90,8 @@ mod tests {
         }
     }
 
-    /// Values are destroyed in the reverse order of their first use, and a thread that ends is no
-    /// process that does.
+    /// Values are destroyed in the reverse order of their first use. The end of one thread is not
+    /// the end of the process.
     #[test]
     fn the_end_of_a_thread_is_seen_on_it_alone() {
         let thread = std::thread::spawn(|| {

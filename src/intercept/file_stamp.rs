@@ -1,4 +1,4 @@
-//! Stamps of files: what tells one state of a file from another.
+//! Stamps of files, which show whether a file has changed.
 
 use std::path::Path;
 use std::time::SystemTime;
@@ -11,7 +11,7 @@ pub struct FileStamp {
 }
 
 impl FileStamp {
-    /// Returns the stamp of a file; `None` where there is none.
+    /// Returns the stamp of a file; `None` if there is no such file.
     pub fn of(path: &Path) -> Option<Self> {
         let data = std::fs::metadata(path).ok()?;
         Some(Self { modified: data.modified().ok(), length: data.len() })

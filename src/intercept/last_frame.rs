@@ -26,17 +26,17 @@ struct Latest {
     frame: Option<LastFrame>,
     /// The frame's sequence number.
     number: u64,
-    /// The draws of the frame were described.
+    /// True if the draws of the frame were described.
     is_described: bool,
-    /// Everything is written: what comes later is not kept.
+    /// True if everything is written. Later frames are not stored.
     is_written: bool,
 }
 
 static LAST_FRAME: Mutex<Latest> =
     Mutex::new(Latest { frame: None, number: 0, is_described: false, is_written: false });
 
-/// True if the program ends after the frame with this number: it was asked for, the time is over,
-/// or a signal ends the program.
+/// True if the program ends after the frame with this number: because it is the requested number,
+/// the requested time is over, or a signal ends the program.
 pub fn is_last(settings: &Settings, number: u64) -> bool {
     if settings.has_report() {
         signals::watch(is_kept, write);
@@ -45,27 +45,27 @@ pub fn is_last(settings: &Settings, number: u64) -> bool {
     settings.frames == Some(number) || (is_over(settings) && (settings.inspect.is_none() || inspection::is_recording()))
 }
 
-/// The time that was asked for is over, or a signal ends the program.
+/// True if the requested time is over or a signal ends the program.
 fn is_over(settings: &Settings) -> bool {
     settings.is_time_over() || signals::received().is_some()
 }
 
-/// The frame with this number begins.
+/// Begins the frame with this number.
 pub fn begin(settings: &Settings, number: u64) {
     inspection::begin_frame(settings, settings.frames == Some(number) || is_over(settings));
 }
 
-/// True if pictures of the outputs of this frame are kept, if it is kept.
+/// True if pictures of the outputs have to be stored with this frame.
 pub fn wants_outputs(settings: &Settings) -> bool {
     settings.capture.is_some() || inspection::is_recording()
 }
 
-/// True if pictures of the views of this frame are kept, if it is kept.
+/// True if pictures of the views have to be stored with this frame.
 pub fn wants_views(settings: &Settings) -> bool {
     settings.capture_views.is_some() || inspection::is_recording()
 }
 
-/// True if a frame is stored that is not written yet, and described if that was asked for.
+/// True if a frame is stored, with a description of its draws if one was requested.
 fn is_kept() -> bool {
     let latest = LAST_FRAME.locked();
     let wants_description = settings::settings().is_some_and(|settings| settings.inspect.is_some());
@@ -90,7 +90,7 @@ pub fn store(frame: LastFrame) -> u64 {
     latest.number
 }
 
-/// Writes the statistics of the stored frame, if that is asked for and was not done for a while.
+/// Writes the statistics of the stored frame, if that was requested and the interval is over.
 fn write_now_and_then(latest: &mut Latest) {
     static WRITTEN: Mutex<Option<Instant>> = Mutex::new(None);
     let Some((settings, every)) = settings::settings().and_then(|settings| Some((settings, settings.stats_every?)))
@@ -140,7 +140,7 @@ pub fn end_program() {
 }
 
 extern "C" fn at_exit() {
-    // A panic while the process ends has nobody left to tell.
+    // A panic while the process ends can be reported to nobody.
     let _ = crate::fence::guard(write);
 }
 
@@ -176,9 +176,9 @@ fn write() {
         say(run_results::write_text(path, &page::html(&page)));
     }
     if let Some(path) = &settings.capture {
-        // Of several nodes each writes the pictures of its own outputs.
+        // With several nodes, each writes the pictures of its own outputs.
         let several = frame.pictures.len() > 1 || settings.node_page.is_some();
-        // Of an output outside of the window there is nothing to write.
+        // An output outside of the window has no picture.
         for picture in frame.pictures.iter().filter(|picture| picture.width > 0 && picture.height > 0) {
             say(run_results::write_picture(&run_results::capture_path(path, &picture.name, several), picture));
         }

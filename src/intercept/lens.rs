@@ -25,27 +25,27 @@ pub enum Order {
     Either,
 }
 
-/// Part of a lens that a matrix tells.
+/// Part of a lens that a matrix determines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// All: it is the lens alone.
+    /// All of it: the matrix is the lens alone.
     Projection,
-    /// All, unless a model is stretched along the camera's own axes.
+    /// All of it, unless a model is stretched along the camera's own axes.
     Product,
-    /// E and F, since a model is stretched or skewed.
+    /// Only E and F, since a model is stretched or skewed.
     Depth,
 }
 
-/// A lens that a program draws with.
+/// A lens that a program draws with, found in a matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
-    /// The lens; of [`Certainty::Depth`] only E and F.
+    /// The lens. Only E and F are valid for [`Certainty::Depth`].
     pub intrinsics: Intrinsics,
     /// Part of it that is known.
     pub certainty: Certainty,
 }
 
-/// A lens, and how much speaks for it: the smaller, the more.
+/// A lens and the doubt about it: of several lenses, the one with the least doubt is taken.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     told: Told,
@@ -53,12 +53,12 @@ struct Found {
 }
 
 impl Told {
-    /// One that is known altogether.
+    /// Returns a lens of which every part is known.
     pub fn sure(intrinsics: Intrinsics) -> Self {
         Self { intrinsics, certainty: Certainty::Projection }
     }
 
-    /// Returns the kind of matrix in which it was found.
+    /// Returns the kind of matrix in which the lens was found.
     pub fn how(&self) -> &'static str {
         match self.certainty {
             Certainty::Projection => "projection matrix uniform",
@@ -66,10 +66,11 @@ impl Told {
         }
     }
 
-    /// The lens, with the help of those that are `known` where the matrix does not tell it for
-    /// sure: a product of a known lens has its E and F, whatever the model is. `aspect`: width by
-    /// height of the viewport. A lens whose pixels are not square, or that looks aside, gives way
-    /// to a known one without these marks of a stretched model. `None`: it is not known.
+    /// Returns the lens, completed from the `known` lenses where the matrix does not determine all
+    /// of it. A product of a known lens has the E and F of that lens, whatever the model is. A lens
+    /// with pixels that are not square, or with a picture off the centre, may come from a stretched
+    /// model: a known lens without these signs is preferred. `aspect`: width by height of the
+    /// viewport. `None`: the lens is not known.
     pub fn settled<'a>(&self, known: impl Iterator<Item = &'a Intrinsics>, aspect: f64) -> Option<Intrinsics> {
         let lens = self.intrinsics;
         let regular = |lens: &Intrinsics| {
@@ -94,11 +95,11 @@ impl Told {
     }
 }
 
-/// Greatest deviation of a lens that is like those of most programs.
+/// Greatest deviation of a lens that counts as regular, as those of most programs are.
 const IRREGULAR: f64 = 0.02;
 
-/// Greatest deviation of E that rounding of a product in f32 explains; of lenses with E beyond ±1
-/// relative.
+/// Greatest deviation of E that rounding of a product in f32 explains; relative, for lenses with E
+/// beyond ±1.
 const DEPTH_TOLERANCE: f64 = 2e-6;
 
 /// Greatest relative deviation of F, as the classification gives it.
@@ -110,7 +111,7 @@ impl Candidate<'_> {
         Candidate { rank, value, order: Order::Either }
     }
 
-    /// The lens that it holds.
+    /// Returns the lens that the matrix holds.
     pub fn lens(&self) -> Option<Intrinsics> {
         let told = self.found()?.told;
         (told.certainty != Certainty::Depth).then_some(told.intrinsics)
@@ -165,9 +166,9 @@ impl Candidate<'_> {
     }
 }
 
-/// The lens that the matrices hold, and the number of the matrix that holds it; `None`: what they
-/// draw is flat. A product that only reads as a perspective by its rows counts if no other matrix
-/// does.
+/// Returns the lens that the matrices hold, and the index of its matrix. `None`: draws with these
+/// matrices are flat. A product that is a perspective only if its values are read as rows counts
+/// only if no other matrix holds a lens.
 pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Told, usize)> {
     let mut best: Option<(Found, usize)> = None;
     for (number, candidate) in candidates.enumerate() {
@@ -179,7 +180,7 @@ pub fn find<'a>(candidates: impl Iterator<Item = Candidate<'a>>) -> Option<(Told
     best.map(|(found, number)| (found.told, number))
 }
 
-/// The field of view of a lens, in degrees.
+/// Describes the field of view of a lens, in degrees.
 pub fn field_of_view(lens: &Intrinsics) -> String {
     // The edges of the picture are where x, or y, is w or −w.
     let angle = |scale: f64, offset: f64| {
@@ -190,18 +191,19 @@ pub fn field_of_view(lens: &Intrinsics) -> String {
     format!("{:.2}° × {:.2}°{off_centre}", angle(lens.a, lens.b), angle(lens.c, lens.d))
 }
 
-/// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
+/// Lenses that differ by less count as equal: matrices recovered from 32-bit products scatter by
+/// 4e-7.
 const TOLERANCE: f64 = 1e-5;
 
-/// True if two lenses are one.
+/// True if two lenses count as equal.
 pub fn same(a: &Intrinsics, b: &Intrinsics) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= TOLERANCE * x.abs().max(y.abs()).max(1.0);
     near(a.a, b.a) && near(a.b, b.b) && near(a.c, b.c) && near(a.d, b.d) && near(a.e, b.e)
 }
 
-/// The first numbers of groups of four that follow each other: where elements of an array of
-/// vectors may be a matrix. The groups begin with the first of a row of such numbers, or end with
-/// its last.
+/// Returns the first numbers of groups of four consecutive numbers: such elements of an array of
+/// vectors may be a matrix. A run of consecutive numbers is divided into groups from its first
+/// number on, and again from its last number back.
 pub fn fours(numbers: &[u32]) -> BTreeSet<u32> {
     let mut firsts = BTreeSet::new();
     for row in numbers.chunk_by(|before, after| before.checked_add(1) == Some(*after)) {
@@ -217,7 +219,7 @@ fn is_projection(m: &[f64; 16]) -> bool {
     zero.iter().all(|i| m[*i] == 0.0) && m[11].abs() == 1.0
 }
 
-/// Rows for columns.
+/// Exchanges rows and columns.
 pub fn transposed(m: &[f64; 16]) -> [f64; 16] {
     std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
 }

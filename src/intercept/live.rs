@@ -1,9 +1,9 @@
-//! The rig while the program runs: read again when its file changes.
+//! The rig while the program runs. It is read again when its file changes.
 //!
-//! The file's time and length are asked up to a hundred times a second, between two frames, but for
-//! no more than a hundredth of the time where the file lies far away: other frames read the clock
-//! and no more. A file with a mistake changes nothing, and the log says once what is
-//! wrong with it.
+//! The file's time and length are queried up to a hundred times a second, between two frames. On a
+//! slow file system they are queried less often, so that the queries take at most a hundredth of
+//! the time. Frames without a query only read the clock. If the file has a mistake, nothing
+//! changes, and the log reports the mistake once.
 
 use super::file_stamp::FileStamp;
 use super::log;
@@ -21,7 +21,7 @@ const INTERVAL: Duration = Duration::from_millis(10);
 /// Least ratio of the pause after a check of the file to the time of the check.
 const PAUSE: u32 = 100;
 
-/// The rig of the moment.
+/// The current rig.
 #[derive(Clone)]
 pub struct Live {
     /// The rig.
@@ -48,22 +48,22 @@ fn watch(settings: &Settings) -> &'static Mutex<Watch> {
     })
 }
 
-/// The rig of the moment; `None` where the settings are wrong.
+/// Returns the current rig; `None` if the settings are wrong.
 pub fn rig() -> Option<Live> {
     let settings = settings::settings()?;
     Some(watch(settings).locked().live.clone())
 }
 
-/// The rig's version as it was found last. For any place and time.
+/// Returns the rig's version at the last check of its file. May be called anywhere, at any time.
 pub fn known_version() -> u64 {
     VERSION.load(Ordering::Acquire)
 }
 
-/// The rig's version, after a look at its file if the last one was a while ago. For the end of a
-/// frame.
+/// Returns the rig's version, after a check of its file if the last check is long enough ago.
+/// Called at the end of a frame.
 pub fn version() -> u64 {
     if let Some((settings, path)) = settings::settings().and_then(|s| Some((s, s.rig_file.as_deref()?))) {
-        // A frame does not wait for another window's look.
+        // A frame does not wait for the check of another window.
         if let Ok(mut watch) = watch(settings).try_lock()
             && watch.looked.elapsed() >= watch.pause
         {
@@ -77,21 +77,19 @@ fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
     watch.looked = Instant::now();
     let found = FileStamp::of(path);
     watch.pause = INTERVAL.max(watch.looked.elapsed() * PAUSE);
-    // A file that is gone for a moment is being replaced.
+    // A missing file is being replaced.
     if found.is_none() || found == watch.seen {
         return;
     }
     watch.seen = found;
     match settings.load() {
         Ok(rig) if rig.passthrough != watch.live.rig.passthrough => {
-            log::once("the rig file has changed its `passthrough`, which needs a new start; it stays as it was");
+            log::once("the new `passthrough` of the rig takes effect at the next start of the program");
         }
         Ok(rig) if rig == *watch.live.rig => {}
         Ok(mut rig) => {
             if rig.views.duplicate != watch.live.rig.views.duplicate {
-                log::once(
-                    "the rig file has changed its `views.duplicate`, which needs a new start; it stays as it was",
-                );
+                log::once("the new `views.duplicate` of the rig takes effect at the next start of the program");
                 rig.views.duplicate = watch.live.rig.views.duplicate;
             }
             watch.live = Live { rig: Arc::new(rig), version: watch.live.version + 1 };

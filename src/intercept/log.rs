@@ -1,5 +1,5 @@
-//! Warnings of the interception, each once. They go to the program's callback for messages, else to
-//! standard error and to the file that `CUPOLA_LOG` names.
+//! Warnings of the interception, each logged once. They go to the program's callback for messages
+//! if it has one, else to standard error and to the file that `CUPOLA_LOG` names.
 
 use crate::message;
 use crate::system::variable;
@@ -22,7 +22,7 @@ pub fn once(text: &str) {
 }
 
 fn write(message: &str) {
-    // A program whose standard error is closed must not notice us.
+    // A program whose standard error is closed must not notice the message.
     let _ = std::io::stderr().write_all(format!("cupola: {message}\n").as_bytes());
     if let Some(path) = variable("CUPOLA_LOG") {
         let file = std::fs::OpenOptions::new().create(true).append(true).open(path);

@@ -1,7 +1,8 @@
-//! Between an unmodified program and its driver: which calls, which views.
+//! The part between an unmodified program and its driver. It decides which calls to change, and for
+//! which views.
 //!
-//! Interception fails open: whatever goes wrong, the program keeps running with its own
-//! picture, and the log says why, once.
+//! Interception fails open: if anything goes wrong, the program keeps running with its own picture,
+//! and the log gives the reason once.
 
 pub mod call_sum;
 pub mod camera;

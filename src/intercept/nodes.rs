@@ -1,5 +1,5 @@
-//! Several machines that show the same frame at the same time: where the program waits for the
-//! others, by way of `cupola node` beside it.
+//! Several machines that show the same frame at the same time. The program waits here for the
+//! others, through `cupola node`, which runs beside it.
 
 use super::{call_sum, clock, log, settings};
 use crate::lock::Lock;
@@ -25,15 +25,15 @@ fn gate() -> Option<&'static Mutex<Gate>> {
     .as_ref()
 }
 
-/// True if there are other machines. Call it before the program draws: its calls are summed up from
-/// then on.
+/// True if there are other machines. Call it before the program draws, because its calls are summed
+/// up from then on.
 pub fn are_there() -> bool {
     gate().is_some()
 }
 
-/// A frame of the window with this handle is complete, and will be shown next. The program's time
-/// goes on, and the program waits for the other machines. `false`: these are ahead, and the frame
-/// is not to be shown.
+/// Notes that a frame of the window with this handle is complete and will be shown next. The
+/// program's time advances, and the program waits for the other machines. Returns `false` if the
+/// others are ahead, so that the frame must not be shown.
 pub fn end_frame(window: u64, size: impl FnOnce() -> (u32, u32)) -> bool {
     let leads = if clock::is_there() { clock::end_frame(window) } else { is_first(window) };
     let Some(gate) = gate().filter(|_| leads) else { return true };
@@ -56,7 +56,7 @@ pub fn end_frame(window: u64, size: impl FnOnce() -> (u32, u32)) -> bool {
     !passed.is_late
 }
 
-/// Without a virtual clock the first window leads.
+/// True if this window leads. Without a virtual clock the first window does.
 fn is_first(window: u64) -> bool {
     static FIRST: AtomicU64 = AtomicU64::new(0);
     FIRST

@@ -1,8 +1,8 @@
 //! Finished pictures of this process for others, in a [`ring`](crate::ring). Both APIs bring their
 //! frames here.
 //!
-//! One window is published: the first one. Another one takes its place when it alone has been
-//! presented for a while.
+//! Only one window is published: the first one. Another window replaces it after a while in which
+//! only that other window was presented.
 
 use super::{clock, live, log, settings};
 use crate::lock::Lock;
@@ -10,7 +10,7 @@ use crate::ring::{Pictures, Shape, Writer};
 use crate::runtime::run_results::Published;
 use std::sync::{Mutex, Once};
 
-/// Frames that readers have time for before they lose one.
+/// Number of frames in the ring: a reader that is slower by more than this loses frames.
 const SLOTS: usize = 4;
 
 /// Number of frames of other windows, without one of the published window, after which that window
@@ -19,10 +19,10 @@ const GONE: u32 = 30;
 
 struct Publishing {
     writer: Option<Writer>,
-    /// Nothing is published any more.
+    /// True if nothing is published any more.
     is_over: bool,
     window: Option<u64>,
-    /// Frames of other windows since the last one of that window.
+    /// Frames of other windows since the last frame of the published one.
     of_others: u32,
     left_out: u64,
     pace: Pace,
@@ -31,13 +31,14 @@ struct Publishing {
 /// Time of the last published frame. It decides which frame is next, if not all are published.
 #[derive(Debug, Default)]
 struct Pace {
-    /// The last frame that was: its time in nanoseconds, and the version of its rig.
+    /// Time of the last published frame in nanoseconds, and the version of its rig.
     last: Option<(u64, u64)>,
 }
 
 impl Pace {
-    /// True if a frame of this time is published; `least`: nanoseconds from one to the next. The
-    /// first frame with another `version` of the rig is, because somebody waits for it.
+    /// True if a frame of this time is published. `least`: least time between frames, in
+    /// nanoseconds. The first frame with another `version` of the rig is always published, because
+    /// somebody waits for it.
     fn takes(&mut self, now: u64, least: u64, version: u64) -> bool {
         if self.last.is_some_and(|(last, shown)| now < last + least && shown == version) {
             return false;
@@ -56,23 +57,23 @@ static PUBLISHING: Mutex<Publishing> = Mutex::new(Publishing {
     pace: Pace { last: None },
 });
 
-/// A frame's numbers.
+/// Index and time of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stamp {
-    /// The window's number of the frame, from 1.
+    /// Index of the frame in its window, from 1.
     pub index: u64,
     /// The program's monotonic clock, in nanoseconds.
     pub time: u64,
 }
 
 impl Stamp {
-    /// For the frame that is presented now.
+    /// Returns the stamp of the frame that is presented now.
     pub fn now(index: u64) -> Self {
         Self { index, time: clock::time().unwrap_or_else(crate::system::monotonic) }
     }
 }
 
-/// True if this frame of a window is published. To be asked once for each frame.
+/// True if this frame of a window is published. Call it once for each frame.
 pub fn wants(window: u64) -> bool {
     let Some(settings) = settings::settings().filter(|settings| settings.publish.is_some()) else { return false };
     let mut publishing = PUBLISHING.locked();
@@ -90,12 +91,12 @@ pub fn wants(window: u64) -> bool {
     least == 0 || publishing.pace.takes(now, least, live::known_version())
 }
 
-/// True if the program waits for its readers.
+/// True if the program waits for the readers of its frames.
 pub fn waits() -> bool {
     settings::settings().is_some_and(|settings| settings.publish_waits)
 }
 
-/// Publishes a frame with pictures of these names and sizes. `fill` writes them.
+/// Publishes a frame with pictures of these names and sizes. `fill` writes the pictures.
 pub fn publish(shapes: &[Shape], stamp: Stamp, fill: impl FnOnce(&mut Pictures<'_>)) {
     let mut publishing = PUBLISHING.locked();
     if publishing.is_over {
@@ -110,7 +111,7 @@ pub fn publish(shapes: &[Shape], stamp: Stamp, fill: impl FnOnce(&mut Pictures<'
     }
 }
 
-/// A frame could not be read back in time.
+/// Counts a frame that could not be read back in time.
 pub fn left_out() {
     PUBLISHING.locked().left_out += 1;
 }
@@ -123,7 +124,7 @@ pub fn statistics() -> Option<Published> {
     Some(Published { frames: writer.published(), readers, lost, left_out: publishing.left_out })
 }
 
-/// The program ends.
+/// Ends publishing, because the program ends.
 pub fn end() {
     PUBLISHING.locked().end();
 }
@@ -139,7 +140,7 @@ impl Publishing {
                 let Some(path) = &settings.publish else { return Ok(()) };
                 let writer = Writer::create(path, shapes, SLOTS, settings.publish_waits)?;
                 if settings.publish_waits && !writer.wait_for_a_reader() {
-                    log::once("nobody reads the published frames; the program goes on without waiting for readers");
+                    log::once("nobody reads the published frames; the program continues without waiting for readers");
                 }
                 self.writer = Some(writer);
                 static AT_EXIT: Once = Once::new();
@@ -161,7 +162,7 @@ impl Publishing {
 }
 
 extern "C" fn at_exit() {
-    // A panic while the process ends has nobody left to tell.
+    // A panic while the process ends can be reported to nobody.
     let _ = crate::fence::guard(end);
 }
 

@@ -13,12 +13,11 @@ use std::time::{Duration, Instant};
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with what the profile says of
-    /// other keys, and `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD` and
-    /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`crate::intercept::live::rig`] is that
-    /// of the moment.
+    /// The rig at the start (`CUPOLA_RIG`, preset or file; `fisheye` if unset). Keys of the profile
+    /// and `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD` and
+    /// `CUPOLA_DUPLICATE` are applied. [`crate::intercept::live::rig`] returns the current rig.
     pub rig: Rig,
-    /// The rig's file, absolute, since programs change their folder; `None` for a preset.
+    /// The rig's file as an absolute path, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,
     /// Stamp of that file before it was read.
     pub rig_stamp: Option<FileStamp>,
@@ -26,15 +25,15 @@ pub struct Settings {
     overrides: Overrides,
     /// `CUPOLA_DUPLICATE`.
     duplicate: Option<Duplicate>,
-    /// The profile: `CUPOLA_PROFILE` (name or file, or `none`), or that of the program's name or of
-    /// a library of it.
+    /// The profile: `CUPOLA_PROFILE` (name, file or `none`), else the profile for the program's
+    /// name or for one of its libraries.
     pub profile: Option<Chosen>,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
     pub window_size: Option<(u32, u32)>,
     /// `CUPOLA_FRAMES=N`: the program ends after its N-th presented frame.
     pub frames: Option<u64>,
-    /// `CUPOLA_SECONDS=N`: the program ends after the first frame that is presented when it has run
-    /// for so long.
+    /// `CUPOLA_SECONDS=N`: the program ends after the first frame that is presented N seconds or
+    /// more after the start.
     end: Option<Instant>,
     /// `CUPOLA_CAPTURE=FILE.png`: the last corrected frame of each output.
     pub capture: Option<PathBuf>,
@@ -44,37 +43,37 @@ pub struct Settings {
     pub inspect: Option<PathBuf>,
     /// `CUPOLA_STATS=FILE.json`.
     pub stats: Option<PathBuf>,
-    /// `CUPOLA_STATS_EVERY=SECONDS`: it is also written while the program runs.
+    /// `CUPOLA_STATS_EVERY=SECONDS`: the statistics are also written while the program runs.
     pub stats_every: Option<Duration>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
-    /// `CUPOLA_PUBLISH=FILE` (`1`: the file that is used where none is named; `0`: none): finished
-    /// pictures for other processes. Without it they are published if the rig says so.
+    /// `CUPOLA_PUBLISH=FILE` (`1`: the default file; `0`: none): finished pictures for other
+    /// processes. Without the variable, pictures are published if the rig says so.
     pub publish: Option<PathBuf>,
-    /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for those who read them, and loses no picture.
+    /// `CUPOLA_PUBLISH_WAIT=1`: the program waits for the readers, which then lose no picture.
     pub publish_waits: bool,
-    /// `CUPOLA_PUBLISH_RATE=N`: at most N frames a second are published. Here it is the least
-    /// time from one to the next in nanoseconds; 0: all frames.
+    /// `CUPOLA_PUBLISH_RATE=N`: at most N frames a second are published. The field holds the least
+    /// time between two frames, in nanoseconds; 0: all frames are published.
     pub publish_interval: u64,
-    /// `CUPOLA_DOMEMASTER=SIDE`: one more output beside the window, to be published.
+    /// `CUPOLA_DOMEMASTER=SIDE`: one more output outside of the window, to be published.
     domemaster: Option<u32>,
-    /// `CUPOLA_NODE=NUMBER/COUNT`: which of several machines this is.
+    /// `CUPOLA_NODE=NUMBER/COUNT`: number of this machine among several.
     place: Option<Place>,
-    /// `CUPOLA_NODE_PAGE=FILE`: where `cupola node` lets the program go on.
+    /// `CUPOLA_NODE_PAGE=FILE`: file through which `cupola node` lets the program continue.
     pub node_page: Option<PathBuf>,
-    /// `CUPOLA_MASK`: whether the parts of views that no output samples are closed for drawing.
+    /// `CUPOLA_MASK`: whether the unsampled areas of views are masked out.
     pub mask: Mask,
-    /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
+    /// Whether draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that
+    /// off.
     pub cull: bool,
-    /// Draws of few vertices are left out, too, though that saves little (Vulkan):
-    /// `CUPOLA_CULL=all`.
+    /// `CUPOLA_CULL=all`: also leaves out draws of few vertices, though that saves little (Vulkan).
     pub cull_all: bool,
 }
 
-/// `CUPOLA_MASK`: closing what no output samples costs a little in each frame, and saves shading.
+/// `CUPOLA_MASK`: masking unsampled areas costs a little time in each frame, and saves shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mask {
-    /// `auto` (default): where enough is hidden for it to pay.
+    /// `auto` (default): where the unsampled areas are large enough.
     Auto,
     /// `1`: always.
     Always,
@@ -82,13 +81,14 @@ pub enum Mask {
     Never,
 }
 
-/// The kill switch: `CUPOLA=0` leaves every call alone. A program with more rights than its user is
-/// left alone always.
+/// True if Cupola must not touch any call: with `CUPOLA=0`, and always in a program with more
+/// rights than its user.
 pub fn switched_off() -> bool {
     is_privileged() || variable("CUPOLA").is_some_and(|v| v == "0")
 }
 
-/// The settings; `None` if they are wrong (said in the log), which means: leave the program alone.
+/// Returns the settings; `None` if they are wrong, which the log reports. The program is then left
+/// alone.
 pub fn settings() -> Option<&'static Settings> {
     static SETTINGS: OnceLock<Option<Settings>> = OnceLock::new();
     SETTINGS
@@ -149,23 +149,23 @@ fn read() -> crate::Result<Settings> {
     })
 }
 
-/// A variable of the environment; `None` if it is unset, empty or not Unicode.
+/// Returns a variable of the environment; `None` if it is unset, empty or not Unicode.
 fn text(name: &str) -> Option<String> {
     variable(name)?.into_string().ok().filter(|value| !value.is_empty())
 }
 
-/// A variable that names a file or folder; `None` if it is unset or empty.
+/// Returns a variable that names a file or folder; `None` if it is unset or empty.
 fn path(name: &str) -> Option<PathBuf> {
     variable(name).filter(|value| !value.is_empty()).map(PathBuf::from)
 }
 
-/// A variable that `parse` reads; the error for a value that it refuses names `example`.
+/// Returns a variable as `parse` reads it. If `parse` refuses the value, the error gives `example`.
 fn parsed<T>(name: &str, example: &str, parse: impl FnOnce(&str) -> Option<T>) -> crate::Result<Option<T>> {
     let Some(value) = text(name) else { return Ok(None) };
     parse(&value).map(Some).ok_or_else(|| wrong(name, &value, example))
 }
 
-/// The file of the published frames; `None` if none are published.
+/// Returns the file of the published frames; `None` if none are published.
 fn publish_path(rig: &Rig) -> Option<PathBuf> {
     match path("CUPOLA_PUBLISH") {
         Some(path) if path == Path::new("0") => None,
@@ -176,12 +176,12 @@ fn publish_path(rig: &Rig) -> Option<PathBuf> {
 }
 
 impl Settings {
-    /// True if the program has run for as long as was asked for.
+    /// True if the program has run for the requested time.
     pub fn is_time_over(&self) -> bool {
         self.end.is_some_and(|end| Instant::now() >= end)
     }
 
-    /// Number of this machine among several; 0 where there are none.
+    /// Returns the number of this machine among several; 0 for a single machine.
     pub fn node(&self) -> u32 {
         self.place.as_ref().map_or(0, |place| place.number)
     }
@@ -196,7 +196,7 @@ impl Settings {
         self.stats.is_some() || self.inspect.is_some()
     }
 
-    /// Reads the rig's file again, with what the environment said at the start.
+    /// Reads the rig's file again and applies the environment variables of the start.
     pub fn load(&self) -> crate::Result<Rig> {
         match &self.rig_file {
             Some(file) => {
@@ -208,8 +208,9 @@ impl Settings {
     }
 }
 
-/// The profile of this process. `run` has chosen by the name of the program that it starts; the
-/// libraries of a program are known only here. That is said here, too.
+/// Returns the profile of this process. `run` has chosen one by the name of the program that it
+/// starts. The libraries of a program are known only here, so a profile chosen by a library is
+/// reported here.
 fn profile(given: Option<&str>) -> crate::Result<Option<Chosen>> {
     let profiles = Profiles::read(process::profile_folder().as_deref());
     let chosen = match given {
@@ -223,7 +224,7 @@ fn profile(given: Option<&str>) -> crate::Result<Option<Chosen>> {
     Ok(chosen)
 }
 
-/// The rig of a preset's name or a file, with the keys that a profile adds and those that the
+/// Returns the rig of a preset or a file, with the keys that the profile adds and those that the
 /// environment replaces.
 fn loaded(
     name_or_path: &Path,
@@ -256,7 +257,7 @@ fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
     )
 }
 
-/// Returns the time after this number of seconds, which must be above 0.
+/// Returns the end of this number of seconds, which must be above 0, from now on.
 fn parse_seconds(text: &str) -> Option<Instant> {
     Instant::now().checked_add(parse_length(text)?)
 }
@@ -266,7 +267,7 @@ fn parse_length(text: &str) -> Option<Duration> {
     Duration::try_from_secs_f64(text.parse().ok()?).ok().filter(|seconds| !seconds.is_zero())
 }
 
-/// `1024x768` → (1024, 768); each 1…16384.
+/// Reads a size: `1024x768` → (1024, 768); each number is 1…16384.
 fn parse_size(text: &str) -> Option<(u32, u32)> {
     let (width, height) = text.split_once('x')?;
     let (width, height) = (width.parse().ok()?, height.parse().ok()?);
@@ -274,7 +275,7 @@ fn parse_size(text: &str) -> Option<(u32, u32)> {
     (fits(width) && fits(height)).then_some((width, height))
 }
 
-/// A side of a picture in pixels, 1…16384.
+/// Reads the side of a picture in pixels, 1…16384.
 fn parse_side(text: &str) -> Option<u32> {
     text.parse().ok().filter(|side| (1..=16384).contains(side))
 }
@@ -298,7 +299,7 @@ fn parse_duplicate(text: &str) -> Option<Duplicate> {
     }
 }
 
-/// Nanoseconds between frames at a rate per second, which is above 0 and at most 1000.
+/// Returns the nanoseconds between frames at a rate per second, which is above 0 and at most 1000.
 fn parse_interval(rate: &str) -> Option<u64> {
     let rate: f64 = rate.parse().ok().filter(|rate| *rate > 0.0 && *rate <= 1000.0)?;
     Some((1e9 / rate) as u64)

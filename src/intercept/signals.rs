@@ -1,8 +1,8 @@
-//! Signals that end the program: captures and statistics are written first.
+//! Signals that end the program. Captures and statistics are written first.
 //!
-//! A handler may neither allocate nor lock. The handler wakes a thread that writes. If the program
+//! A handler may neither allocate nor lock. It wakes a thread that writes. If the program
 //! continues, its next frame is the last one. Signals that the program handles or ignores are left
-//! alone, and all are if there is nothing to write.
+//! alone. If there is nothing to write, all signals are.
 
 use std::cell::UnsafeCell;
 use std::mem::MaybeUninit;
@@ -24,21 +24,21 @@ const DEADLY: [libc::c_int; 10] = [
     libc::SIGTERM,
 ];
 
-/// Time in which the program may draw one more frame, if none was kept before.
+/// Time in which the program may draw one more frame, if none is stored yet.
 const FOR_A_FRAME: Duration = Duration::from_secs(5);
 
-/// Time in which everything is written that the process waits for.
+/// Longest time that the process waits until everything is written.
 const FOR_WRITING: Duration = Duration::from_secs(5);
 
 const STEP: Duration = Duration::from_millis(10);
 
-/// The process that has the thread; a copy of it made by `fork` has none.
+/// The process that runs the thread. A child made by `fork` has no such thread.
 static OWNER: AtomicI32 = AtomicI32::new(0);
 /// The first signal; 0 = none.
 static RECEIVED: AtomicI32 = AtomicI32::new(0);
-/// The program goes on until it is ended.
+/// True if the program continues to draw until it is ended.
 static DRAWS_ON: AtomicBool = AtomicBool::new(true);
-/// Everything is written.
+/// True if everything is written.
 static WRITTEN: AtomicBool = AtomicBool::new(false);
 static WAKE: Semaphore = Semaphore(UnsafeCell::new(MaybeUninit::uninit()));
 
@@ -48,8 +48,8 @@ struct Semaphore(UnsafeCell<MaybeUninit<libc::sem_t>>);
 // threads. It is never moved.
 unsafe impl Sync for Semaphore {}
 
-/// Takes the signals from now on. `write` writes what is kept, and `is_kept` says whether there is
-/// something. Further calls do nothing.
+/// Handles the signals from now on. `write` writes the stored frame, and `is_kept` returns whether
+/// there is one. Further calls do nothing.
 pub fn watch(is_kept: fn() -> bool, write: fn()) {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
@@ -62,15 +62,15 @@ pub fn watch(is_kept: fn() -> bool, write: fn()) {
     });
 }
 
-/// The signal that is to end the program after this frame.
+/// Returns the signal that ends the program after this frame.
 pub fn received() -> Option<libc::c_int> {
     Some(RECEIVED.load(Ordering::Acquire)).filter(|signal| *signal != 0)
 }
 
 /// Ends this process by a signal that another process sent.
 pub fn end_by(signal: libc::c_int) {
-    // SAFETY: plain numbers; the signal is sent to the whole process, since this thread may block
-    // it.
+    // SAFETY: both calls only take numbers. The signal goes to the whole process, since this thread
+    // may block it.
     unsafe {
         libc::signal(signal, libc::SIG_DFL);
         libc::kill(libc::getpid(), signal);
@@ -78,10 +78,10 @@ pub fn end_by(signal: libc::c_int) {
     std::thread::sleep(FOR_WRITING);
 }
 
-/// Starts the thread that writes; it takes no signals of the program's. Returns whether it runs.
+/// Starts the thread that writes. It blocks all signals. Returns whether it runs.
 fn spawn_without_signals(run: impl FnOnce() + Send + 'static) -> bool {
     let (mut all, mut before) = (MaybeUninit::uninit(), MaybeUninit::uninit());
-    // SAFETY: both sets are filled before they are read; the mask of this thread is put back.
+    // SAFETY: both sets are filled before they are read; the mask of this thread is restored.
     unsafe {
         libc::sigfillset(all.as_mut_ptr());
         libc::pthread_sigmask(libc::SIG_SETMASK, all.as_ptr(), before.as_mut_ptr());
@@ -92,7 +92,7 @@ fn spawn_without_signals(run: impl FnOnce() + Send + 'static) -> bool {
     thread.is_ok()
 }
 
-/// Takes a signal, unless the program takes or ignores it itself.
+/// Installs the handler for a signal, unless the program handles or ignores the signal itself.
 fn take(signal: libc::c_int) {
     // SAFETY: all zeroes is a valid sigaction; both structures live during the calls, and the
     // handler has the three-argument form that the flags announce.
@@ -108,8 +108,8 @@ fn take(signal: libc::c_int) {
     }
 }
 
-/// The handler. A signal from another process lets the program go on for a frame; after all others
-/// it cannot.
+/// The handler. After a signal from another process the program can draw one more frame; after any
+/// other signal it cannot.
 extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: *mut libc::c_void) {
     // SAFETY: every call here may be made in a handler; the kernel passes a valid `info`; errno is
     // the program's.
@@ -118,12 +118,12 @@ extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: 
         let own = libc::getpid();
         let from_outside = match (*info).si_code {
             libc::SI_USER | libc::SI_QUEUE => (*info).si_pid() != own,
-            // The terminal's.
+            // A signal of the terminal.
             code => code == libc::SI_KERNEL && matches!(signal, libc::SIGINT | libc::SIGQUIT | libc::SIGHUP),
         };
         let is_fault =
             (*info).si_code > 0 && matches!(signal, libc::SIGSEGV | libc::SIGBUS | libc::SIGILL | libc::SIGFPE);
-        // A child that shares this memory after `vfork` changes nothing here.
+        // A child that shares this memory after `vfork` must change nothing here.
         let ours = OWNER.load(Ordering::Acquire) == own;
         if ours {
             if !from_outside {
@@ -149,8 +149,8 @@ extern "C" fn handle(signal: libc::c_int, info: *mut libc::siginfo_t, _context: 
     }
 }
 
-/// Waits for a signal and writes what is kept. Ends the process by the signal, unless the handler
-/// does that.
+/// Waits for a signal and writes the stored frame. Ends the process by the signal, unless the
+/// handler does that.
 fn write_on_demand(is_kept: fn() -> bool, write: fn()) {
     // SAFETY: the semaphore was initialised before this thread was started.
     while unsafe { libc::sem_wait(WAKE.0.get().cast()) } != 0 {}

@@ -1,8 +1,8 @@
 //! Record of one frame for `cupola inspect`: each pass, each draw, the matrices, the pictures.
 //!
-//! The rooms of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]).
-//! The end of the program writes all of it as a page ([`page`]). Nothing is done unless a page was
-//! asked for.
+//! The modules of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]).
+//! When the program ends, the record is written as a page ([`page`]). Nothing is recorded unless a
+//! page was requested.
 
 pub mod page;
 
@@ -14,19 +14,19 @@ use crate::runtime::session::Intrinsics;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// A 4×4 matrix that a draw may have its lens from.
+/// A 4×4 matrix that the lens of a draw may come from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatrixNote {
     /// Its name in the shader.
     pub name: String,
-    /// Form in which the program gives it.
+    /// The form in which the program gives it.
     pub form: &'static str,
     /// Meaning of its numbers, in words.
     pub says: String,
 }
 
 impl MatrixNote {
-    /// For a candidate of the search for the lens.
+    /// Describes a candidate of the search for the lens.
     pub fn new(name: impl Into<String>, form: &'static str, candidate: &lens::Candidate<'_>) -> Self {
         Self { name: name.into(), form, says: candidate.description() }
     }
@@ -35,35 +35,35 @@ impl MatrixNote {
 /// Facts about a draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawNote {
-    /// Class that it was given.
+    /// Draw class.
     pub class: &'static str,
-    /// The reason for that.
+    /// Reason for the draw class.
     pub why: String,
-    /// The lens that it is drawn with.
+    /// Lens that it is drawn with.
     pub lens: Option<Intrinsics>,
     /// Shaders that draw it.
     pub shaders: String,
-    /// State that matters: depth test, blending and the like.
+    /// Relevant state: depth test, blending and similar.
     pub state: String,
     /// Its matrices.
     pub matrices: Vec<MatrixNote>,
 }
 
-/// Draws to one target that follow each other.
+/// Consecutive draws to one target.
 pub struct PassNote {
-    /// Number of the context that draws; names of framebuffers are those of a context.
+    /// Number of the context that draws. Names of framebuffers are valid in one context only.
     pub context: u64,
     /// Target of the draws.
     pub target: String,
-    /// How: once, or once for each view, and why.
+    /// Whether the draws are issued once or once per view, and why.
     pub how: String,
-    /// Its draws, each with the number of those that are alike.
+    /// The draws; each with the number of draws like it.
     pub draws: Vec<(DrawNote, u64)>,
-    /// Picture of the target afterwards.
+    /// Picture of the target after the draws.
     pub picture: Option<Picture>,
 }
 
-/// Greatest number of different draws of a pass that are described; more are only counted.
+/// Greatest number of different draws of a pass that are described. Further draws are only counted.
 const MOST_DRAWS: usize = 400;
 
 /// Greatest number of passes of a frame that are described.
@@ -77,7 +77,7 @@ const UNKNOWN: u8 = 0;
 const OFF: u8 = 1;
 const ON: u8 = 2;
 
-/// True if the frame that is drawn is the one to be described.
+/// True if the current frame is the one to describe.
 #[inline]
 pub fn is_recording() -> bool {
     match RECORDING.load(Ordering::Relaxed) {
@@ -91,15 +91,15 @@ pub fn is_recording() -> bool {
     }
 }
 
-/// A frame begins. `last`: the program ends after it.
+/// Begins a frame. `last`: the program ends after it.
 pub fn begin_frame(settings: &Settings, last: bool) {
     if settings.inspect.is_some() && last && RECORDING.swap(ON, Ordering::Relaxed) != ON {
         PASSES.locked().clear();
     }
 }
 
-/// Notes a draw to `target` in a context of this number. `how` says for a new pass how its draws
-/// are issued. Returns the number of the pass, if it is described.
+/// Notes a draw to `target` in the context with this number. For a new pass, `how` returns how its
+/// draws are issued. Returns the number of the pass, if it is described.
 pub fn note_draw(
     context: u64,
     target: &str,
@@ -123,14 +123,14 @@ pub fn note_draw(
     Some(passes.len() - 1)
 }
 
-/// Gives a pass its picture.
+/// Stores the picture of a pass.
 pub fn note_picture(pass: usize, picture: Picture) {
     if let Some(pass) = PASSES.locked().get_mut(pass) {
         pass.picture = Some(picture);
     }
 }
 
-/// Takes what was noted.
+/// Takes the recorded passes.
 pub fn take() -> Vec<PassNote> {
     std::mem::take(&mut *PASSES.locked())
 }

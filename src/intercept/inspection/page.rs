@@ -11,7 +11,7 @@ pub struct Page<'a> {
     pub command: String,
     /// The passes of the frame.
     pub passes: &'a [PassNote],
-    /// Counts and notes.
+    /// Statistics and notes.
     pub statistics: Option<&'a Statistics>,
     /// The outputs.
     pub outputs: &'a [Picture],
@@ -19,7 +19,7 @@ pub struct Page<'a> {
     pub views: &'a [Picture],
 }
 
-/// Width that pictures are reduced to, pixels.
+/// Width to which pictures are reduced, in pixels.
 const WIDTH: u32 = 512;
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;margin:2em;max-width:75em;color:#222;background:#fff}\
@@ -29,7 +29,7 @@ vertical-align:top}th{background:#f3f3f3}figure{display:inline-block;margin:.4em
 figcaption{font-size:.85em;color:#555}img{max-width:22em;background:#888;border:1px solid #ccc}\
 .scene{background:#e2f3e2}.flat{background:#fbeed2}code{font-size:.9em}pre{overflow:auto}";
 
-/// Text with the characters that HTML gives a meaning replaced.
+/// Text in which the special characters of HTML are replaced.
 struct Text<'a>(&'a str);
 
 impl fmt::Display for Text<'_> {

@@ -1,4 +1,4 @@
-//! The part of the statistics that a plan and a rig give, on both APIs.
+//! The part of the statistics that comes from the plan and the rig, for both APIs.
 
 use crate::intercept::camera::Cameras;
 use crate::intercept::publishing;
@@ -22,7 +22,8 @@ pub fn begin(frames: u64, rig: &str, driver: String) -> Statistics {
     }
 }
 
-/// The edges of the pictures of `cameras` that are shown: left, right, bottom, top as tangents.
+/// Returns the edges of the program's pictures, for the lenses of `cameras` that are shown: left,
+/// right, bottom, top, as tangents.
 pub fn lenses(cameras: &Cameras) -> impl Iterator<Item = [f64; 4]> {
     let edges = |scale: f64, offset: f64| {
         let [one, other] = [(offset - 1.0) / scale, (offset + 1.0) / scale];

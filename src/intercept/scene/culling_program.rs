@@ -1,47 +1,48 @@
-//! A program that does not draw what lies beside its own field of view.
+//! Finds programs that do not draw objects outside their own field of view.
 
 use crate::intercept::lens::field_of_view;
 use crate::intercept::log;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 
-/// Draws of a scene, by their place in the program's own picture.
+/// Numbers of scene draws, by their position in the program's own picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Places {
-    /// Those that are partly in it, and ahead of the eye.
+    /// Draws that cross the border of the picture, in front of the camera.
     pub crossing: u64,
-    /// Those that are wholly beside it, or behind the eye.
+    /// Draws that are entirely beside the picture or behind the camera.
     pub outside: u64,
 }
 
-/// Draws of a frame at the border of the picture, or beside it, that tell something of the program:
-/// one large model tells nothing.
+/// Number of draws at the border of the picture or beside it from which a frame counts. A single
+/// large model proves nothing.
 const ENOUGH: u64 = 12;
 
-/// Number of frames that have to agree.
+/// Number of frames that must give the same result.
 const FRAMES: u32 = 10;
 
-/// Number of frames after which the search ends: each draw costs a little until then.
+/// Number of frames after which the search ends, because it costs a little in each draw.
 const MOST_FRAMES: u32 = 2000;
 
-/// Ratio of draws at the border to draws beside it from which a program counts as one that culls:
-/// its boxes or spheres are larger than Cupola's.
+/// Ratio of draws at the border to draws beside it from which the program counts as culling. The
+/// program's boxes or spheres are larger than Cupola's, so that it draws some objects beside the
+/// picture.
 const FACTOR: u64 = 4;
 
-/// Says once that objects are missing beside the program's own field of view.
+/// Reports once that objects outside the program's own field of view are missing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CullingProgram {
     /// Draws of earlier frames.
     before: Places,
     /// Number of frames in which the program seemed to leave out something.
     frames: u32,
-    /// Number of frames that were looked at.
+    /// Number of frames that were examined.
     looked_at: u32,
     decided: bool,
 }
 
 impl CullingProgram {
-    /// Looks at the program at the end of a frame, with its draws so far.
+    /// Examines the draws at the end of a frame. `draws`: all of the program's draws so far.
     pub fn look(&mut self, draws: Places, lens: Option<&Intrinsics>, session: &Session) {
         let shows_own_lens = (0..session.views().len()).all(|index| session.tile(index).1);
         if let (true, Some(lens), false) = (self.leaves_out(draws), lens, shows_own_lens) {
@@ -61,7 +62,7 @@ impl CullingProgram {
         self.decided
     }
 
-    /// True if this frame is the one that shows that the program leaves out something.
+    /// True if the program is found, in this frame, to leave out something.
     fn leaves_out(&mut self, draws: Places) -> bool {
         let crossing = draws.crossing - self.before.crossing;
         let outside = draws.outside - self.before.outside;
@@ -86,7 +87,7 @@ impl CullingProgram {
 mod tests {
     use super::{CullingProgram, ENOUGH, FRAMES, MOST_FRAMES, Places};
 
-    /// Number of these frames in which a program with this number of draws in each is reported.
+    /// Returns in how many of these frames a program with these draws in each frame is reported.
     fn told(program: &mut CullingProgram, frames: u32, crossing: u64, outside: u64) -> usize {
         let Places { crossing: c, outside: o } = program.before;
         let after = |frame: u64| Places { crossing: c + frame * crossing, outside: o + frame * outside };

@@ -1,24 +1,24 @@
-//! Shaders that hold the projection and the view matrix apart: for them the eye of a view is
-//! turned.
+//! Shaders that keep the projection and the view matrix separate. The eye of a view is turned for
+//! them.
 
 use crate::runtime::session::{CameraFunction, Intrinsics, ViewMatrix, eye_axes};
 
-/// A projection of a shader, and what its other matrices are.
+/// A projection of a shader, and the kinds of its other matrices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eye {
-    /// Number of the projection, or of its inverse, among the matrices.
+    /// Index of the projection, or of its inverse, among the matrices.
     pub projection: usize,
     /// Its lens.
     pub lens: Intrinsics,
     /// The matrices are written for row vectors.
     pub transposed: bool,
-    /// For each matrix, whether it leads to or from the eye.
+    /// For each matrix, whether it leads to eye space or from it, if it is a view matrix.
     pub views: Vec<Option<ViewMatrix>>,
 }
 
 impl Eye {
-    /// Looks for a projection beside view matrices among matrices with these values and `functions`
-    /// of the camera. `called` tells what a matrix is by its name.
+    /// Looks for a projection and view matrices among matrices with these values and `functions` of
+    /// the camera. `called` returns the kind of view matrix that a matrix is by its name.
     pub fn of(
         values: &[Option<[f64; 16]>],
         functions: &[Option<(CameraFunction, Intrinsics)>],
@@ -37,7 +37,8 @@ impl Eye {
     }
 }
 
-/// Returns the kind of view matrix that a name suggests, for a matrix that turns and moves.
+/// Returns the kind of view matrix that a name suggests. The matrix itself must only rotate and
+/// translate.
 pub fn view_matrix_called(name: &str) -> Option<ViewMatrix> {
     let name = name.rsplit('.').next().unwrap_or(name).to_ascii_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| name.contains(word));

@@ -1,32 +1,32 @@
-//! A program of which nothing is taken for a scene.
+//! Finds programs in which no draw is recognised as a scene.
 
 use crate::intercept::log;
 use crate::runtime::Session;
 
-/// Number of draws after which the message is shown.
+/// Number of draws after which the message is logged.
 const ENOUGH: u64 = 300;
 
-/// Drawing of a program to images of its own.
+/// What a program draws to its own images.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum OffScreen {
     /// Nothing.
     Nothing,
-    /// Flat things only.
+    /// Flat draws only.
     Flat,
-    /// A scene, which is not drawn to each view, and why.
+    /// A scene that is not drawn for each view, with the reason.
     Scene(Option<String>),
 }
 
-/// Says once that all draws to a window are flat, and what to try.
+/// Reports once that all draws to a window are flat, and what the user can try.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FlatProgram {
     decided: bool,
 }
 
 impl FlatProgram {
-    /// Looks at the program at the end of a frame: `draws` of it to the window, and whether
-    /// something of a scene was shown there ever. `off_screen` is asked for what it draws off
-    /// screen.
+    /// Examines the program at the end of a frame. `draws`: number of its draws to the window.
+    /// `has_scene`: a part of a scene has been drawn there. `off_screen` returns what the program
+    /// draws off screen.
     pub fn look(&mut self, draws: u64, has_scene: bool, session: &Session, off_screen: impl FnOnce() -> OffScreen) {
         if !self.is_flat(draws, has_scene) {
             return;
@@ -63,8 +63,7 @@ impl FlatProgram {
         }
     }
 
-    /// True if the program has drawn enough, and nothing of a scene. It is asked until it has drawn
-    /// enough, or a scene.
+    /// True if the program has drawn enough, and no scene. The answer is true at most once.
     fn is_flat(&mut self, draws: u64, has_scene: bool) -> bool {
         let flat = !self.decided && !has_scene && draws >= ENOUGH;
         self.decided |= has_scene || draws >= ENOUGH;

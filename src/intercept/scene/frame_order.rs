@@ -1,7 +1,7 @@
 //! The order of flat drawing and scene in a frame.
 //!
-//! The panel lies over everything, which is right for menus and labels. What a program draws flat
-//! *before* its scene (a sky, a gradient) belongs behind it. Whether a scene follows is known from
+//! The panel lies over everything, which is right for menus and labels. Flat draws *before* the
+//! scene (a sky, a gradient) belong behind the scene. Whether a scene will follow is predicted from
 //! the frame before.
 
 /// Order of flat drawing and scene, in the last frame and so far in this one.
@@ -43,7 +43,7 @@ mod tests {
     fn flat_drawing_before_the_scene_is_behind_it_in_the_next_frame() {
         let mut order = FrameOrder::default();
         order.note_flat();
-        assert!(!order.is_behind(), "nobody knows that a scene follows");
+        assert!(!order.is_behind(), "it is not known yet that a scene follows");
         order.note_scene();
         order.note_flat();
         order.end_frame();

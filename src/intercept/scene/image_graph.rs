@@ -1,4 +1,4 @@
-//! Images that lie between a scene and the window. They are drawn once per view.
+//! Images between a scene and the window. They are drawn once per view.
 //!
 //! ```text
 //! perspective draws → image ─ sampled by → image ─ shown on → window
@@ -8,7 +8,7 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
-/// Result that is made of an image.
+/// Result that is made from an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Made<Id> {
     /// A part of the window's picture.
@@ -38,7 +38,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         self.scenes.insert(image)
     }
 
-    /// Notes what is made of `image`. Returns whether this is new.
+    /// Notes the result that is made from `image`. Returns whether this is new.
     pub fn note_made(&mut self, image: Id, made: Made<Id>) -> bool {
         self.made.entry(image).or_default().insert(made)
     }
@@ -50,22 +50,22 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         self.made.values_mut().for_each(|made| _ = made.remove(&Made::Image(image)));
     }
 
-    /// The images that perspective draws reach.
+    /// The images to which perspective draws go.
     pub fn scenes(&self) -> impl Iterator<Item = Id> {
         self.scenes.iter().copied()
     }
 
-    /// True if `made` is made of `image`.
+    /// True if `made` is made from `image`.
     pub fn makes(&self, image: Id, made: Made<Id>) -> bool {
         self.made.get(&image).is_some_and(|all| all.contains(&made))
     }
 
-    /// True if anything is made of `image`.
+    /// True if anything is made from `image`.
     pub fn makes_anything(&self, image: Id) -> bool {
         self.made.get(&image).is_some_and(|all| !all.is_empty())
     }
 
-    /// The images that lie on a way from a scene to the window. `always`: also those whose way to
+    /// Returns the images on a path from a scene to the window. `always`: also images whose path to
     /// the window is not known.
     pub fn between(&self, always: bool) -> HashSet<Id> {
         let mut images = self.reached();
@@ -76,8 +76,9 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         images
     }
 
-    /// Those of [`between`](Self::between) of which nothing is made that does not belong to them:
-    /// an image of which something else is made takes with it the images that it is made of.
+    /// Returns those of [`between`](Self::between) from which only other returned images or the
+    /// window are made. If anything else is made from an image, that image is left out, and so are
+    /// the images that it is made from.
     pub fn followed(&self, always: bool) -> HashSet<Id> {
         let mut images = self.reached();
         loop {
@@ -104,7 +105,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         self.made_of(image).filter_map(|made| if let Made::Image(to) = made { Some(*to) } else { None })
     }
 
-    /// The scenes, and all that is made of them.
+    /// Returns the scenes, and all images that are made from them.
     fn reached(&self) -> HashSet<Id> {
         let mut found = self.scenes.clone();
         let mut new: Vec<Id> = found.iter().copied().collect();
@@ -114,7 +115,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
         found
     }
 
-    /// Returns those of `images` that reach the window through others of them.
+    /// Returns those of `images` that lead to the window through other ones of them.
     fn to_window(&self, images: &HashSet<Id>) -> HashSet<Id> {
         let on_window = |image: &Id| self.makes(*image, Made::Window);
         let mut shown: HashSet<Id> = images.iter().copied().filter(on_window).collect();

@@ -1,15 +1,14 @@
-//! Decisions about a program's frame that are the same for both APIs. Neither of them is named
-//! here.
+//! Decisions about a program's frame that are the same for both APIs. No API is named here.
 //!
 //! - [`viewport`]: does a viewport hold the program's main picture?
-//! - [`eye`]: does a shader hold the projection and the view matrix apart?
+//! - [`eye`]: does a shader keep the projection and the view matrix separate?
 //! - [`frame_order`]: does flat drawing lie behind the scene?
 //! - [`image_graph`]: which images lie between a scene and the window?
-//! - [`flat_program`]: is nothing of the program a scene?
-//! - [`culling_program`]: does it leave out what it does not see itself?
-//! - [`obstacle`]: why is something shown flat, or drawn once only?
-//! - [`query_scaling`]: what does a query's count become for the program?
-//! - [`common_statistics`]: what do the statistics say of a plan?
+//! - [`flat_program`]: does the program draw no scene at all?
+//! - [`culling_program`]: does the program leave out objects outside its own picture?
+//! - [`obstacle`]: why is something shown flat, or drawn only once?
+//! - [`query_scaling`]: which count does the program get for a query?
+//! - [`common_statistics`]: which statistics come from the plan?
 //! - [`to_window`]: where is a fragment of a view in the program's window?
 //!
 //! ```text
@@ -20,7 +19,7 @@
 //!            flat ◄──── flat; behind, if the last frame drew flat things before its scene
 //! ```
 //!
-//! The rooms of OpenGL and Vulkan collect the facts and issue the draws.
+//! The modules of OpenGL and Vulkan collect the facts and issue the draws.
 
 pub mod common_statistics;
 pub mod culling_program;

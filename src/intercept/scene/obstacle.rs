@@ -5,7 +5,7 @@ use std::borrow::Cow;
 /// Reason that keeps a draw, a pass or a program from being drawn once per view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// Everything is shown flat already; the reason for that was reported.
+    /// Everything is flat already, and the reason for that was reported.
     AlreadyFlat,
     /// A reason, for the log and the statistics.
     Reason(Cow<'static, str>),

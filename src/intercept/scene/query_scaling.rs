@@ -1,37 +1,37 @@
-//! Query factors: a draw is issued once per view, and the program gets the count that its own
-//! picture would have.
+//! Factors for query results. A draw is issued once per view, but the program gets the count of its
+//! own picture.
 //!
-//! - Samples: those of all views together, scaled so that what fills the program's own picture
-//!   counts as many as that picture has. Samples outside the program's own picture count too:
-//!   otherwise the program would not draw what only the dome shows.
-//! - Primitives, vertices and the work of shaders on them: divided by the number of times that the
-//!   draw was issued.
-//! - Time, and whether anything was seen: as they are.
+//! - Samples: the sum over all views, scaled so that drawing that fills the program's own picture
+//!   counts as many samples as that picture has. Samples outside the program's own picture count
+//!   too. Otherwise the program would leave out objects that are only visible on the dome.
+//! - Primitives, vertices and the shader invocations for them: divided by the number of times that
+//!   the draw was issued.
+//! - Time, and whether any sample passed: unchanged.
 //!
-//! A factor never turns a count above 0 into 0: it becomes at least 1.
+//! A factor never turns a count above 0 into 0: the result is at least 1.
 
 /// Quantity that a query counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Samples and fragments.
     Samples,
-    /// Primitives, vertices, and runs of the stages before rasterisation.
+    /// Primitives, vertices, and invocations of the stages before rasterisation.
     Primitives,
-    /// Time, and whatever is the same for one draw and for several.
+    /// Time, and everything else that does not depend on the number of issued draws.
     Unscaled,
 }
 
 /// Factors for the counts of a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QueryScaling {
-    /// Factor for samples; 0 = they are not counted.
+    /// Factor for samples; 0: samples are not counted.
     pub samples: f64,
     /// Factor for primitives.
     pub primitives: f64,
 }
 
 impl QueryScaling {
-    /// The factors of what is issued once.
+    /// The factors of draws that are issued once.
     pub const ONCE: Self = Self { samples: 1.0, primitives: 1.0 };
 
     /// The factor for a quantity.
@@ -44,8 +44,8 @@ impl QueryScaling {
     }
 }
 
-/// Factor of a count: `own` things of the program's picture are `issued` things of everything that
-/// the draw is issued to. 1 where that is no positive number.
+/// Returns the factor of a count: the size `own` of the program's picture divided by the size
+/// `issued` of all targets that the draw is issued to. Returns 1 if that is not a positive number.
 pub fn factor(own: f64, issued: f64) -> f64 {
     let ratio = own / issued;
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }

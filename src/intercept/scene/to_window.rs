@@ -1,11 +1,11 @@
-//! From window coordinates of the driver to those of the program.
+//! Converts window coordinates of the driver to those of the program.
 
 use crate::correct::LowerLeftRect;
 
 /// A rectangle in window coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
-    /// Its corner with the least coordinates.
+    /// Corner with the smallest coordinates.
     pub origin: [f32; 2],
     /// Width and height.
     pub size: [f32; 2],
@@ -18,8 +18,8 @@ impl From<LowerLeftRect> for Area {
     }
 }
 
-/// Window coordinates of a fragment in the program's window: those of the driver less `offset`,
-/// times `scale`.
+/// Conversion of a fragment's position to the program's window: subtract `offset` from the driver's
+/// window coordinates, then multiply by `scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToWindow {
     offset: [f32; 2],
@@ -37,14 +37,14 @@ impl Default for ToWindow {
 }
 
 impl ToWindow {
-    /// For a `tile` that shows what the program draws in its own window space. `drawn_height`: of
-    /// the framebuffer.
+    /// Returns the conversion for a `tile` that shows the program's own window space.
+    /// `drawn_height`: height of the framebuffer.
     pub fn of_tile(tile: Area, drawn_height: i32) -> Self {
         Self { offset: tile.origin, scale: [1.0; 2], height: tile.size[1], drawn_height: drawn_height as f32 }
     }
 
-    /// For the `tile` of a view, which shows what the program draws in its `viewport`. The heights
-    /// are those of the program's window and of the framebuffer.
+    /// Returns the conversion for the `tile` of a view that shows the program's `viewport`.
+    /// `height`: of the program's window. `drawn_height`: of the framebuffer.
     pub fn of_view(tile: Area, viewport: Area, height: i32, drawn_height: i32) -> Self {
         let scale: [f64; 2] = std::array::from_fn(|i| {
             let (length, shown) = (f64::from(viewport.size[i]), f64::from(tile.size[i]));
@@ -60,7 +60,8 @@ impl ToWindow {
         }
     }
 
-    /// Offset and scale, as the shader has them. `upper_left`: it counts rows from above.
+    /// Returns offset and scale in the form of the shader. `upper_left`: the shader counts rows
+    /// from above.
     pub fn vector(&self, upper_left: bool) -> [f32; 4] {
         let [x, y] = self.offset;
         let y = if upper_left { self.drawn_height - y - self.height / self.scale[1] } else { y };
@@ -84,7 +85,7 @@ mod tests {
         assert_eq!(apply(change.vector(true), [300.5, 1000.0 - 231.5]), [0.5, 0.5]);
         let viewport = LowerLeftRect::new(10, 20, 640, 480);
         let change = ToWindow::of_view(tile.into(), viewport.into(), 600, 1000);
-        // A 32-bit number near 800 is known to 0.00003, and is multiplied by 15.
+        // A 32-bit number near 800 has an error of 0.00003, which is multiplied by 15.
         let expect = |upper_left: bool, at: [f32; 2], expected: [f32; 2]| {
             let found = apply(change.vector(upper_left), at);
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}, not {expected:?}");

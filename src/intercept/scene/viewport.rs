@@ -1,13 +1,15 @@
 //! Viewports: the program's main picture, pictures within it, and pictures of the window's shape.
 
 /// True if a viewport of `width` × `height` pixels shows the main picture and not one within it: it
-/// covers more than half of `picture_area`, so that side-by-side pictures stay what they are.
+/// covers more than half of `picture_area`. Smaller pictures, such as side-by-side ones, are not
+/// changed.
 pub fn is_main(width: f64, height: f64, picture_area: f64) -> bool {
     width * height * 2.0 > picture_area
 }
 
 /// True if a picture has the window's shape, up to rounding to whole pixels, and at least a quarter
-/// of its width. Then it holds the scene as the window would, and not what a lamp or a mirror sees.
+/// of its width. Such a picture holds the scene as the window would. Pictures from a lamp or a
+/// mirror rarely have this shape.
 pub fn has_shape_of_window(width: i64, height: i64, window: (u32, u32)) -> bool {
     4 * width >= i64::from(window.0) && has_shape(width, height, window)
 }
