@@ -1,21 +1,21 @@
 //! Vulkan, as a layer between the loader and the driver.
 //!
-//! # The rooms, from top to bottom
+//! # The modules, from top to bottom
 //!
-//! A file uses files of its own room and of the rooms below.
+//! A file uses files of its own module and of the modules below.
 //!
-//! | room | what it does |
+//! | module | purpose |
 //! |---|---|
 //! | `layer` | interface to the loader; life of instances and devices; table of hooks |
 //! | `swapchain` | stand-in images for a window; correction and presentation |
-//! | `submit` | what recorded draws turn out to be; view constants; memory of the host |
+//! | `submit` | classes of recorded draws; view constants; memory of the host |
 //! | `queries` | counts of queries as the program expects them |
 //! | `commands` | recording: passes, draws, clears, copies |
 //! | `descriptors` | descriptor sets, and their copies for each view |
 //! | `offscreen` | scenes that the program draws to images on their way to the window |
 //! | `pipelines` | variants of pipelines for views and panel |
-//! | `state` | what is known of a device, one file per feature; hooks' macro and entry points |
-//! | `spirv` | shaders: matrices, re-projection, division |
+//! | `state` | data about a device, one file per feature; macro and entry points of the hooks |
+//! | `spirv` | shaders: matrices, reprojection, division |
 //!
 //! # One draw
 //!
@@ -29,9 +29,9 @@
 //!                        state::views             reprojection matrix of each view → memory
 //! ```
 //!
-//! A command buffer may be recorded long before its uniform blocks are filled, and be submitted
-//! many times. So draws are issued to all tiles that may show them. At submission the matrices that
-//! the shaders read are set so that a draw falls outside each tile that must not show it.
+//! A command buffer may be recorded long before its uniform blocks are filled, and may be submitted
+//! many times. So draws are issued to all tiles that may show them. At submission, the matrices of
+//! the shaders are chosen so that a draw lands outside each tile that must not show it.
 //!
 //! # One present
 //!

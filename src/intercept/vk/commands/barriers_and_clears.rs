@@ -1,5 +1,5 @@
-//! Barriers and clears: atlas copies follow the layouts of their images, clears reach each tile.
-//! Writes to buffers are recorded as events, for `submit`.
+//! Barriers and clears. Atlas copies follow the layouts of their images, and clears are done in
+//! each tile. Writes to buffers are recorded as events, for `submit`.
 
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::device::Device;
@@ -14,16 +14,16 @@ use std::sync::atomic::Ordering;
 
 /// Tiles that a clear goes to.
 struct Cleared {
-    /// True if the clear is of the whole window, and so of each view as a whole.
+    /// True if the clear covers the whole window, and therefore all of each view.
     whole: bool,
-    /// In views, and in the program's own picture.
+    /// Rectangles in the views and in the primary view.
     pictures: Vec<AtlasRect>,
-    /// On the panel; nothing where the program's own lens shows everything, and the panel stays
-    /// empty.
+    /// Rectangle on the panel; `None` if the views have the program's own lens, so that the panel
+    /// stays empty.
     panel: Option<AtlasRect>,
 }
 
-/// Tiles that a clear of `rect` of the window goes to.
+/// Returns the tiles that a clear of `rect` of the window goes to.
 fn cleared(layout: &AtlasLayout, rect: &vk::Rect2D) -> Cleared {
     let (width, height) = layout.window;
     let whole = rect.offset.x <= 0
@@ -36,7 +36,7 @@ fn cleared(layout: &AtlasLayout, rect: &vk::Rect2D) -> Cleared {
         width: rect.extent.width as i32,
         height: rect.extent.height as i32,
     };
-    // A part of the window has no place in a view with another lens.
+    // A part of the window has no corresponding part in a view with another lens.
     let of_view = |view: &ViewTile| if view.own_lens { Some(moved(view.rect)) } else { whole.then_some(view.rect) };
     let pictures = layout.views.iter().filter_map(of_view).chain(layout.primary.map(moved)).collect();
     let panel = match whole {
@@ -61,8 +61,7 @@ pub unsafe fn clear(
     for given in rects {
         let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
         let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
-        // What is cleared as a whole is seen through; what is cleared in part is a picture on the
-        // panel.
+        // A full clear makes the panel transparent. A clear of a part is drawn on the panel.
         let panel_with_border =
             |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
                 true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
@@ -83,11 +82,11 @@ pub unsafe fn clear(
 
 /// A barrier for an image.
 trait Barrier: Copy {
-    /// The image, the layout that it has, and the one that it gets.
+    /// Returns the image, its old layout and its new layout.
     fn target(&self) -> (vk::Image, vk::ImageLayout, vk::ImageLayout);
-    /// The same for another image.
+    /// Returns the same barrier for another image.
     fn of(self, image: vk::Image) -> Self;
-    /// The same from any layout.
+    /// Returns the same barrier from any layout.
     fn of_anything(self) -> Self;
 }
 
@@ -107,29 +106,29 @@ macro_rules! barriers {
 }
 barriers!(vk::ImageMemoryBarrier<'_>, vk::ImageMemoryBarrier2<'_>);
 
-/// A command buffer takes an image to a layout.
+/// Notes that a command buffer changes an image to a layout.
 pub fn moved(device: &Device, buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout) {
     if device.images.moved(image, layout) {
         device.recordings.with(buffer, |recording| recording.events.push(Event::Layout(image, layout)));
     }
 }
 
-/// Barriers of the program, and the same for the atlas copies of their images.
+/// Returns the barriers of the program, and the same ones for the atlas copies of their images.
 fn with_atlas_copies<B: Barrier>(device: &Device, buffer: vk::CommandBuffer, given: &[B]) -> Vec<B> {
     let mut all = given.to_vec();
     for barrier in given {
         let (image, found, layout) = barrier.target();
         device.recordings.with(buffer, |recording| recording.finds(image, found));
         moved(device, buffer, image, layout);
-        // Passes of a program that is flat do not take them along.
+        // Passes of a program that is shown flat do not change the layouts of atlas copies.
         let followed = if device.draws_views() { *barrier } else { barrier.of_anything() };
         all.extend(device.images.atlas_copies(image).into_iter().map(|atlas_copy| followed.of(atlas_copy)));
     }
     all
 }
 
-/// Returns those images of views that barriers of this command buffer moved and that have no atlas
-/// copy for `layout` yet, with the layout in which the first barrier of each found it.
+/// Returns the images of `views` that barriers of this command buffer changed and that have no
+/// atlas copy for `layout` yet. Each comes with the layout in which its first barrier found it.
 pub fn moved_before(
     device: &Device,
     buffer: vk::CommandBuffer,
@@ -140,7 +139,7 @@ pub fn moved_before(
         device.images.target_of_image(*image).is_none()
             && device.images.atlas_copy_of_size(*image, layout.atlas).is_none()
     };
-    // Depth and stencil are mostly one image.
+    // Depth and stencil are usually one image.
     let images: HashSet<_> = views.iter().filter_map(|view| device.images.of(*view)).filter(late).collect();
     if images.is_empty() {
         return Vec::new();
@@ -151,8 +150,9 @@ pub fn moved_before(
     moved.unwrap_or_default()
 }
 
-/// Atlas copies that were made since [`moved_before`] follow the barriers that were recorded before:
-/// a command buffer that is submitted again finds them as the program's images are.
+/// Makes atlas copies that are new since [`moved_before`] follow the barriers that were recorded
+/// before. If the command buffer is submitted again, it finds them in the layouts of the program's
+/// images.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -167,7 +167,7 @@ pub unsafe fn follow(
         let Some((atlas_copy, aspects, now)) = atlas_copy.and_then(|copy| device.images.begins_in(copy, *found)) else {
             continue;
         };
-        // SAFETY: as promised; it will be in this layout when the buffer runs.
+        // SAFETY: as promised; the atlas copy will be in this layout when the buffer runs.
         unsafe {
             barrier_of(&device.driver, buffer, (atlas_copy, aspects), left_in(*found), ready_in(now));
         }
@@ -207,7 +207,7 @@ hooks! {
     cmd_set_event2 = (
         buffer: vk::CommandBuffer, event: vk::Event, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
-        // What waits for the event has to say the same.
+        // The barriers that wait for the event must be the same.
         let all = with_atlas_copies(&state, buffer, barriers_of(&*info));
         next(buffer, event, &(*info).image_memory_barriers(&all))
     } }

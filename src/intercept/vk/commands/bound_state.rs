@@ -115,10 +115,11 @@ hooks! {
     } }
 }
 
-/// Sets the viewport and scissor of a command buffer; `with_count`: their number, too.
+/// Sets the viewport and scissor of a command buffer; `with_count`: sets their number, too.
 ///
 /// # Safety
-/// The command buffer is being recorded, with a pipeline that takes them so.
+/// The command buffer is being recorded, with a pipeline for which these states are dynamic in this
+/// form.
 pub unsafe fn set_window(
     device: &crate::intercept::vk::state::device::Device,
     buffer: vk::CommandBuffer,

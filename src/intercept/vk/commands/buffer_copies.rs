@@ -1,8 +1,9 @@
-//! Copies between images and buffers. A program reads its own picture, wherever it is drawn.
+//! Copies between images and buffers. A program that reads its own picture gets it from the tile
+//! where it is drawn.
 //!
-//! What a program reads of its scene, for example to find the object under the mouse, is in the
-//! tile of its own picture. The tile is missing until such a copy was seen; then the layouts with
-//! even tiles are used, which have it, from the next frame on.
+//! A program may read its scene, for example to find the object under the mouse. Such a read is
+//! answered from the primary view. There is no primary view until such a copy was seen. From the
+//! next frame on, layouts with even tiles are used, which have one.
 
 use crate::intercept::vk::commands::copies::{NOTHING, becomes, has_own_picture, moved};
 use crate::intercept::vk::state::device::Device;
@@ -12,8 +13,8 @@ use crate::intercept::vk::state::images::scene_graph::Made;
 use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use ash::vk;
 
-/// Finds the program's own picture of `image`, where that is not the image itself: an image of
-/// ours, and a place there.
+/// Finds the program's own picture of `image`, if it is not in the image itself: an internal image,
+/// and a rectangle there.
 fn own_picture(device: &Device, image: vk::Image) -> Option<(vk::Image, AtlasRect)> {
     let note = || {
         if device.images.is_candidate(image) {
@@ -23,7 +24,7 @@ fn own_picture(device: &Device, image: vk::Image) -> Option<(vk::Image, AtlasRec
     };
     match device.images.target_of_image(image).filter(|_| device.draws_views()) {
         Some(target) if has_own_picture(device, &target) => None,
-        // It has several levels.
+        // The image has several levels.
         Some(target) if target.atlas == vk::Image::null() => {
             device.scene_graph.note_made(image, Made::Elsewhere);
             None

@@ -1,5 +1,5 @@
-//! Conditional rendering: the program's condition holds for its own commands, and not for those
-//! that Cupola records between them.
+//! Conditional rendering. The program's condition must apply to its own commands, but not to
+//! commands that Cupola records between them.
 
 use crate::intercept::vk::commands::passes::panel_clears::clear_pending;
 use crate::intercept::vk::state::device::Device;
@@ -7,11 +7,11 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Condition;
 use ash::vk;
 
-/// Records by `work` without the program's condition, which holds again afterwards.
+/// Records with `work` without the program's condition, which is set again afterwards.
 ///
 /// # Safety
-/// The command buffer is being recorded; `work` may begin a pass of commands that are recorded into
-/// it, or end one.
+/// The command buffer is being recorded; `work` may begin a pass whose commands are recorded into
+/// this buffer, or end one.
 pub unsafe fn unconditionally(device: &Device, buffer: vk::CommandBuffer, work: impl FnOnce()) {
     let condition = device.recordings.with(buffer, |recording| recording.condition).flatten();
     let next = &device.next;
@@ -24,8 +24,8 @@ pub unsafe fn unconditionally(device: &Device, buffer: vk::CommandBuffer, work: 
         .buffer(condition.buffer)
         .offset(condition.offset)
         .flags(condition.flags);
-    // SAFETY: as promised; the condition is the program's, and ends where it began, within a pass
-    // or outside.
+    // SAFETY: as promised; the condition is the program's. It ends in the scope in which it began:
+    // within the pass, or outside.
     unsafe {
         end(buffer);
         work();
@@ -33,9 +33,9 @@ pub unsafe fn unconditionally(device: &Device, buffer: vk::CommandBuffer, work: 
     }
 }
 
-/// A pass is about to begin; `inline`: with commands of its own, not with secondary command
-/// buffers. A condition around those would hold for our commands among them, too, and so the
-/// program is shown flat.
+/// Notes that a pass is about to begin; `inline`: its commands are not in secondary command
+/// buffers. A condition around secondary command buffers would also apply to Cupola's commands in
+/// them. Therefore the program is shown flat.
 pub fn pass_follows(device: &Device, buffer: vk::CommandBuffer, inline: bool) {
     let holds = device.recordings.with(buffer, |recording| recording.condition.is_some());
     if holds == Some(true) && !inline {
@@ -43,8 +43,8 @@ pub fn pass_follows(device: &Device, buffer: vk::CommandBuffer, inline: bool) {
     }
 }
 
-/// Begins a pass by `begin`. What the first draw would have to clear of the panel is cleared at
-/// once, where a condition holds.
+/// Begins a pass with `begin`. Under a condition, the panel is cleared at once, and not at the
+/// first draw.
 ///
 /// # Safety
 /// As for [`unconditionally`].

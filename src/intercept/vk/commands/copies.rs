@@ -13,22 +13,22 @@ use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
-/// Plan for a copy of the program.
+/// How a copy of the program is done.
 pub(super) enum CopyPlan {
-    /// It stays the program's.
+    /// Unchanged.
     Same,
-    /// It reads the program's own picture at this place of an atlas.
+    /// It reads the program's own picture from this rectangle of an atlas.
     Read(vk::Image, AtlasRect),
-    /// All views go from atlas to atlas; the second is what is drawn then.
+    /// All views are copied from atlas to atlas; the second is the view target that is written.
     Views(vk::Image, Arc<ViewTarget>),
-    /// All views go from atlas to atlas, tile by tile, and change their size.
+    /// All views are copied from atlas to atlas, tile by tile, and their size changes.
     Scaled(Arc<ViewTarget>, Arc<ViewTarget>),
 }
 
-/// One end of a copy: its image, and the corners of what is copied there.
+/// One end of a copy: its image, and the corners of the copied region.
 pub(super) type End = (vk::Image, [vk::Offset3D; 2]);
 
-/// Use of an image that a copy of everything goes to.
+/// Returns the result that a copy of everything to an image makes.
 fn end_of(device: &Device, image: vk::Image) -> Made {
     match device.images.target_of_image(image) {
         Some(target) if target.window => Made::Window,
@@ -37,15 +37,15 @@ fn end_of(device: &Device, image: vk::Image) -> Made {
     }
 }
 
-/// True if a copy takes all of an image to all of another one, which has an atlas if it is a
-/// `target`.
+/// True if all of an image is copied to all of another one. If that one is a `target`, it must have
+/// an atlas.
 fn is_of_everything(device: &Device, (from, src): End, (to, dst): End, target: Option<&ViewTarget>) -> bool {
     let whole = |image: vk::Image, corners: [vk::Offset3D; 2]| {
         let (width, height) = device.images.size(image).unwrap_or_default();
         let [first, last] = corners;
         (first.x, first.y, last.x, last.y) == (0, 0, width as i32, height as i32)
     };
-    // Nothing is copied to an image of several levels that only compute shaders write.
+    // Images of several levels that only compute shaders write are no target of a copy.
     let has_atlas = target.is_none_or(|target| target.atlas != vk::Image::null());
     whole(from, src) && whole(to, dst) && has_atlas
 }
@@ -74,7 +74,7 @@ pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): E
                 CopyPlan::Views(atlas_copy, target)
             }
             None => {
-                // What only compute shaders draw may never become a scene.
+                // An image that only compute shaders draw may never become a scene.
                 let waits = device.images.is_attached(from) || device.scene_graph.may_be_followed();
                 if !device.images.is_candidate(from) || !waits {
                     device.show_flat("it copies its picture to the window");
@@ -98,7 +98,7 @@ pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): E
         (Some(read), None) => match read.layout.own() {
             Some(own) => CopyPlan::Read(read.atlas, own),
             None => {
-                // An image made of a whole scene may be followed from the next frame on.
+                // An image made from a complete scene may be followed from the next frame on.
                 if read.window || !everything || !device.images.is_candidate(to) {
                     device.show_flat("it copies its picture from the window");
                 }
@@ -109,16 +109,19 @@ pub(super) fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): E
     }
 }
 
-/// Notes what a copy makes of the image `from`. `written`: the target has a copy per view.
+/// Notes the result that a copy makes from the image `from`. `written`: the target has a copy per
+/// view.
 fn note_made(device: &Device, from: vk::Image, made: Made, written: bool) {
-    // What leaves the window's way is the program's own picture, where there is one.
+    // If there is a primary view, copies that do not lead to the window read the program's own
+    // picture.
     let served = !written && device.swapchains.latest_layout().is_some_and(|layout| layout.own().is_some());
     if made != Made::Elsewhere || !served {
         device.scene_graph.note_made(from, made);
     }
 }
 
-/// True if the program's own image has its own picture, of what compute shaders may write.
+/// True if the program's image holds the program's own picture, because compute shaders may write
+/// it.
 pub(super) fn has_own_picture(device: &Device, target: &ViewTarget) -> bool {
     let drawn = device.images.is_attached(target.given);
     target.is_stored() && !device.images.lacks_own_picture(target.given) && (!drawn || target.layout.own().is_some())
@@ -136,7 +139,7 @@ fn extent(from: vk::Offset3D, size: vk::Extent3D) -> [vk::Offset3D; 2] {
 /// Corners of an empty copy.
 pub(super) const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
 
-/// The whole of an atlas.
+/// Returns the size of an atlas.
 fn atlas(target: &ViewTarget) -> vk::Extent3D {
     let (width, height) = target.layout.atlas;
     vk::Extent3D { width, height, depth: 1 }
@@ -144,19 +147,19 @@ fn atlas(target: &ViewTarget) -> vk::Extent3D {
 
 /// Region of a command that copies, blits or resolves from image to image.
 trait Region: Clone {
-    /// It may change the size.
+    /// Whether the command can change the size.
     const SCALES: bool;
-    /// Samples are resolved.
+    /// Whether the command resolves samples.
     const RESOLVES: bool;
-    /// The corners of what is read.
+    /// Returns the corners of the region that is read.
     fn src(&self) -> [vk::Offset3D; 2];
-    /// The corners of what is written.
+    /// Returns the corners of the region that is written.
     fn dst(&self) -> [vk::Offset3D; 2];
-    /// Reads at another place.
+    /// Moves the region that is read to a rectangle.
     fn read_at(&mut self, place: AtlasRect);
-    /// Takes all of an image of this size.
+    /// Changes the region to all of an image of this size.
     fn take_all(&mut self, size: vk::Extent3D);
-    /// Takes all of one rectangle to another.
+    /// Changes the region to a copy from one rectangle to another.
     fn take(&mut self, from: AtlasRect, to: AtlasRect);
 }
 
@@ -211,7 +214,7 @@ macro_rules! scaled {
 }
 scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
 
-/// Blits a rectangle of an image in a layout to a rectangle of another.
+/// Blits a rectangle of an image in a layout to a rectangle of another image.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -230,12 +233,12 @@ unsafe fn scale(
     }
 }
 
-/// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of
-/// it. The layouts are those that both images are in.
+/// Copies, blits or resolves with `next` (from, to, regions): as the program says, or according to
+/// the plan for the copy. The layouts are those of both images.
 ///
 /// # Safety
-/// The command buffer is being recorded, outside of a pass; `next` records a command of the
-/// program's with other images.
+/// The command buffer is being recorded, outside of a pass; `next` records the program's command
+/// with other images.
 unsafe fn between<R: Region>(
     device: &Device,
     buffer: vk::CommandBuffer,
@@ -268,8 +271,8 @@ unsafe fn between<R: Region>(
                 device.show_flat("it resolves its picture into an image with other views");
                 return next(from, to, regions);
             }
-            // A copy keeps bits, and a blit values: where the formats differ, the views are scaled
-            // in that of the first.
+            // A copy keeps bits, and a blit keeps values. If the formats differ, the views are
+            // scaled in the format of the first image.
             let scaled = match !R::SCALES && !same_format && !same_size {
                 true => match device.images.scaled_atlas(device, from, &target.layout) {
                     Ok(image) => Some(image),
@@ -300,7 +303,7 @@ unsafe fn between<R: Region>(
             // SAFETY: as promised; the atlas has just been written in this layout.
             unsafe {
                 view_copies::read(device, buffer, &read, from_layout, || {
-                    // A filter reads beside a tile, but not beside an image.
+                    // A filter would read texels beside a tile, but reads none beside an image.
                     let mut view_copies = read.view_copies.iter();
                     for (from, to) in read.layout.views.iter().zip(&target.layout.views) {
                         match view_copies.next() {
@@ -309,15 +312,15 @@ unsafe fn between<R: Region>(
                         }
                     }
                     if let Some(nothing) = &read.nothing {
-                        // In the window's atlas tiles are apart, and a filter reads beside the
-                        // panel.
+                        // In the window's atlas tiles have gaps between them, and a filter reads
+                        // texels beside the panel.
                         let layout = &target.layout;
                         let panel = if target.window { layout.panel_with_border() } else { layout.panel };
                         of_view(nothing.image, AtlasRect { x: 0, y: 0, width: 1, height: 1 }, panel);
                     }
                 });
-                // The program's image has what compute shaders wrote, and what was drawn if that
-                // can be copied there.
+                // The program's image holds what compute shaders wrote, and also what was drawn, if
+                // that can be copied there.
                 let in_image = read.is_stored() && !device.images.lacks_own_picture(read.given);
                 match (in_image, target.layout.primary, read.layout.primary) {
                     (true, Some(to), _) => of_view(read.given, whole(read.layout.panel), to),
@@ -325,8 +328,8 @@ unsafe fn between<R: Region>(
                     _ => {}
                 }
                 if !read.is_stored() {
-                    // The panel of an off-screen scene is empty. Its middle is read, so that a
-                    // filter reads nothing beside it.
+                    // The panel of an off-screen scene is empty. Only its middle is read, so that a
+                    // filter reads no texels beside the panel.
                     of_view(read.atlas, read.layout.panel.middle(), target.layout.panel);
                 }
                 bring(COPIED_TO, ready_in(from_layout));

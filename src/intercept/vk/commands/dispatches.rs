@@ -1,10 +1,10 @@
 //! Dispatches of compute shaders on the way from the scene to the window.
 //!
-//! Invocations of a compute shader know places in the program's image. So images that compute
-//! shaders read or write have a picture of each view that is as large as the program's image, and a
-//! dispatch that writes such pictures is recorded once for each view, with copies of its descriptor
-//! sets. The program's own dispatch follows, on its own images: numbers that it gathers in buffers
-//! are gathered once.
+//! Invocations of a compute shader use pixel positions in the program's image. Images that compute
+//! shaders read or write therefore have a copy for each view, as large as the program's image. A
+//! dispatch that writes such images is recorded once for each view, with copies of its descriptor
+//! sets. The program's own dispatch follows, on the program's images. So numbers that the dispatch
+//! gathers in buffers are gathered once.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::draws::tiles::PerViewSet;
@@ -25,27 +25,28 @@ use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
-/// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
+/// Greatest number of texels of an image that counts as numbers for the whole picture, and not as a
+/// picture.
 const MOST_NUMBERS: u32 = 256;
 
-/// Reason that keeps a dispatch from being followed.
+/// Reason that prevents a dispatch from being followed.
 const LOST: &str = "a compute shader writes a picture of its scene together with numbers of its own";
 
 /// Images that a dispatch reads and writes.
 struct Used {
-    /// Those that may hold a scene and are read.
+    /// Images that may hold a scene and are read.
     read: Vec<vk::Image>,
-    /// Those that may hold a scene and are written.
+    /// Images that may hold a scene and are written.
     written: Vec<vk::Image>,
     /// The window's image, if it is written.
     window: Option<Arc<ViewTarget>>,
-    /// It writes numbers that all views share.
+    /// True if it writes numbers that all views share.
     numbers: bool,
-    /// It writes what would have to be there for each view, and cannot be.
+    /// True if it writes data that would be needed for each view, but cannot be kept for each view.
     lost: bool,
 }
 
-/// The images of descriptors that are bound.
+/// Returns the images of bound descriptors.
 fn images<'a>(
     device: &'a Device,
     recording: &'a Recording,
@@ -65,7 +66,8 @@ fn images<'a>(
 }
 
 impl Used {
-    /// `single`: there is one work group, so that what it writes belongs to no place.
+    /// `single`: there is only one work group, so that its results belong to no position in the
+    /// picture.
     fn of(device: &Device, recording: &Recording, pipeline: &ComputePipeline, single: bool) -> Self {
         let uses = &pipeline.uses;
         let read = images(device, recording, &uses.read).filter(|image| device.images.is_candidate(*image)).collect();
@@ -91,13 +93,13 @@ impl Used {
             BufferWrites::Places if !single => used.lost = true,
             BufferWrites::Sums | BufferWrites::Places => used.numbers = true,
         }
-        // With a dispatch for each view they would be gathered several times.
+        // A dispatch for each view would gather them several times.
         let gathers = uses.buffers != BufferWrites::Nothing || uses.image_atomics;
         used.lost |= pipeline.loses_cameras || gathers && (!used.written.is_empty() || used.window.is_some());
         used
     }
 
-    /// Notes what is made of images that may hold a scene.
+    /// Notes the results that are made from images that may hold a scene.
     fn note(&self, device: &Device) {
         let graph = &device.scene_graph;
         for read in &self.read {
@@ -124,7 +126,7 @@ impl Used {
     }
 }
 
-/// A dispatch of a shader that is not known may do anything with the images that are bound.
+/// Notes that a dispatch of an unknown shader may do anything with the bound images.
 fn note_unknown(device: &Device, recording: &Recording) {
     let stored = |set: vk::DescriptorSet| device.descriptors.stored(set);
     let sets = recording.compute.sets().iter().filter(|(.., bound)| bound.pushed.is_none());
@@ -140,8 +142,8 @@ fn note_unknown(device: &Device, recording: &Recording) {
     images.for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
 }
 
-/// Issues a dispatch by `issue`: for each view, and as the program's own. `groups`: number of its
-/// work groups, if it is known.
+/// Issues a dispatch with `issue`: once for each view, and once as the program's own. `groups`:
+/// number of its work groups, if it is known.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -155,7 +157,8 @@ unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u3
         // SAFETY: as promised.
         let followed = unsafe { follow(device, buffer, recording, (&pipeline, &used), issue) };
         let on_window = followed.as_ref().is_ok_and(|scenes| scenes.is_some());
-        // Without a scene the window never has views; with one, from one of the next frames on.
+        // Without a scene the window never has views. With a scene it has views from one of the
+        // next frames on.
         if used.window.is_some() && !on_window && (used.read.is_empty() || !device.scene_graph.may_be_followed()) {
             device.show_flat(WRITES_WINDOW);
         }
@@ -173,8 +176,8 @@ unsafe fn dispatch(device: &Device, buffer: vk::CommandBuffer, groups: Option<u3
     }
 }
 
-/// Issues a dispatch for each view, if it makes pictures of the scene; returns those in the place
-/// of the window's image, if it writes that.
+/// Issues a dispatch for each view, if it makes pictures of the scene. Returns the copies that
+/// replace the window's image, if it writes that image.
 ///
 /// # Errors
 /// The reason why it cannot.
@@ -197,23 +200,25 @@ unsafe fn follow(
     };
     let (read, mut written) = (scenes(&used.read), scenes(&used.written));
     if used.lost {
-        // Once for each view it would do several times what it does once.
+        // A dispatch for each view would repeat work that must be done once.
         return if written.is_empty() { Ok(None) } else { Err(LOST.into()) };
     }
-    // Of images with other views new ones are made when the frame ends.
+    // Images with views of another layout are replaced by new ones when the frame ends.
     let is_late = written.iter().chain(&read).any(|target| !target.layout.even);
     let window = used.window.as_ref().filter(|_| !read.is_empty() && !is_late);
     let window = window.map(|window| device.images.make_window_copies(device, window)).transpose()?;
     written.extend(window.clone());
     let Some(layout) = written.first().map(|target| Arc::clone(&target.layout)).filter(|_| !is_late) else {
-        // What it writes may be followed from the next frame on, while these commands run again.
+        // The written images may be followed from the next frame on, when these commands are run
+        // again.
         let of_window = used.window.iter().flat_map(|_| &used.read);
         let images: Vec<vk::Image> = used.written.iter().chain(of_window).copied().collect();
         recording.events.extend((!images.is_empty()).then_some(Event::Computed(images)));
         return Ok(None);
     };
     let bindings = Bindings::of_views(device, recording, pipeline, &layout)?;
-    // SAFETY: as promised; the sets are like the program's, which it bound for these places.
+    // SAFETY: as promised; the sets have the layouts of the program's sets, which the program bound
+    // under these numbers.
     unsafe {
         view_copies::wait(device, buffer);
         for view in 0..layout.views.len() {
@@ -230,9 +235,9 @@ unsafe fn follow(
     Ok(window)
 }
 
-/// Images that a dispatch reads and writes in each view.
+/// Descriptors of a dispatch in each view.
 struct Bindings<'a> {
-    /// The pipeline of Cupola with its view constants, if it has matrices of the camera.
+    /// The pipeline of Cupola with its view constants, if the shader has camera matrices.
     variant: Option<(&'a ComputeVariant, vk::DescriptorSet, ChunkOffset)>,
     sets: Vec<(vk::PipelineLayout, PerViewSet)>,
     /// Pushed descriptors of each view, by layout and number of their set.
@@ -264,7 +269,7 @@ impl<'a> Bindings<'a> {
         Ok(Self { variant: pipeline.variant.as_ref().map(with_constants).transpose()?, sets, pushes })
     }
 
-    /// Binds what a view has; the pipeline, once.
+    /// Binds the descriptors of a view; binds the pipeline only for the first view.
     ///
     /// # Safety
     /// The command buffer is being recorded, with the program's pipeline and layouts.
@@ -292,10 +297,11 @@ impl<'a> Bindings<'a> {
     }
 }
 
-/// View constants with the camera's matrices in each view: their descriptor set and place.
+/// Returns the view constants with the camera matrices of each view: their descriptor set and
+/// offset.
 ///
 /// # Errors
-/// That there is no memory.
+/// There is no memory.
 fn cameras(
     device: &Device,
     recording: &mut Recording,

@@ -10,7 +10,7 @@ use ash::vk;
 use std::sync::{Arc, Mutex};
 
 impl Recordings {
-    /// Command buffers are gone; `of` says which.
+    /// Forgets command buffers that are destroyed or reset; `of` selects them.
     fn forget(&self, device: &Device, of: impl Fn(vk::CommandBuffer, &Recording) -> bool) {
         let known: Vec<_> = {
             let all = self.all.reading();
@@ -26,7 +26,7 @@ impl Recordings {
     }
 }
 
-/// Target that a secondary command buffer inherits, as far as it says.
+/// Returns the target that a secondary command buffer inherits, if `info` contains it.
 ///
 /// # Safety
 /// `info` must be the program's.
@@ -53,8 +53,8 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
     }
 }
 
-/// The images that may hold a scene among what a secondary command buffer draws to, where it names
-/// its framebuffer.
+/// Returns the images that a secondary command buffer draws to and that may hold a scene, if it
+/// names its framebuffer.
 ///
 /// # Safety
 /// `info` must be the program's.
@@ -69,7 +69,7 @@ unsafe fn candidates(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> 
     Some(views.filter_map(|view| device.images.candidate_of(*view)).collect())
 }
 
-/// True if queries of the command buffer that executes it may count what a secondary one draws.
+/// True if queries of the executing command buffer may count draws of a secondary one.
 ///
 /// # Safety
 /// `info` must be the program's.
@@ -121,7 +121,7 @@ hooks! {
         let mut changed = *info;
         let mut inheritance = changed.p_inheritance_info.as_ref().copied().unwrap_or_default();
         if target.is_some() && !changed.p_inheritance_info.is_null() {
-            // The pass draws to another framebuffer than the program's.
+            // The pass draws to a framebuffer of Cupola, not to the program's.
             inheritance.framebuffer = vk::Framebuffer::null();
             changed.p_inheritance_info = &inheritance;
         }
@@ -137,7 +137,7 @@ hooks! {
         buffer: vk::CommandBuffer, count: u32, others: *const vk::CommandBuffer
     ) { |state, next| {
         let others_list = slice(others, count);
-        // Whether each was recorded for views.
+        // For each, whether it was recorded for views.
         let kinds: Vec<_> = others_list.iter().map(|other| state.recordings.with(*other, |r| r.pass.is_some())).collect();
         let in_pass = state.recordings.with(buffer, |recording| {
             crate::intercept::vk::commands::passes::panel_clears::clear_by_secondary(&state, buffer, recording);

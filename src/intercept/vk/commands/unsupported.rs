@@ -1,33 +1,33 @@
-//! Commands that nothing follows: a program that uses one is shown flat.
+//! Commands that cannot be followed. A program that uses one is shown flat.
 //!
-//! Together with the hooks of the other files these are all commands that draw, bind or copy; a
-//! test compares them with the commands that Vulkan has.
+//! These and the hooks of the other files are all commands that draw, bind or copy. A test compares
+//! them with the commands of Vulkan.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
 use ash::vk;
 
-/// True if an image of the program has an atlas copy, or stands for the window.
+/// True if an image of the program is a view target or has an atlas copy.
 fn is_followed(device: &Device, image: vk::Image) -> bool {
     device.images.target_of_image(image).is_some() || !device.images.atlas_copies(image).is_empty()
 }
 
-/// The processor reads or writes images without a command.
+/// Notes that the host reads or writes images without a command.
 fn by_host(device: &Device, images: &[vk::Image]) {
     if images.iter().any(|image| is_followed(device, *image)) {
         device.show_flat("it changes images of its picture without commands");
     }
 }
 
-/// Commands that cut, scale or thin out drawing in the window's pixels.
-const WINDOW_SPACE: &str = "what it draws is cut or scaled by places in the window";
+/// Reason of commands that cut, scale or thin out drawing in the window's pixels.
+const WINDOW_SPACE: &str = "its drawing is cut or scaled at positions in the window";
 
-/// Descriptors or constants are bound that are not seen.
+/// Reason of commands that bind descriptors or constants in a way that is not followed.
 const BINDINGS: &str = "it binds descriptors or constants by commands that are not followed";
 
-/// The device decides what is drawn.
-const GENERATED: &str = "the device makes its commands";
+/// Reason of commands by which the device decides what is drawn.
+const GENERATED: &str = "the device generates its commands";
 
 hooks! {
     cmd_bind_descriptor_sets2 = (
@@ -80,10 +80,10 @@ hooks! {
     ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, view, layout) } }
     cmd_set_attachment_locations = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingAttachmentLocationInfoKHR<'_>
-    ) { |state, next| { state.show_flat("its shaders read what they draw to"); next(buffer, info) } }
+    ) { |state, next| { state.show_flat("its shaders read the attachments that they draw to"); next(buffer, info) } }
     cmd_set_input_indices = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingInputAttachmentIndexInfoKHR<'_>
-    ) { |state, next| { state.show_flat("its shaders read what they draw to"); next(buffer, info) } }
+    ) { |state, next| { state.show_flat("its shaders read the attachments that they draw to"); next(buffer, info) } }
     cmd_copy_memory_to_image = (
         buffer: vk::CommandBuffer, from: vk::DeviceAddress, count: u32, stride: u32, to: vk::Image, layout: vk::ImageLayout, layers: *const vk::ImageSubresourceLayers
     ) { |state, next| {

@@ -1,5 +1,5 @@
-//! Hooks of draws: a draw in a pass that draws to views is issued once per view, others as they
-//! are.
+//! Hooks of draws: in a pass that draws to views, a draw is issued once per view. Other draws are
+//! passed on unchanged.
 
 use crate::intercept::vk::commands::draws::rebind::restore;
 use crate::intercept::vk::commands::draws::replicate::{self, ProgramDraw};
@@ -15,7 +15,7 @@ use ash::vk;
 /// Issues a draw of the program by `issue`.
 ///
 /// # Safety
-/// The command buffer is being recorded; `issue` records the program's own draw, of that `size`.
+/// The command buffer is being recorded; `issue` records the program's own draw, with this `size`.
 unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: DrawSize, issue: impl Fn()) {
     let known = device.recordings.with(buffer, |recording| {
         let pipeline = recording.graphics.pipeline.clone();
@@ -40,7 +40,7 @@ unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: DrawSize, issue
     }
 }
 
-/// Notes what a draw in a pass of the program's own says of images that may hold a scene.
+/// Notes how a draw in a pass of the program's own uses images that may hold a scene.
 fn note_candidate(device: &Device, recording: &mut Recording, pipeline: &Pipeline, size: &DrawSize) {
     let targets = recording.plain.iter().flatten();
     let image = targets.filter_map(|target| device.images.size(*target)).next();

@@ -1,8 +1,8 @@
-//! Draws whose parameters lie in memory that is written on submission: a draw that turns out to
-//! show nothing in a tile gets no instances there.
+//! Draws whose parameters lie in memory that is written at submission. If a draw turns out to show
+//! nothing in a tile, it gets no instances there.
 //!
-//! Until then a draw may be one of the scene, which the panel does not show, or flat, which the
-//! views do not show.
+//! Until submission a draw may be part of the scene, which the panel does not show, or flat, which
+//! the views do not show.
 
 use crate::intercept::settings;
 use crate::intercept::vk::state::device::Device;
@@ -10,12 +10,12 @@ use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::draw_parameters::{BYTES, DrawParameters, IndirectDraw};
 use crate::intercept::vk::state::views::view_constants::SlotParts;
 
-/// Draws of fewer vertices are not worth fetching parameters for: on lavapipe that costs as much as
-/// some hundred of them.
+/// Draws with fewer vertices get no parameters in memory: on lavapipe, fetching parameters costs as
+/// much as some hundred vertices.
 const FEWEST: u32 = 1 << 10;
 
-/// Takes memory for the parameters of a draw that is issued with `slots` slots; `None` where that
-/// does not pay, or where there is no memory.
+/// Takes memory for the parameters of a draw that is issued with `slots` slots; `None` if that is
+/// not worth it, or if there is no memory.
 pub fn place(
     device: &Device,
     recording: &mut Recording,

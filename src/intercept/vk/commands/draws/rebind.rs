@@ -1,11 +1,11 @@
-//! Puts back on the device what the program bound and set, after draws of Cupola.
+//! Restores on the device the state that the program bound and set, after draws of Cupola.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::recording::Recording;
 use ash::vk;
 
-/// Puts back what the program bound and set, after draws of Cupola.
+/// Restores the state that the program bound and set, after draws of Cupola.
 ///
 /// # Safety
 /// The command buffer is being recorded.
@@ -30,7 +30,7 @@ pub unsafe fn restore(device: &Device, buffer: vk::CommandBuffer, recording: &mu
     }
 }
 
-/// Binds the program's descriptor sets again whose place a set of Cupola took.
+/// Binds the program's descriptor sets again that were replaced by sets of Cupola.
 ///
 /// # Safety
 /// The command buffer is being recorded.
@@ -41,7 +41,7 @@ pub unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut
     }
     for (number, bound) in (0..layout.ours).zip(&recording.graphics.bound).filter(|(number, _)| *number >= from) {
         let Some(bound) = bound else { continue };
-        // SAFETY: as promised; the program bound the set, or pushed it, for this place.
+        // SAFETY: as promised; the program bound or pushed this set under this number.
         unsafe {
             let (functions, point) = (&device.driver.functions, vk::PipelineBindPoint::GRAPHICS);
             match &bound.pushed {

@@ -1,13 +1,14 @@
 //! A draw of the program becomes one draw per view, one on the panel and one in the primary view.
 //!
 //! ```text
-//! draw_to_views ─ classify: what is known of the draw while it is recorded (DrawFacts)
+//! draw_to_views ─ classify: facts about the draw that are known while it is recorded (DrawFacts)
 //!               ─ select:   its draw group, with memory for the view constants of each tile
 //!               ─ issue:    one draw per tile
 //! ```
 //!
-//! The class of the draw, scene or flat, is decided when the command buffer is submitted
-//! (`submit::draw_groups`); until then all tiles that may show it get the draw.
+//! The draw class, scene or flat, is decided when the command buffer is submitted
+//! (`submit::draw_groups`). At recording, the draw is issued to every tile that may have to show
+//! it.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::to_window::Area;
@@ -88,9 +89,9 @@ pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
     }
 }
 
-/// Issues a draw that cannot be followed once, by the program's own pipeline, where its picture is
-/// shown flat. The pass draws to the atlas already, and may have been recorded for many frames. A
-/// viewport that belongs to the pipeline cannot be moved there.
+/// Issues a draw that cannot be followed once, with the program's own pipeline, into the tile where
+/// flat draws are shown. The pass draws to the atlas already, and may have been recorded for many
+/// frames. If the viewport is part of the pipeline, it cannot be moved to the tile.
 ///
 /// # Safety
 /// As for [`draw_to_views`].
@@ -114,20 +115,22 @@ unsafe fn issue_flat(draw: &ProgramDraw<'_>, recording: &mut Recording, layout: 
     (draw.issue)();
 }
 
-/// Finds out what can be known of a draw while it is recorded; `None` where it cannot be followed.
+/// Collects the facts about a draw that are known while it is recorded; `None` if it cannot be
+/// followed.
 ///
-/// The content of its matrices is known only at submission, where `submit` chooses the draw class.
-/// Here a draw is issued wherever a class that is still possible needs it:
+/// The values of its matrices are known only at submission, where `submit` chooses the draw class.
+/// Here a draw is issued for every class that is still possible:
 ///
-/// * With matrices (`sources`) it may be the scene, in all views, or flat, on the panel.
-/// * Without matrices it is flat, unless it covers the window with a picture of the scene
-///   (`screen`) or its shaders take the lens that the rig gives (`deep`).
-/// * A flat draw before the first draw of the scene may have to go behind the scene, so that it
-///   needs the views, too. One triangle or square off screen without matrices and attributes, whose
-///   places the shader has from the numbers of its vertices, is over all of each view (`fills`).
+/// * With matrices (`sources`) it may be part of the scene, in all views, or flat, on the panel.
+/// * Without matrices it is flat, with two exceptions: it covers the window with a picture of the
+///   scene (`screen`), or its shaders use the lens that the rig gives (`deep`).
+/// * A flat draw before the first draw of the scene may have to go behind the scene, so it needs
+///   the views, too. A triangle or square off screen may have no matrices and no attributes, so
+///   that the shader computes its positions from the vertex numbers. Such a draw covers each view
+///   completely (`fills`).
 ///
-/// Matrices count only in the viewport of the whole picture (`main`); elsewhere they may be those
-/// of another camera.
+/// Matrices count only in the viewport of the main picture (`main`). In other viewports they may
+/// belong to another camera.
 fn classify(
     draw: &ProgramDraw<'_>,
     recording: &mut Recording,
@@ -152,15 +155,15 @@ fn classify(
         CameraSource { source: source(device, recording, &matrix).filter(|_| main), called, stage, inverted }
     };
     let cameras: Vec<_> = variants.cameras.iter().map(of_camera).collect();
-    // What is flat may be a sky, or another picture that is computed from its pixels.
+    // A flat draw may be a sky, or another picture that is computed from pixel positions.
     let sky = main && sets.is_empty() && !cameras.is_empty();
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
     if !sets.is_empty() && main && variants.loses_place {
-        device.show_flat("a shader that reads a picture of its scene asks for its place on the screen");
+        device.show_flat("a shader that reads a picture of its scene uses its position on the screen");
     }
     let deep = variants.deep && main && layout.session.given_lens().is_some();
-    // A flat draw may have to go behind the scene, if none was drawn yet.
+    // A flat draw may have to go behind the scene, if no scene has been drawn yet.
     let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
     let own_lens = layout.views.iter().any(|view| view.own_lens);
     let in_views = own_lens || main && (screen || sky || variants.follows && may_be_behind);
@@ -177,7 +180,8 @@ fn classify(
     Some(Classified { facts, program, sets })
 }
 
-/// The layout of the image that a descriptor shows, if draws to views get another in its place.
+/// Returns the layout of the image that a descriptor refers to, if each view has its own copy of
+/// that image.
 fn shown_layout(device: &Device, recording: &Recording, (set, binding): DescriptorPlace) -> Option<ShownLayout> {
     let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
     let image = device.images.of(device.descriptors.picture(bound.set, (binding, 0))?)?;
@@ -185,14 +189,14 @@ fn shown_layout(device: &Device, recording: &Recording, (set, binding): Descript
     Some(ShownLayout(Arc::clone(&scene.layout)))
 }
 
-/// Returns the area that a viewport covers, whichever way up it is.
+/// Returns the area that a viewport covers, also if its height is negative.
 fn area(viewport: &vk::Viewport) -> Area {
     let top = viewport.y + viewport.height.min(0.0);
     Area { origin: [viewport.x, top], size: [viewport.width, viewport.height.abs()] }
 }
 
-/// Notes what the pass makes of images that may hold a scene and that the draw's shaders can
-/// sample.
+/// Notes the use of images that may hold a scene: the pass draws, and the draw's shaders can sample
+/// them.
 fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
     let pictures = scene_graph::pictures(device, recording);
     scene_graph::note_stored(device, recording);
@@ -205,7 +209,7 @@ fn note_pictures(device: &Device, recording: &mut Recording, cover: Cover) {
     }
 }
 
-/// The copies for each view of the program's sets, as far as a draw needs any.
+/// Returns the per-view copies of the program's sets that a draw needs.
 ///
 /// # Errors
 /// The reason why there are none.
@@ -229,8 +233,8 @@ fn per_view_sets(
     Ok(all)
 }
 
-/// Finds the draw group of a draw, or makes it, with memory for its view constants; `None` where
-/// there is none.
+/// Finds or makes the draw group of a draw, with memory for its view constants; `None` if there is
+/// no memory.
 fn select(
     draw: &ProgramDraw<'_>,
     recording: &mut Recording,

@@ -14,9 +14,8 @@ use crate::intercept::vk::state::views::view_constants::ChunkOffset;
 use ash::vk;
 use std::sync::Arc;
 
-/// Copies of one of the program's descriptor sets: with them its shaders see, in each view, that
-/// view of the scene where it was drawn off screen, and the atlas copies of attachments that they
-/// read.
+/// Copies of one of the program's descriptor sets, one for each view. In a view, shaders read that
+/// view's copy of an off-screen scene, and the atlas copies of attachments.
 pub struct PerViewSet {
     /// Number of the set.
     pub(in crate::intercept::vk) number: u32,
@@ -24,7 +23,8 @@ pub struct PerViewSet {
     pub(in crate::intercept::vk) sets: Arc<[vk::DescriptorSet]>,
     /// Dynamic offsets of the program's set.
     pub(in crate::intercept::vk) dynamic: Vec<u32>,
-    /// It has attachments, so that the program's own set fits no pass that draws to the atlas.
+    /// True if the set has attachments. The program's own set then fits no pass that draws to the
+    /// atlas.
     pub(in crate::intercept::vk) attachments: bool,
 }
 
@@ -35,7 +35,7 @@ pub struct ProgramWindow {
 }
 
 impl ProgramWindow {
-    /// Those of the pipeline, or those that commands set, or the whole window.
+    /// Returns those that commands set, or those of the pipeline, or the whole window.
     pub fn of(recording: &Recording, pipeline: &Pipeline, layout: &AtlasLayout) -> Self {
         let (width, height) = (pixels(layout.window.0 as i32), pixels(layout.window.1 as i32));
         let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
@@ -58,13 +58,13 @@ pub struct TileDraws<'a> {
     pub(in crate::intercept::vk) program: ProgramWindow,
     /// Size of the program's window.
     pub(in crate::intercept::vk) window: (u32, u32),
-    /// The draw's parameters in memory, if the device reads them there.
+    /// The draw's parameters in memory, if the device reads them from there.
     pub(in crate::intercept::vk) indirect: Option<IndirectDraw>,
 }
 
 impl TileDraws<'_> {
-    /// Issues the draw into a tile by the pipeline `by`, with the view constants of `slot` and the
-    /// copies for `view` of the sets; `issue` records the program's own draw.
+    /// Issues the draw into a tile with the pipeline `by`, the view constants of `slot` and the set
+    /// copies for `view`. `issue` records the program's own draw.
     ///
     /// # Safety
     /// The command buffer is being recorded, in a pass that draws to the atlas.
@@ -91,7 +91,7 @@ impl TileDraws<'_> {
         }
     }
 
-    /// Binds the pipeline and the view constants, sets viewport and scissor.
+    /// Binds the pipeline and the view constants, and sets viewport and scissor.
     ///
     /// # Safety
     /// The command buffer is being recorded.
@@ -131,14 +131,15 @@ impl TileDraws<'_> {
         for PerViewSet { number, sets, dynamic, .. } in sets {
             let Some(set) = sets.get(view) else { continue };
             let (functions, graphics) = (&self.device.driver.functions, vk::PipelineBindPoint::GRAPHICS);
-            // SAFETY: as promised; the set is like the program's, which it bound for this place.
+            // SAFETY: as promised; the set has the layout of the program's set, which the program
+            // bound under this number.
             unsafe {
                 functions.cmd_bind_descriptor_sets(self.buffer, graphics, layout.handle, *number, &[*set], dynamic);
             }
         }
     }
 
-    /// Puts the program's own sets back in the place of their copies.
+    /// Binds the program's own sets again in place of their copies.
     ///
     /// # Safety
     /// The command buffer is being recorded.
@@ -156,18 +157,18 @@ pub fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
     scene::viewport::is_main(viewport.width.into(), viewport.height.abs().into(), area)
 }
 
-/// A viewport moved to a tile.
+/// Returns a viewport moved to a tile.
 pub fn move_to_tile(viewport: &vk::Viewport, tile: AtlasRect) -> vk::Viewport {
     vk::Viewport { x: viewport.x + pixels(tile.x), y: viewport.y + pixels(tile.y), ..*viewport }
 }
 
-/// A viewport over the whole of a tile, the same way up.
+/// Returns a viewport that fills a tile, with the same vertical orientation.
 fn fill_tile(viewport: &vk::Viewport, AtlasRect { x, y, width, height }: AtlasRect) -> vk::Viewport {
     let (y, height) = if viewport.height < 0.0 { (y + height, -height) } else { (y, height) };
     vk::Viewport { x: pixels(x), y: pixels(y), width: pixels(width), height: pixels(height), ..*viewport }
 }
 
-/// A scissor moved to a tile and cut at the borders of the window that it stands for.
+/// Returns a scissor moved to a tile and clipped to the tile's part of the window.
 pub fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) -> vk::Rect2D {
     let axis = |offset: i32, extent: u32, window: u32, tile: i32| {
         let end = i64::from(offset) + i64::from(extent);

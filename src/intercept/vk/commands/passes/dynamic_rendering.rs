@@ -1,4 +1,4 @@
-//! Dynamic rendering: where it draws to a view target, it draws to the atlas in its place.
+//! Dynamic rendering. If it draws to a view target, it draws to its atlas instead.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::commands::passes::render_passes::{end, is_whole, plain, served, whole_atlas};
@@ -35,20 +35,20 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// Views of the colours and of what they are resolved to.
+    /// Returns the views of the colour attachments and of their resolve images.
     fn views(&self) -> Vec<vk::ImageView> {
         let views = self.colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
         views.filter(|view| *view != vk::ImageView::null()).collect()
     }
 
-    /// Views of depth and stencil.
+    /// Returns the views of depth and stencil.
     fn depths(&self) -> Vec<vk::ImageView> {
         let deep = self.depth.iter().chain(&self.stencil);
         deep.map(|attachment| attachment.image_view).filter(|view| *view != vk::ImageView::null()).collect()
     }
 
-    /// Views of depth and stencil, if there are no colours. Secondary command buffers do not name
-    /// them, so that those stay the program's own.
+    /// Returns the views of depth and stencil if there are no colours. Secondary command buffers do
+    /// not name the images. In passes with such buffers, these attachments are not replaced.
     fn depth_alone(&self) -> Vec<vk::ImageView> {
         let inline = !self.has(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
         if inline && self.views().is_empty() { self.depths() } else { Vec::new() }
@@ -58,12 +58,12 @@ impl<'a> Given<'a> {
         self.info.flags.contains(flag)
     }
 
-    /// The pass that draws to the atlas of `target`.
+    /// Returns the pass that draws to the atlas of `target`.
     fn pass(&self, device: &Device, target: &Arc<ViewTarget>) -> Pass {
         let whole = is_whole(&self.info.render_area, &target.layout) && !self.has(vk::RenderingFlags::RESUMING);
         let is_filled = |view| device.images.target(view).is_some_and(|target| target.takes_filled_panel());
         let begins = |color: &vk::RenderingAttachmentInfo<'_>| {
-            // What is resolved gets the panel of the samples.
+            // Images that are resolved to get the panel of the samples.
             is_filled(color.resolve_image_view);
             let anew = whole && color.load_op != vk::AttachmentLoadOp::LOAD;
             color.image_view != vk::ImageView::null() && (is_filled(color.image_view) || anew)
@@ -94,10 +94,10 @@ impl<'a> Given<'a> {
     }
 }
 
-/// Begins dynamic rendering by `next`.
+/// Begins dynamic rendering with `next`.
 ///
 /// # Safety
-/// `info` must be the program's; `next` begins rendering after the structure that it is given.
+/// `info` must be the program's; `next` begins rendering as its argument describes.
 pub unsafe fn begin(
     device: &Device,
     buffer: vk::CommandBuffer,
@@ -140,7 +140,7 @@ pub unsafe fn begin(
     if is_colored {
         device.images.draws_together(device, layout, views.iter().chain(&deep).copied());
     }
-    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
+    // SAFETY: as promised; the clears are recorded directly after the pass has begun, with these
     // attachments.
     unsafe {
         barriers_and_clears::follow(device, buffer, &moved, layout);
@@ -155,10 +155,11 @@ pub unsafe fn begin(
     }
 }
 
-/// The attachments over the atlas, and the clears of a part that the program's attachments make.
+/// Returns the attachments over the atlas, and the partial clears that replace the clears of the
+/// program's attachments.
 ///
 /// # Errors
-/// The reason that keeps them from being replaced.
+/// The reason that prevents the replacement.
 fn replace<'a>(
     device: &Device,
     given: &Given<'a>,
@@ -186,7 +187,7 @@ fn replace<'a>(
     Ok((all, clears))
 }
 
-/// An attachment with `atlas copy`s in the place of its images.
+/// Returns an attachment with atlas copies in place of its images.
 fn attachment<'a>(
     given: &vk::RenderingAttachmentInfo<'a>,
     atlas_copy: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, Obstacle>,

@@ -11,7 +11,7 @@ use ash::vk;
 use std::sync::{Arc, Mutex};
 
 impl Framebuffers {
-    /// The swapchain's image that some framebuffer for a render pass has.
+    /// Returns the view target that any framebuffer for a render pass contains.
     pub fn target_by_pass(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let all: Vec<_> = {
             let all = self.all.locked();
@@ -24,8 +24,8 @@ impl Framebuffers {
         colored.or_else(|| all.iter().find_map(depth))
     }
 
-    /// The swapchain's image that a framebuffer without images for a render pass may be used with:
-    /// that of the latest window, if size and format are its own.
+    /// Returns the window's image that a framebuffer without images may be used with, for a render
+    /// pass: the image of the latest window, if size and format are equal.
     pub fn target_later(&self, device: &Device, handle: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let pass = self.pass(handle)?;
         let size = {
@@ -38,8 +38,9 @@ impl Framebuffers {
 }
 
 impl Framebuffer {
-    /// Returns the framebuffer over the atlas of `target`, for a render pass like its own. `given`:
-    /// the attachments of the pass that begins, if they are given with it.
+    /// Returns the framebuffer over the atlas of `target`, for a render pass that is compatible
+    /// with the program's. `given`: the attachments of the pass that begins, if they are given
+    /// there.
     ///
     /// # Errors
     /// The reason why there is none.
@@ -121,13 +122,13 @@ unsafe fn framebuffer(info: &vk::FramebufferCreateInfo<'_>) -> Framebuffer {
     }
 }
 
-/// The attachments that begin anew: cleared, or with no content.
+/// True if the attachment begins cleared or without content.
 fn anew(load: vk::AttachmentLoadOp) -> bool {
     load != vk::AttachmentLoadOp::LOAD
 }
 
-/// True if an attachment of which a part is drawn can be drawn as a whole: all of it is kept, or
-/// none was.
+/// True if all of an attachment can be drawn although the pass draws only a part: its old content
+/// is loaded, or there is none.
 fn may_grow(load: vk::AttachmentLoadOp, layout: vk::ImageLayout) -> bool {
     load == vk::AttachmentLoadOp::LOAD || layout == vk::ImageLayout::UNDEFINED
 }
@@ -225,7 +226,7 @@ hooks! {
         let result = next(device, info, allocator, made);
         if result == vk::Result::SUCCESS {
             let new = Arc::new(framebuffer(&*info));
-            // Made now, while its render pass is there; it need not be later.
+            // Made now, because the render pass may be destroyed later.
             if let (true, Some(target)) = (state.draws_views(), new.target_now(&state.images))
                 && let Err(why) = new.atlas_copy(&state, &target, new.pass, &[])
             {

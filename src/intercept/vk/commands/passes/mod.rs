@@ -1,5 +1,4 @@
-//! Passes: where one draws to an image of the window or of the scene, it draws to the atlas in its
-//! place.
+//! Passes. A pass that draws to an image of the window or of the scene draws to its atlas instead.
 
 pub mod dynamic_rendering;
 pub mod framebuffers;

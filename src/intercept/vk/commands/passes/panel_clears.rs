@@ -1,4 +1,4 @@
-//! Clears of the panel to transparent black, so that the views behind it are seen.
+//! Clears of the panel to transparent black, so that the views behind it are visible.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::{Recording, Within};
@@ -25,7 +25,7 @@ pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &A
     unsafe { device.driver.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
 }
 
-/// Clears what the first draw of a pass would clear of the panel.
+/// Clears the parts of the panel that would otherwise be cleared at the first draw of a pass.
 ///
 /// # Safety
 /// The command buffer is being recorded.
@@ -36,7 +36,7 @@ pub unsafe fn clear_pending(device: &Device, buffer: vk::CommandBuffer, recordin
     unsafe { clear_panel(device, buffer, &pass.target.layout, &uncleared_panels) };
 }
 
-/// In a pass that has secondary command buffers only, one of Cupola's has to clear the panel.
+/// Clears the panel in a pass that has only secondary command buffers, with one of Cupola's.
 ///
 /// # Safety
 /// The command buffer is being recorded; the program uses its pool on this thread.

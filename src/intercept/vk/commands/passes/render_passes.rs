@@ -1,4 +1,4 @@
-//! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
+//! Render passes. A pass that draws to a view target draws to its atlas instead.
 
 use crate::backend::vk::COLOR;
 use crate::intercept::scene::obstacle::Obstacle;
@@ -16,15 +16,16 @@ use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
-/// Target of a pass in place of the program's.
+/// Replacement of the target of a pass.
 struct Replaced {
     framebuffer: vk::Framebuffer,
-    /// Attachments, where they are given with the pass.
+    /// Attachments, if they are given with the pass.
     attachments: Option<Vec<vk::ImageView>>,
     pass: Pass,
 }
 
-/// The attachments of a pass that begins: the framebuffer's, or those that are given with it.
+/// Returns the attachments of a pass that begins: the framebuffer's, or those that are given with
+/// it.
 ///
 /// # Safety
 /// `begin` must be the program's, with this framebuffer.
@@ -68,7 +69,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
             None => None,
         };
         let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
-        // Also those that are only resolved to: they get the panel of the samples.
+        // This includes images that are only resolved to: they get the panel of the samples.
         let is_filled =
             |view: &vk::ImageView| device.images.target(*view).is_some_and(|target| target.takes_filled_panel());
         let filled: Vec<_> = views.iter().map(is_filled).collect();
@@ -94,8 +95,8 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     Some(replaced())
 }
 
-/// Returns the change of layout that a pass would have made to the window's image, to which it does
-/// not draw. The image can be presented when a frame begins.
+/// Returns the change of layout that a pass would have made to the window's image. The pass does
+/// not draw to that image. The image is in the layout for presentation when a frame begins.
 fn change_of_window(window: &ViewTarget, found: vk::ImageLayout, left: vk::ImageLayout) -> Option<LayoutChange> {
     let presentable = vk::ImageLayout::PRESENT_SRC_KHR;
     let is_so = left == presentable && matches!(found, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PRESENT_SRC_KHR);
@@ -113,10 +114,10 @@ pub fn whole_atlas(layout: &AtlasLayout) -> vk::Rect2D {
     vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 }.into()
 }
 
-/// Begins a pass by `next`: the program's, or the one that draws to the atlas.
+/// Begins a pass with `next`: the program's, or the one that draws to the atlas.
 ///
 /// # Safety
-/// `info` must be the program's; `next` begins a pass after the structure that it is given.
+/// `info` must be the program's; `next` begins a pass as its argument describes.
 unsafe fn begin(
     device: &Device,
     buffer: vk::CommandBuffer,
@@ -165,7 +166,7 @@ unsafe fn begin(
     }
 }
 
-/// A pass begins that is the program's own; its images are followed.
+/// Notes that a pass of the program's own begins; its images are followed.
 ///
 /// # Safety
 /// `info` must be the program's.
@@ -188,7 +189,7 @@ unsafe fn note_plain(device: &Device, buffer: vk::CommandBuffer, info: &vk::Rend
     plain(device, buffer, target, views);
 }
 
-/// A pass begins that is drawn for each view.
+/// Notes that a pass begins that is drawn for each view.
 pub fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
     device.recordings.with(buffer, |recording| {
         recording.events.extend(pass.colored.then(|| Event::Drawn(Arc::clone(&pass.target), true)));
@@ -196,7 +197,7 @@ pub fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
     });
 }
 
-/// A pass begins that is the program's own, with `views` of images.
+/// Notes that a pass of the program's own begins, with `views` of images.
 pub fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<ViewTarget>>, views: &[vk::ImageView]) {
     let candidates = match device.images.has_candidates() {
         true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect::<Vec<_>>(),
@@ -209,8 +210,8 @@ pub fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<View
     });
 }
 
-/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that
-/// it drew there are view copies then.
+/// Ends a pass with `next`. Does the clears that are still pending in a pass without draws, and
+/// makes view copies of the scenes that the pass drew.
 ///
 /// # Safety
 /// The command buffer is being recorded, within the pass.
@@ -220,7 +221,7 @@ pub unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce(
         recording.pass.take()
     });
     let Some(pass) = pass.flatten() else { return next() };
-    // SAFETY: as promised; behind `next` outside of the pass.
+    // SAFETY: as promised; after `next`, the commands are outside of the pass.
     unsafe {
         conditional_render::unconditionally(device, buffer, || {
             clear_panel(device, buffer, &pass.target.layout, &pass.uncleared_panels);
@@ -236,12 +237,12 @@ pub unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce(
     }
 }
 
-/// The next subpass begins by `next`, with attachments of its own.
+/// Begins the next subpass with `next`. It has its own attachments.
 ///
 /// # Safety
 /// The command buffer is being recorded, within a pass.
 unsafe fn next_subpass(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
-    // SAFETY: as promised; what is cleared are attachments of the subpass that ends.
+    // SAFETY: as promised; the cleared attachments are those of the subpass that ends.
     device.recordings.with(buffer, |recording| unsafe { clear_pending(device, buffer, recording) });
     next();
     device.recordings.with(buffer, |recording| {
@@ -253,7 +254,7 @@ unsafe fn next_subpass(device: &Device, buffer: vk::CommandBuffer, next: impl Fn
     });
 }
 
-/// Brings images of the program into the layouts in which a pass would have left them.
+/// Changes images of the program to the layouts in which a pass would have left them.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -272,7 +273,7 @@ unsafe fn change_layout(device: &Device, buffer: vk::CommandBuffer, layout_chang
     let changes: Vec<_> = layout_changes.iter().map(change).collect();
     if !changes.is_empty() {
         let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
-        // SAFETY: as promised; what the images held is not kept.
+        // SAFETY: as promised; the old content of the images is not needed.
         unsafe { device.driver.functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &changes) };
     }
 }
