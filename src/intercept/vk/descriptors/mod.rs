@@ -1,9 +1,9 @@
 //! Descriptor sets: which buffers and images shaders read.
 //!
-//! Answers the calls that make, update, copy and push descriptors. Two questions are answered from
-//! what is kept: in which buffer is a matrix, and does a set show an image of the scene? Of a set
-//! that does, [`per_view_sets`] makes one copy per view, with that view's image in its place.
-//! State: `state::descriptors`, `state::recording::bindings`.
+//! Answers the calls that make, update, copy and push descriptors. The stored data answers two
+//! questions. Which buffer holds a matrix? Does a set refer to an image of the scene? If it does,
+//! [`per_view_sets`] makes one copy of the set per view, with that view's image instead. State:
+//! `state::descriptors`, `state::recording::bindings`.
 
 pub mod per_view_sets;
 pub mod push_descriptors;

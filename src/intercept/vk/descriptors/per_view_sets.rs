@@ -1,5 +1,5 @@
-//! Copies of the program's descriptor sets, one per view: with the view copy in place of an image
-//! of the scene, and the atlas copy in place of an attachment that shaders read.
+//! Copies of the program's descriptor sets, one per view. The view copy replaces an image of the
+//! scene, and the atlas copy replaces an attachment that shaders read.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::SetLayout;
@@ -24,9 +24,9 @@ pub struct ProgramSet<'a> {
 }
 
 impl Copies {
-    /// The copies of a set for the views of `layout`, made or brought up to date; `None` where it
-    /// shows nothing of the scene. The program changes a set only while no commands that use it
-    /// run, so that its copies are not in use then, either.
+    /// Returns the copies of a set for the views of `layout`, which are made or updated; `None` if
+    /// the set does not refer to the scene. The program changes a set only while no running
+    /// commands use it, so that its copies are not in use then, either.
     ///
     /// # Errors
     /// The reason why there are none.
@@ -51,7 +51,7 @@ impl Copies {
         }
         let views = layout.views.len();
         let version = original.contents.version;
-        // Without a change by the program the copies may be in use.
+        // If the program has not changed the set, the copies may be in use.
         let in_use = |kept: &Self| kept.version == version && kept.view_copies != view_copies;
         if kept.as_ref().is_some_and(|kept| kept.sets.len() != views || in_use(kept)) {
             let mut new = Self::new(device, original, views)?;
@@ -86,7 +86,7 @@ impl Copies {
         let sizes: Vec<_> = sizes.into_iter().map(size).collect();
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(views as u32).pool_sizes(&sizes);
         let refused = |error: vk::Result| format!("the driver refuses descriptors: {error}");
-        // SAFETY: the device is live; the layout is the program's, which it has not destroyed.
+        // SAFETY: the device is live; the program has not destroyed its layout.
         unsafe {
             let pool = device.driver.functions.create_descriptor_pool(&info, None).map_err(refused)?;
             let layouts = vec![handle; views];
@@ -134,8 +134,8 @@ impl Copies {
                 write
             };
             let writes: Vec<_> = infos.iter().map(write).collect();
-            // SAFETY: sets of Cupola that nothing uses now, laid out as the program's; what
-            // `writes` points at lives.
+            // SAFETY: nothing uses these sets of Cupola now; they have the layout of the program's
+            // set, and everything that `writes` points at lives.
             unsafe {
                 device.driver.functions.update_descriptor_sets(&[], &copies);
                 device.driver.functions.update_descriptor_sets(&writes, &[]);
@@ -143,9 +143,9 @@ impl Copies {
         }
     }
 
-    /// The program's set is gone.
+    /// Destroys the copies of a destroyed set.
     pub fn destroy(self, device: &Device) {
-        // SAFETY: ours; the program says by giving its own up that nothing uses them.
+        // SAFETY: objects of Cupola; nothing uses them, since the program has destroyed its set.
         unsafe {
             self.retired
                 .iter()

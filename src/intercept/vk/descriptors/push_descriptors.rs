@@ -1,5 +1,5 @@
-//! Push descriptors. They are kept, so that matrices are found in them, and pushed again where a
-//! set of Cupola took their place.
+//! Push descriptors. They are stored so that matrices are found in them. They are pushed again
+//! after a set of Cupola has replaced them.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors;
@@ -13,7 +13,7 @@ use crate::intercept::vk::state::recording::bindings::{BoundSet, Content, Pushed
 use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
 use ash::vk;
 
-/// Descriptors were pushed: for graphics, what they show cannot be exchanged for a view's.
+/// Notes pushed descriptors. Pushed graphics descriptors cannot be replaced by those of a view.
 fn seen(device: &Device, write: &Write, graphics: bool) {
     let Content::Images(images) = &write.content else { return };
     if write.kind == vk::DescriptorType::INPUT_ATTACHMENT {
@@ -27,8 +27,8 @@ fn seen(device: &Device, write: &Write, graphics: bool) {
 }
 
 impl Pushed {
-    /// For each view of `layout` the same with its own images; `None` where it shows nothing of the
-    /// scene.
+    /// Returns the same descriptors for each view of `layout`, with the view's images; `None` if
+    /// they do not refer to the scene.
     ///
     /// # Errors
     /// The reason why there are none.
@@ -52,7 +52,7 @@ impl Pushed {
     }
 }
 
-/// Keeps what was pushed for graphics as set `number`.
+/// Stores the descriptors that were pushed for graphics as set `number`.
 fn keep(recording: &mut Recording, number: usize, writes: Vec<Write>) {
     if recording.graphics.bound.len() <= number {
         recording.graphics.bound.resize(number + 1, None);
@@ -62,7 +62,7 @@ fn keep(recording: &mut Recording, number: usize, writes: Vec<Write>) {
     *place = Some(BoundSet { pushed: Some(Pushed::after(before, writes)), ..BoundSet::default() });
 }
 
-/// All of these descriptors, if all are of known kinds.
+/// Returns all of these descriptors, if all are of known kinds.
 fn pushed(
     device: &Device,
     buffer: vk::CommandBuffer,
@@ -82,7 +82,7 @@ fn pushed(
 }
 
 /// # Safety
-/// `data` must be what the program gives for the template.
+/// `data` must be the data that the program gives for the template.
 unsafe fn of_template(template: &Template, data: *const u8) -> Option<Vec<Write>> {
     // SAFETY: as promised.
     template.entries.iter().map(|entry| unsafe { Write::described(entry, data) }).collect()

@@ -25,12 +25,12 @@ impl Descriptors {
         forgotten.into_iter().for_each(|copies| copies.destroy(device));
     }
 
-    /// Destroys what was made beside the program's sets, before the device is destroyed.
+    /// Destroys the copies of the program's sets, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
         self.forget(device, |_, _| true);
     }
 
-    /// Copies of a set for each view, where it shows the scene.
+    /// Returns the per-view copies of a set, if it refers to the scene.
     ///
     /// # Errors
     /// The reason why there are none.

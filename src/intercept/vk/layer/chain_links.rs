@@ -5,11 +5,11 @@ use crate::intercept::vk::state::driver::SetDeviceLoaderData;
 use ash::vk;
 use std::ffi::c_void;
 
-/// `VK_LAYER_LINK_INFO`: the structure tells the next layer's functions.
+/// `VK_LAYER_LINK_INFO`: the structure contains the next layer's functions.
 const LINK_INFO: i32 = 0;
 
-/// `VK_LOADER_DATA_CALLBACK`: the structure has the loader's function for objects that a layer
-/// makes.
+/// `VK_LOADER_DATA_CALLBACK`: the structure contains the loader's function for objects that a layer
+/// creates.
 const DATA_CALLBACK: i32 = 1;
 
 /// `VkLayerInstanceCreateInfo` and `VkLayerDeviceCreateInfo`, which have the same form.
@@ -22,7 +22,7 @@ struct LayerCreateInfo {
     content: *mut c_void,
 }
 
-/// Bytes of `VkLayerDeviceCreateInfo`.
+/// Size of `VkLayerDeviceCreateInfo` in bytes.
 pub const LAYER_INFO_LENGTH: usize = size_of::<LayerCreateInfo>();
 
 /// `VkLayerInstanceLink`.
@@ -44,14 +44,15 @@ pub struct DeviceLink {
     pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
 }
 
-/// The structure in a chain that the loader put there for layers.
+/// Returns the structure that the loader put into a chain for layers.
 ///
 /// # Safety
 /// `chain` must be a chain of Vulkan structures.
 unsafe fn layer_info(chain: *const c_void, kind: vk::StructureType, function: i32) -> Option<*mut LayerCreateInfo> {
     let mut at = chain.cast::<LayerCreateInfo>();
     while !at.is_null() {
-        // SAFETY: each structure begins with its kind and the next one; ours has the content, too.
+        // SAFETY: each structure begins with its type and a pointer to the next; the loader's one
+        // has the content, too.
         unsafe {
             if (*at).kind == kind && (*at).function == function {
                 return Some(at.cast_mut());
@@ -62,12 +63,13 @@ unsafe fn layer_info(chain: *const c_void, kind: vk::StructureType, function: i3
     None
 }
 
-/// Takes the link of this layer out of an instance's chain, so that the next layer finds its own.
+/// Takes the link of this layer out of an instance's chain, so that the next layer finds its own
+/// link.
 ///
 /// # Safety
 /// `chain` must be the chain of the loader's call.
 pub unsafe fn take_instance_link(chain: *const c_void) -> Option<InstanceLink> {
-    // SAFETY: as promised; the loader's structures are made for this change.
+    // SAFETY: as promised; layers are meant to change these structures of the loader.
     unsafe {
         let info = layer_info(chain, vk::StructureType::LOADER_INSTANCE_CREATE_INFO, LINK_INFO)?;
         let link = (*info).content.cast::<InstanceLink>();

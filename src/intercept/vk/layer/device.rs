@@ -19,8 +19,8 @@ use std::collections::HashMap;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders, and
-/// what they count by, where the rig needs them.
+/// `vkCreateDevice`. Enables only what the program asks for, and geometry shaders and their counter
+/// if the rig needs them.
 ///
 /// # Safety
 /// Called by the Vulkan loader with the program's arguments.
@@ -50,7 +50,7 @@ pub unsafe extern "system" fn create(
             let made = *handle;
             let missing = missing_of_device(|name| address((link.get_device_proc_addr)(made, name.as_ptr())));
             let active = active && missing.is_none();
-            // From here on calls are summed up, if there are other machines.
+            // From now on calls are summed up, if there are other machines.
             nodes::are_there();
             if let Some(name) = missing {
                 log::once(&format!("Vulkan: a device's windows keep the program's own picture: there is no {name}"));
@@ -85,13 +85,13 @@ pub unsafe extern "system" fn create(
     }
 }
 
-/// Makes a device known by its dispatch key.
+/// Registers a device under its dispatch key.
 fn insert(key: usize, device: Device) {
     let mut devices = DEVICES.writing();
     devices.get_or_insert_with(HashMap::new).insert(key, Arc::new(device));
 }
 
-/// The driver's side of a device that was just made.
+/// Returns the driver's side of a new device.
 ///
 /// # Safety
 /// `made` must be a device of `physical`, and `next` the next layer's function for it.
@@ -145,7 +145,7 @@ unsafe fn role(given: &vk::DeviceCreateInfo<'_>, active: bool, enabled: &Enabled
     }
 }
 
-/// True if there is anything to do on a device.
+/// True if Cupola has anything to do on a device.
 ///
 /// # Safety
 /// `info` must be the program's.
@@ -186,7 +186,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
     let key = unsafe { dispatch_key(vk::Handle::as_raw(handle)) };
     let state = DEVICES.writing().as_mut().and_then(|all| all.remove(&key));
     if let Some(state) = state {
-        // All is done now, the last frames too.
+        // The device has finished everything, including the last frames.
         crate::intercept::vk::swapchain::present::count_again(&state);
         state.pipelines.clear(&state);
         state.descriptors.clear(&state);

@@ -12,8 +12,8 @@ macro_rules! lengths {
     };
 }
 
-/// Length of a structure that may come before the features with which a device is made: those
-/// that Vulkan's registry names and the loader's own.
+/// Returns the length of a structure that may come before the features in the chain that creates a
+/// device: a structure of Vulkan's registry, or the loader's own.
 pub fn length_for_device(kind: vk::StructureType) -> Option<usize> {
     if kind == vk::StructureType::LOADER_DEVICE_CREATE_INFO {
         return Some(LAYER_INFO_LENGTH);
@@ -21,7 +21,7 @@ pub fn length_for_device(kind: vk::StructureType) -> Option<usize> {
     LENGTHS.iter().find(|(own, _)| *own == kind).map(|(_, length)| *length)
 }
 
-/// Those of the registry.
+/// Lengths of the structures of the registry.
 #[rustfmt::skip]
 const LENGTHS: &[(vk::StructureType, usize)] = lengths! {
     PhysicalDeviceFeatures2,

@@ -1,12 +1,11 @@
-//! Test: each command that Vulkan has is answered by a hook, or is listed here as one that needs
-//! none.
+//! Test: each command of Vulkan has a hook, or is listed here as a command that needs none.
 
 use crate::intercept::vk::layer::table;
 use std::collections::BTreeSet;
 use std::ffi::CString;
 use std::process::Command;
 
-/// States of pipelines, which hold for each view as they hold for the window.
+/// States of pipelines that apply to each view as they apply to the window.
 const STATES: &str = "
     SetAlphaToCoverageEnableEXT SetAlphaToOneEnableEXT SetAttachmentFeedbackLoopEnableEXT SetBlendConstants
     SetCoarseSampleOrderNV SetColorBlendAdvancedEXT SetColorBlendEnableEXT SetColorBlendEquationEXT
@@ -29,7 +28,7 @@ const STATES: &str = "
     SetTessellationDomainOriginEXT SetVertexInputEXT SetViewportShadingRatePaletteNV SetViewportWScalingEnableNV
 ";
 
-/// Marks, events without barriers for images, and times.
+/// Markers, events without barriers for images, and timestamps.
 const MARKS: &str = "
     BeginDebugUtilsLabelEXT DebugMarkerBeginEXT DebugMarkerEndEXT DebugMarkerInsertEXT EndDebugUtilsLabelEXT
     InsertDebugUtilsLabelEXT ResetEvent ResetEvent2 ResetEvent2KHR ResetQueryPool SetCheckpointNV SetDeviceMask
@@ -43,8 +42,8 @@ const INPUTS: &str = "
     BindIndexBuffer2KHR BindTransformFeedbackBuffersEXT BindVertexBuffers BindVertexBuffers2 BindVertexBuffers2EXT
 ";
 
-/// Work that draws nothing: of compute, ray tracing and video, on memory and structures of their
-/// own. The images that it writes are described to its shaders, which is seen.
+/// Work that draws nothing: compute, ray tracing, video, and work on memory and its own structures.
+/// Images that it writes are descriptors of its shaders, which Cupola follows.
 const WORK: &str = "
     BeginVideoCodingKHR BuildAccelerationStructureNV BuildAccelerationStructuresIndirectKHR
     BuildAccelerationStructuresKHR BuildMicromapsEXT ControlVideoCodingKHR CopyAccelerationStructureKHR
@@ -58,13 +57,13 @@ const WORK: &str = "
     WriteAccelerationStructuresPropertiesKHR WriteAccelerationStructuresPropertiesNV WriteMicromapsPropertiesEXT
 ";
 
-/// The commands that the crate of Vulkan's functions knows, without the prefix of their names.
+/// Returns the commands of the Vulkan crate, without the prefix of their names.
 fn known() -> BTreeSet<String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let output = Command::new(cargo)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .args(["metadata", "--offline", "--locked", "--format-version", "1"])
-        // Crates of other platforms need not be there.
+        // Crates for other platforms may be missing.
         .args(["--filter-platform", &format!("{}-unknown-linux-gnu", std::env::consts::ARCH)])
         .output()
         .expect("cargo tells where crates are");

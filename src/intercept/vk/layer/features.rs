@@ -1,6 +1,6 @@
-//! Features that are enabled on a device for us: geometry shaders, where the rig asks for
-//! primitives that are divided, and atomic operations, where the statistics count what is not
-//! divided enough.
+//! Features that Cupola enables on a device: geometry shaders, if the rig asks for divided
+//! primitives, and atomic operations, if the statistics count primitives that are not divided
+//! enough.
 
 use crate::intercept::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
@@ -12,11 +12,11 @@ use ash::vk;
 const LATER: &str = "primitives are divided after a new start";
 const NO_STAGE: &str = "the device has no geometry shaders, primitives are not divided";
 const NO_WAY: &str =
-    "the program asks for features of the device in a way that is not known, primitives are not divided";
+    "the program enables device features in an unknown way, so primitives are not divided";
 
-/// Decides the work of shaders on vertices. `offered` returns whether the geometry shaders of the
-/// device can count, or why there are none. `rig`: the one at the start; shaders are made for it,
-/// whatever its file says later.
+/// Decides how shaders process vertices. `offered` returns whether the device's geometry shaders
+/// can count, or the reason why there are none. `rig`: the rig at the start. Shaders are made for
+/// it, even if its file changes later.
 pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> VertexDecision {
     let asks = |wanted: &dyn Fn(&Method) -> bool| {
         rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
@@ -32,18 +32,18 @@ pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static
     }
 }
 
-/// The structure that makes a device, as the program gave it or with geometry shaders.
+/// The structure that creates a device, as the program gave it or with geometry shaders.
 pub struct Enabled<'a> {
-    /// The structure, of which the rest belongs to this one.
+    /// The structure. It points into other fields of this type.
     pub info: vk::DeviceCreateInfo<'a>,
-    /// Work on vertices with these features.
+    /// Vertex processing with these features.
     pub decision: VertexDecision,
     _features: Option<Box<vk::PhysicalDeviceFeatures>>,
     _chain: Option<Copied>,
 }
 
 /// Enables the features that the rig needs. `looked_after`: Cupola has something to do on the
-/// device; `has`: the features of the device.
+/// device. `has` returns the features of the device.
 ///
 /// # Safety
 /// `given` must be the program's.
@@ -59,10 +59,10 @@ pub unsafe fn enable<'a>(
         if has.geometry_shader == vk::FALSE {
             return Err(NO_STAGE);
         }
-        // Nobody reads the count but the statistics.
+        // Only the statistics use the count.
         let wanted = settings.is_some_and(|settings| settings.stats.is_some());
         let counts = wanted && has.vertex_pipeline_stores_and_atomics == vk::TRUE;
-        // Where the program has geometry shaders itself, nothing has to be changed for them alone.
+        // If the program enables geometry shaders itself, nothing has to be changed.
         let ways = [counts, false].into_iter();
         // SAFETY: as promised.
         let mut ways = ways.filter_map(|counts| unsafe { with_geometry(&mut info, counts) }.zip(Some(counts)));
@@ -73,11 +73,11 @@ pub unsafe fn enable<'a>(
     Enabled { info, decision, _features: features, _chain: chain }
 }
 
-/// Copies that `info` leads to then.
+/// Copies of structures that `info` points at then.
 type Copies = (Option<Box<vk::PhysicalDeviceFeatures>>, Option<Copied>);
 
-/// Enables geometry shaders in `info`, with `counts` such that count; the program's structures stay
-/// as they are. `None` where that cannot be done.
+/// Enables geometry shaders in `info`, with `counts` also what they need to count. The program's
+/// structures are not changed. `None` if this is not possible.
 ///
 /// # Safety
 /// `info` must be a copy of the program's.
@@ -154,7 +154,7 @@ mod tests {
         let all = [vk::DeviceCreateInfo::default(), vk::DeviceCreateInfo::default().enabled_features(&own)];
         for (given, counts) in all.into_iter().flat_map(|given| [(given, true), (given, false)]) {
             let mut info = given;
-            // SAFETY: structures of our own.
+            // SAFETY: structures of this test.
             unsafe {
                 let _copies = with_geometry(&mut info, counts).expect("there is nothing unknown");
                 let made = *info.p_enabled_features;
@@ -177,7 +177,7 @@ mod tests {
         before.p_next = (&raw mut own).cast();
         let given = vk::DeviceCreateInfo { p_next: (&raw const before).cast(), ..Default::default() };
         let mut info = given;
-        // SAFETY: structures of our own.
+        // SAFETY: structures of this test.
         unsafe {
             let copies = with_geometry(&mut info, true).expect("all is known");
             assert!(copies.0.is_none() && info.p_enabled_features.is_null());
@@ -191,12 +191,13 @@ mod tests {
             assert_eq!(made.p_next.cast_const(), behind_at, "the rest is the program's");
             let program: &vk::PhysicalDeviceFeatures2<'_> = in_chain(given.p_next, kind).expect("it is there");
             assert_eq!(program.features.geometry_shader, vk::FALSE, "the program's own stays");
-            // A structure that nobody knows.
+            // A structure with an unknown type.
             let mut unknown = vk::BaseInStructure { p_next: given.p_next.cast(), ..Default::default() };
             unknown.s_type = vk::StructureType::from_raw(77);
             let mut info = vk::DeviceCreateInfo { p_next: (&raw const unknown).cast(), ..Default::default() };
             assert!(with_geometry(&mut info, false).is_none());
-            // What the program enables itself needs no change; the counter would.
+            // The program enables geometry shaders itself, so nothing has to change for them; a
+            // change is needed for the counter.
             (*before.p_next.cast::<vk::PhysicalDeviceFeatures2<'_>>()).features.geometry_shader = vk::TRUE;
             assert!(with_geometry(&mut info, true).is_none());
             assert!(matches!(with_geometry(&mut info, false), Some((None, None))));

@@ -1,14 +1,14 @@
 //! Loader interface: `vkNegotiateLoaderLayerInterfaceVersion`, `vk…ProcAddr`, `vkCreateInstance`,
 //! `vkCreateDevice` and their counterparts.
 //!
-//! [`negotiate`] gives the loader our `Get…ProcAddr`, which answer from [`table`]. Where Cupola has
-//! nothing to do on a device, the loader gets the next layer's own addresses. [`device`] builds a
-//! `Device` of its parts and takes them down in order; [`features`] enables what the rig needs. The
-//! room has no state of its own: instances and devices are in `state`.
+//! [`negotiate`] gives the loader Cupola's `Get…ProcAddr`, which answer from [`table`]. If Cupola
+//! has nothing to do on a device, the loader gets the next layer's own addresses. [`device`] builds
+//! a `Device` from its parts and destroys them in order; [`features`] enables what the rig needs.
+//! The module has no state of its own: instances and devices are in `state`.
 //!
 //! ```text
 //! loader ─ negotiate ─ table ─┬─ device, instance: made and destroyed
-//!                             └─ HOOKS of each room ─ next layer
+//!                             └─ HOOKS of each module ─ next layer
 //! ```
 
 mod chain_links;

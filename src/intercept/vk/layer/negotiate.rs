@@ -1,4 +1,4 @@
-//! `vkNegotiateLoaderLayerInterfaceVersion` and our `Get…ProcAddr` (Vulkan-Loader, "Loader and
+//! `vkNegotiateLoaderLayerInterfaceVersion` and Cupola's `Get…ProcAddr` (Vulkan-Loader, "Loader and
 //! Layer Interface", version 2).
 
 use crate::intercept::vk::layer::{device, instance, table};
@@ -20,10 +20,10 @@ pub struct NegotiateLayerInterface {
 
 /// `LAYER_NEGOTIATE_INTERFACE_STRUCT`.
 const INTERFACE: i32 = 1;
-/// The version of the interface that has this negotiation.
+/// Version of the interface from which on this negotiation exists.
 const VERSION: u32 = 2;
 
-/// The entry that the loader looks for in a layer's library.
+/// Entry point that the loader looks for in a layer's library.
 ///
 /// # Safety
 /// Called by the Vulkan loader with its structure.
@@ -43,7 +43,7 @@ pub unsafe extern "system" fn vkNegotiateLoaderLayerInterfaceVersion(
     vk::Result::SUCCESS
 }
 
-/// Our function of this name, as an address.
+/// Returns the address of Cupola's function with this name.
 fn own(name: &CStr) -> vk::PFN_vkVoidFunction {
     let address = match name.to_bytes() {
         b"vkGetInstanceProcAddr" => get_instance_proc_addr as *const (),
@@ -52,7 +52,7 @@ fn own(name: &CStr) -> vk::PFN_vkVoidFunction {
         b"vkCreateDevice" => device::create as *const (),
         _ => return own_of_device(name),
     };
-    // SAFETY: the address of a function; who asks for it knows its signature.
+    // SAFETY: the address of a function; the caller knows its signature.
     Some(unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) })
 }
 
@@ -75,7 +75,7 @@ unsafe extern "system" fn get_instance_proc_addr(
     let Some(state) = instances::get(handle) else { return ours };
     // SAFETY: the program's own call, passed on.
     let real = unsafe { (state.get_instance_proc_addr)(handle, name) };
-    // A function that the driver does not have must not appear to be there.
+    // A function that the driver does not have must not appear to exist.
     real.and(ours).or(real)
 }
 
@@ -96,7 +96,7 @@ unsafe extern "system" fn get_device_proc_addr(
     // SAFETY: as above.
     let name = unsafe { CStr::from_ptr(name) };
     let of_views = || table::find(name).filter(|_| state.role.corrects || table::ALWAYS.contains(&name));
-    // SAFETY: the address of a function; who asks for it knows its signature.
+    // SAFETY: the address of a function; the caller knows its signature.
     let of_views =
         || of_views().map(|address| unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) });
     own_of_device(name).or_else(of_views).or(Some(real))

@@ -16,10 +16,11 @@ use std::collections::HashMap;
 use std::ffi::CStr;
 use std::sync::OnceLock;
 
-/// Hooks that are needed without views, too.
+/// Hooks that are also needed without views.
 pub const ALWAYS: [&CStr; 1] = [c"vkCreateImageView"];
 
-/// Our function for a device's function of this name that is needed with and without views.
+/// Returns Cupola's hook of a device function with this name, if it is needed with and without
+/// views.
 pub fn of_device(name: &CStr) -> Option<*const ()> {
     Some(match name.to_bytes() {
         b"vkDestroyDevice" => device::destroy as *const (),
@@ -33,7 +34,7 @@ pub fn of_device(name: &CStr) -> Option<*const ()> {
     })
 }
 
-/// Our function for a device's function of this name that is needed for views.
+/// Returns Cupola's hook of a device function with this name, if it is needed for views.
 pub fn find(name: &CStr) -> Option<*const ()> {
     static TABLE: OnceLock<HashMap<&'static CStr, usize>> = OnceLock::new();
     let table = TABLE.get_or_init(|| {

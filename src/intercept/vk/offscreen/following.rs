@@ -1,10 +1,10 @@
-//! Scenes that are drawn off screen follow the window to other views.
+//! Scenes off screen get new views when the window does.
 //!
 //! A program that makes a new swapchain may keep the images that it draws its scene to, although
-//! the rig's file changed the views. These images get the new views at once. The view copies of the
-//! old ones stay as long as recorded commands sample them. Atlases and other atlas copies stay
-//! until the program destroys its image, and are used again if their size comes back: a barrier
-//! that is recorded somewhere may name them.
+//! the rig's file changed the views. These images get the new views at once. View copies of the old
+//! views are kept as long as recorded commands sample them. Atlases and other atlas copies are kept
+//! until the program destroys its image, because recorded barriers may name them. They are used
+//! again if the same size is needed again.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::viewport;
@@ -17,11 +17,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Images {
-    /// Gives the window's new layout, or new layouts of off-screen scenes, to the images that hold
-    /// its scene.
+    /// Gives the images that hold a scene the window's new layout, or new layouts of off-screen
+    /// scenes.
     ///
     /// # Errors
-    /// The request that the driver refuses; then such an image is the program's own.
+    /// The request that the driver refuses. The image is then drawn as the program's own.
     pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
         for image in self.duplicated() {
             let old = {
@@ -44,18 +44,18 @@ impl Images {
         Ok(())
     }
 
-    /// Destroys what no recorded commands use any more.
+    /// Destroys view copies that no recorded commands use any more.
     pub fn sweep(&self, device: &Device) {
         let unused: Vec<Arc<ViewTarget>> = {
             let mut retired = self.retired.locked();
-            // Recordings hold what they use, and are given up only when the device has finished
-            // with them.
+            // Recordings hold references to the targets that they use, and are dropped only when
+            // the device has finished with them.
             retired.extract_if(.., |target| Arc::strong_count(target) == 1).collect()
         };
         unused.iter().for_each(|target| self.destroy_view_copies(device, target));
     }
 
-    /// Destroys all that was retired, before the device is destroyed.
+    /// Destroys all retired targets, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
         let mut all = std::mem::take(&mut *self.retired.locked());
         all.extend(self.of_window.locked().take());
@@ -69,7 +69,7 @@ impl Images {
             let mut views = self.views.locked();
             let atlas_copies =
                 views.values_mut().flat_map(|view| view.atlas_copies.extract_if(.., |(of, _)| *of == view_copy.image));
-            // SAFETY: both are ours, and the device has finished with them.
+            // SAFETY: both are objects of Cupola, and the device has finished with them.
             unsafe {
                 atlas_copies.for_each(|(_, view)| device.driver.functions.destroy_image_view(view, None));
                 view_copy.destroy(&device.driver);

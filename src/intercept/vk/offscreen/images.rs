@@ -1,5 +1,5 @@
-//! Images of the program, of the window and beside it, and the atlas copies that passes draw to in
-//! their place.
+//! Images of the program, for the window and off screen, and the atlas copies that passes draw to
+//! instead.
 //!
 //! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the
 //! window. Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
@@ -18,13 +18,15 @@ use crate::lock::Lock;
 use ash::vk;
 use std::sync::{Arc, Weak};
 
-/// Reason for flat drawing: what a shader reads of the program's own image would be missing there.
-pub const READ_TOGETHER: &str = "its shaders read what it draws together with the window";
+/// Reason for flat drawing: shaders would read the program's own image, which does not hold what
+/// was drawn to views.
+pub const READ_TOGETHER: &str = "its shaders read images that it draws together with the window";
 
-/// Reason why a window is flat that compute shaders write.
+/// Reason for flat drawing: compute shaders write the window's image.
 pub const WRITES_WINDOW: &str = "compute shaders draw to its window, and not from a picture of its scene";
 
-/// A shader that is not followed may write these images: what it draws to a window is not seen.
+/// Notes that a shader that cannot be followed may write these images. If it writes the window, the
+/// program is shown flat.
 pub(in crate::intercept::vk) fn note_window(device: &Device, stored: impl IntoIterator<Item = vk::ImageView>) {
     let images = stored.into_iter().filter_map(|view| device.images.of(view));
     if images.filter_map(|image| device.images.target_of_image(image)).any(|target| target.window) {
@@ -33,9 +35,9 @@ pub(in crate::intercept::vk) fn note_window(device: &Device, stored: impl IntoIt
 }
 
 impl Images {
-    /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
-    /// not be drawn to an atlas copy in its place, unless it is read as an attachment, which has an
-    /// atlas copy as well.
+    /// Notes that a shader can read the image of a view, by a descriptor of this `kind`. From then
+    /// on the image must not be drawn to an atlas copy instead. Images read as attachments are an
+    /// exception, because such a descriptor has an atlas copy as well.
     pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
         let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
         let image = self.views.locked().get(&view).map(|view| view.image);
@@ -43,23 +45,23 @@ impl Images {
         let mut images = self.images.locked();
         let Some(state) = images.get_mut(&image) else { return };
         state.described |= !attachment;
-        // What compute shaders make of those that they write is seen when they run.
+        // The results of compute shaders that write images are noted when they run.
         let stored = kind == vk::DescriptorType::STORAGE_IMAGE;
         if !((descriptors::is_sampled(kind) || stored) && state.is_single()) && state.may_hold_scene() {
             device.scene_graph.note_made(image, Made::Elsewhere);
         }
-        // Of a scene there are view copies.
+        // A scene has view copies.
         let together = !state.atlas_copies.is_empty() && (state.drawn_together || !state.drawn_alone);
         let drawn = state.target.as_ref().map_or(!attachment && together, |target| target.window);
         drop(images);
-        // What is sampled may be followed from the next frame on.
+        // A sampled image may be followed from the next frame on.
         let by_compute = stored && self.target_of_image(image).is_some_and(|target| target.window);
         if drawn && !by_compute && !((descriptors::is_sampled(kind) || stored) && self.is_candidate(image)) {
             device.show_flat(READ_TOGETHER);
         }
     }
 
-    /// The view of the atlas copy of a view's image, for passes into the atlas of `layout`.
+    /// Returns the view of the atlas copy of a view's image, for passes into the atlas of `layout`.
     ///
     /// # Errors
     /// The reason why there is none.
@@ -103,9 +105,9 @@ impl Images {
         Ok(made)
     }
 
-    /// The window to which the depth of a pass belongs that has these attachments, none of them a
-    /// colour. It is drawn for each view then, as that of the passes that draw to the window. Depth
-    /// that shaders read is no window's.
+    /// Returns the window that the depth images of a pass without colours belong to, if they are
+    /// its only attachments. Such a pass is drawn for each view, like passes that draw to the
+    /// window. Depth that shaders read belongs to no window.
     pub fn window_of_depth(&self, device: &Device, views: &[vk::ImageView]) -> Option<Arc<ViewTarget>> {
         let window = device.swapchains.latest_window().filter(|_| device.draws_views())?;
         let belongs = |state: &Image| {
@@ -127,8 +129,8 @@ impl Images {
         Some(window)
     }
 
-    /// A pass draws to the window or to a scene, in this layout, and to the images of these views
-    /// with it.
+    /// Notes that a pass draws to the window or to a scene, with this layout, and to the images of
+    /// these views.
     pub fn draws_together(
         &self,
         device: &Device,
@@ -147,17 +149,17 @@ impl Images {
         }
     }
 
-    /// A pass of the program's own goes on with the image of a view. What a pass with depth only
-    /// drew for each view is missing there.
+    /// Notes that a pass of the program's own continues to use the image of a view. If a pass with
+    /// depth only drew the image for each view, its content is missing there.
     pub fn goes_on_with(&self, device: &Device, view: vk::ImageView) {
         let alone =
             self.of(view).is_some_and(|image| self.images.locked().get(&image).is_some_and(|state| state.drawn_alone));
         if alone {
-            device.show_flat("it draws depth first that other images than the window's go on with");
+            device.show_flat("it draws depth first, and uses it for other images than the window's");
         }
     }
 
-    /// `scene`: it becomes the atlas of a scene.
+    /// `scene`: the image becomes the atlas of a scene.
     pub(super) fn atlas_copy_image(
         &self,
         device: &Device,
@@ -193,9 +195,9 @@ impl Images {
                 .samples(state.samples)
                 .usage(state.atlas_copy_usage());
             // At the end of a frame the submitted layout is used, since commands may be recorded
-            // ahead.
+            // ahead of their submission.
             let current = if scene { state.submitted_layout } else { state.layout };
-            // What a scene held before it was found is read as the program's own picture.
+            // The content that a scene had before it was found becomes the program's own picture.
             let place = layout.own().filter(|own| (own.width as u32, own.height as u32) == state.size && scene);
             let place = place.filter(|_| state.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC));
             (info, state.format, current, place.map(|place| (image, place)))
@@ -275,7 +277,7 @@ hooks! {
         let mut narrowed = vk::ImageViewUsageCreateInfo::default().usage(declared.unwrap_or_default());
         narrowed.p_next = info.p_next;
         let mut changed = *info;
-        // Where usages are compared, the structure is known.
+        // A driver that compares usages knows this structure.
         if declared.is_some() && said.is_none() && state.next.compares_usage() {
             changed.p_next = std::ptr::from_ref(&narrowed).cast();
         }

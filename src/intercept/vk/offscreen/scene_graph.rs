@@ -1,8 +1,9 @@
 //! Choice of the images that hold a scene on its way to the window.
 //!
-//! While commands are recorded, what each image gets and what is made of it is noted. Between two
-//! frames the images are found that perspective draws reach and that lead to the window: by a flat
-//! draw of a few vertices over all of it that samples the image, or by a copy of the whole.
+//! While commands are recorded, the images that each command draws to and samples are noted.
+//! Between two frames, images are chosen that perspective draws reach and that lead to the window.
+//! An image leads to the window by a flat draw of a few vertices that samples it and covers the
+//! whole target, or by a copy of the whole image.
 
 use crate::intercept::lens::{self, Candidate};
 use crate::intercept::settings;
@@ -15,8 +16,8 @@ use crate::intercept::vk::state::recording::draw_groups::MatrixSource;
 use ash::vk;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A frame ended: images that were found to hold a scene on its way to the window are drawn for
-/// each view from now on.
+/// Ends a frame: images that were found to hold a scene on its way to the window are drawn for each
+/// view from now on.
 pub fn decide(device: &Device) {
     device.images.sweep(device);
     let Some(settings) = settings::settings() else { return };
@@ -36,7 +37,7 @@ pub fn decide(device: &Device) {
         return device.show_flat(why);
     }
     if computed && measured && chosen.iter().any(|image| images.lacks_own_picture(*image)) {
-        return device.show_flat("compute shaders measure its picture in an image that nothing can be copied to");
+        return device.show_flat("compute shaders measure its picture in an image that cannot be copied to");
     }
     for image in &chosen {
         if let Err(why) = device.images.duplicate(device, *image, &layout) {
@@ -44,7 +45,7 @@ pub fn decide(device: &Device) {
         }
     }
     if device.images.duplicated().any(|image| device.scene_graph.is_lost(image)) {
-        device.show_flat("a picture of its scene is used in a way that was not seen before");
+        device.show_flat("a picture of its scene is used in a new way");
     }
     if device.scene_graph.lost().into_iter().any(|image| device.images.is_read_and_drawn_together(image)) {
         device.show_flat(READ_TOGETHER);
@@ -54,27 +55,27 @@ pub fn decide(device: &Device) {
 /// Area that a draw covers.
 #[derive(Clone, Copy, Debug)]
 pub struct Cover {
-    /// Its viewport shows the main picture of its target.
+    /// True if its viewport shows the main picture of its target.
     pub main_picture: bool,
-    /// It has so few vertices that it may be one triangle or square over its viewport.
+    /// True if it has so few vertices that it may be one triangle or square over its viewport.
     pub few_vertices: bool,
-    /// It has matrices that may be a camera's.
+    /// True if it has matrices that may belong to a camera.
     pub has_matrices: bool,
-    /// Its fragments get the coordinates of the program's window.
+    /// True if its fragments read the coordinates of the program's window.
     pub told_place: bool,
 }
 
 impl Cover {
-    /// True if what it makes of an image covers all that the image shows. `mapped`: unless it is
-    /// read at the fragment's place, it is a picture on something in the scene, as the depths of a
-    /// shadow map are.
+    /// True if the result that the draw makes from an image covers all of the picture. `mapped`:
+    /// unless the image is read at the fragment's position, it is a texture in the scene, such as
+    /// the depths of a shadow map.
     fn follows(&self, mapped: bool) -> bool {
         self.main_picture && (self.few_vertices || self.has_matrices && (self.told_place || !mapped))
     }
 
-    /// Returns the result of a draw that shows `image`, if that matters: `made`, or something that
-    /// is not followed. Images of other sizes than the window's that are not read at the fragment's
-    /// place are mirrors.
+    /// Returns the result of a draw that shows `image`, if that matters: `made`, or a result that
+    /// cannot be followed. Images whose size is not the window's, and that are not read at the
+    /// fragment's position, are mirrors.
     pub fn made(&self, device: &Device, image: vk::Image, made: Made) -> Option<Made> {
         let depths = device.images.is_depth(image);
         let mapped = depths || !device.images.has_size_of_window(image);
@@ -87,7 +88,7 @@ impl Cover {
 }
 
 /// Notes the images that a draw reads and writes in a pass that is not drawn for each view. Its
-/// matrices are looked at when the commands run.
+/// matrices are examined when the commands run.
 pub fn note_draw(
     device: &Device,
     recording: &mut Recording,
@@ -122,7 +123,7 @@ pub fn note_stored(device: &Device, recording: &Recording) {
     }
 }
 
-/// The images that may hold a scene among what shaders of the next draw can sample.
+/// Returns the images that may hold a scene and that shaders of the next draw can sample.
 pub fn pictures(device: &Device, recording: &Recording) -> Vec<vk::Image> {
     let views = views_by(device, recording, |set| device.descriptors.pictures(set));
     views.into_iter().filter_map(|view| device.images.candidate_of(view)).collect()
@@ -146,7 +147,7 @@ fn views_by(
     bound.flat_map(|bound| of(bound.set)).collect()
 }
 
-/// Draws with these matrices ran in passes to these images.
+/// Notes that draws with these matrices ran in passes to these images.
 pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     let matrices: Vec<_> =
         sources.iter().filter_map(|source| matrix(device, source).map(|m| (source.matrix.rank, m))).collect();
@@ -159,8 +160,8 @@ pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     computed(device, targets);
 }
 
-/// The program's own images were drawn to, or written by compute shaders, which is missing in the
-/// views.
+/// Notes that the program's own images were drawn to, or written by compute shaders. The views do
+/// not have this content.
 pub fn computed(device: &Device, images: &[vk::Image]) {
     let missed = |image: &vk::Image| device.images.target_of_image(*image).is_some_and(|target| target.was_missed());
     if images.iter().filter(|image| missed(image)).count() > 0 {

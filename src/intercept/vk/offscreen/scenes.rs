@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Images {
-    /// The program made an image that can be drawn to.
+    /// Adds an image of the program that can be drawn to.
     pub(super) fn add(&self, device: &Device, handle: vk::Image, image: Image) {
         let (kind, size, may) = (image.kind(), image.size, image.may_hold_scene());
         self.images.locked().insert(handle, image);
@@ -38,7 +38,7 @@ impl Images {
         }
     }
 
-    /// From now on an image is drawn for each view.
+    /// Starts to draw an image for each view.
     ///
     /// # Errors
     /// The request that the driver refuses.
@@ -49,7 +49,7 @@ impl Images {
         let (kind, flags, described, size, levels) = {
             let images = self.images.locked();
             let Some(state) = images.get(&image) else { return Ok(()) };
-            // Blits that change the size read these, too.
+            // Blits that change the size read these images, too.
             let scaled = state.size != layout.window && state.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
             let read = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE;
             let described = scaled || state.usage.intersects(read);
@@ -64,7 +64,7 @@ impl Images {
         if layout.atlas.0.max(layout.atlas.1) > most {
             return Err("an image of its scene has no room for all views".into());
         }
-        // The atlas copy is made as for any image that is drawn to; then it is the atlas.
+        // The atlas copy is made as for any image that is drawn to. It becomes the atlas.
         let atlas = match levels {
             1 => self.atlas_copy_image(device, image, layout, true)?,
             // Nothing is drawn to it.
@@ -98,12 +98,12 @@ impl Images {
         Ok(())
     }
 
-    /// The view copies of a view's image for draws to a window of `layout`; `None` where the image
-    /// has none.
+    /// Returns the view copies of the image of `view`, for draws to a window of `layout`; `None` if
+    /// the image has none.
     ///
     /// # Errors
-    /// The request that the driver refuses; also an image that has the views of another window or
-    /// of another state of the rig.
+    /// The request that the driver refuses. Also fails if the image has the views of another window
+    /// or of another state of the rig.
     pub fn view_copies(
         &self,
         device: &Device,
@@ -150,7 +150,7 @@ impl Images {
         Ok(Some(ViewCopies { of: Arc::downgrade(&target), views: all, layout: target.kept }))
     }
 
-    /// The layout of off-screen scenes of `size` that lead to a window of `layout`.
+    /// Returns the layout of off-screen scenes of `size` that lead to a window of `layout`.
     pub(super) fn layout_of(&self, layout: &Arc<AtlasLayout>, size: (u32, u32), most: u32) -> Arc<AtlasLayout> {
         match self.even.load(Ordering::Relaxed) {
             true => layout.even(size, self.own_read.load(Ordering::Relaxed)),

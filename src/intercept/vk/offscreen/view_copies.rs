@@ -1,8 +1,8 @@
-//! View copies: one image per view of a scene that is drawn off screen, for the program's shaders.
+//! View copies: one image per view of an off-screen scene, for the program's shaders.
 //!
 //! A pass draws all views into one atlas, so that no draw changes its framebuffer. Shaders that
-//! sample the image get the view's copy: coordinates, filter and wrapping are as the program has
-//! them.
+//! sample the image get the view's copy, so that coordinates, filter and wrapping of the program
+//! stay valid.
 
 use crate::backend::vk::Use;
 use crate::intercept::vk::state::device::Device;
@@ -13,7 +13,7 @@ use crate::intercept::vk::state::views::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::views::view_target::ViewTarget;
 use ash::vk;
 
-/// Records by `read` commands that copy from the view copies of a scene, in this layout.
+/// Records with `read` commands that copy from the view copies of a scene, in this layout.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -37,10 +37,10 @@ pub unsafe fn read(
     change(layout, target.kept);
 }
 
-/// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a
-/// window's. The program's own image gets the program's own picture, if the atlas has it, and the
-/// layout in any case: the passes that the program recorded for it, which would bring it there,
-/// draw to the atlas.
+/// Records the copies from an atlas that has just been drawn and is in `layout` to its view copies;
+/// does nothing for a window. The program's own image gets the program's own picture, if the atlas
+/// has it. It gets the layout in any case: the passes that the program recorded for it, which would
+/// change its layout, draw to the atlas.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -92,11 +92,11 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
     }
 }
 
-/// Records the copies of view copies that compute shaders have written to their atlas, which is in
+/// Copies view copies back to their atlas, after compute shaders have written them. The atlas is in
 /// the general layout.
 ///
 /// # Safety
-/// The command buffer is being recorded, outside of a pass; what has written the view copies is
+/// The command buffer is being recorded, outside of a pass; the writes to the view copies are
 /// visible.
 pub unsafe fn write_back(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarget) {
     let layer = vk::ImageSubresourceLayers { aspect_mask: target.aspects, ..COLOR_LAYER };
@@ -118,8 +118,8 @@ pub unsafe fn write_back(device: &Device, buffer: vk::CommandBuffer, target: &Vi
     }
 }
 
-/// Records the blits of view copies that compute shaders have written to a window, whose image they
-/// have written before and which is in the general layout.
+/// Blits view copies that compute shaders have written to a window. The shaders have also written
+/// the window's own image, which is in the general layout.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -162,7 +162,7 @@ pub unsafe fn show(device: &Device, buffer: vk::CommandBuffer, from: &ViewTarget
     }
 }
 
-/// Makes the results of the commands before visible to those that follow.
+/// Makes the results of the preceding commands visible to the following ones.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
@@ -176,7 +176,7 @@ pub unsafe fn wait(device: &Device, buffer: vk::CommandBuffer) {
     unsafe { device.driver.functions.cmd_pipeline_barrier(buffer, all, all, flags, &[memory], &[], &[]) };
 }
 
-/// Records a change of each view copy of a scene by `change`, which is given the image.
+/// Records a change of each view copy of a scene. `change` gets the image and records the change.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.

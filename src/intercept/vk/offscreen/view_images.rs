@@ -1,4 +1,4 @@
-//! Images of Cupola that view copies are made of, and those of a window that compute shaders write.
+//! Images for view copies, and per-view images of a window that compute shaders write.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;
@@ -11,17 +11,17 @@ use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// View copies, and the layout in which they are kept.
+/// View copies and their layout.
 pub struct ViewImages {
     /// One for each view.
     pub view_copies: Vec<OwnImage>,
-    /// A texel that is clear, where compute shaders may write the view copies.
+    /// Image of one clear texel, if compute shaders may write the view copies.
     pub nothing: Option<OwnImage>,
-    /// The layout.
+    /// The layout that they have between commands.
     pub kept: vk::ImageLayout,
 }
 
-/// An image of one sample.
+/// Makes an image with one sample per texel.
 ///
 /// # Errors
 /// The request that the driver refuses.
@@ -31,7 +31,7 @@ fn image(
     flags: vk::ImageCreateFlags,
     (format, usage): (vk::Format, vk::ImageUsageFlags),
 ) -> Result<OwnImage, Obstacle> {
-    // Compute shaders may run on other queues than draws.
+    // Compute shaders may run on other queues than draws do.
     let mut families: Vec<u32> = device.queues.locked().values().copied().collect();
     families.sort_unstable();
     families.dedup();
@@ -53,7 +53,8 @@ fn image(
 }
 
 impl Images {
-    /// Images as large as these tiles, like an image of this kind and as many levels.
+    /// Makes images as large as these tiles, with the properties of an image of this kind and this
+    /// number of levels.
     ///
     /// # Errors
     /// The request that the driver refuses.
@@ -75,7 +76,7 @@ impl Images {
         let of_tiles = of_tiles.map(|size| (size, levels));
         for size in of_tiles.chain(stored.then_some(((1, 1), 1))) {
             let new = image(device, size, flags, (format, usage)).inspect_err(|_| {
-                // SAFETY: ours, and not used yet.
+                // SAFETY: images of Cupola that nothing uses yet.
                 made.iter().for_each(|image| unsafe { image.destroy(&device.driver) });
             })?;
             made.push(new);
@@ -96,14 +97,14 @@ impl Images {
         Ok(ViewImages { view_copies: made, nothing, kept })
     }
 
-    /// Images that compute shaders write in the place of a window's, if they were made.
+    /// Returns the images that compute shaders write instead of a window's, if they were made.
     pub fn window_copies(&self, window: &ViewTarget) -> Option<Arc<ViewTarget>> {
         let known = self.of_window.locked();
         known.as_ref().filter(|known| known.layout.has_views_of(&window.layout)).map(Arc::clone)
     }
 
-    /// Images that compute shaders write in the place of a window's: one for each view, as large as
-    /// the window. All images of a swapchain share them.
+    /// Returns the images that compute shaders write instead of a window's, which are made if
+    /// necessary: one for each view, as large as the window. All images of a swapchain share them.
     ///
     /// # Errors
     /// The request that the driver refuses.
@@ -124,8 +125,9 @@ impl Images {
         Ok(made)
     }
 
-    /// An image like one that holds a scene, as large as the atlas of another layout, in which
-    /// texels can be scaled before they are copied bit by bit. Its layout follows the image's.
+    /// Returns an image with the format of an image that holds a scene, as large as the atlas of
+    /// another layout. Texels can be scaled in it before they are copied bit by bit. It follows the
+    /// layout of the scene's image.
     ///
     /// # Errors
     /// The request that the driver refuses.

@@ -1,4 +1,4 @@
-//! Matrices of the camera that shaders have beside those of the position: each view has its own.
+//! Camera matrices of shaders beside those of the position. Each view has its own.
 
 use crate::correct::single;
 use crate::intercept::scene::eye::Eye;
@@ -13,7 +13,7 @@ use crate::intercept::vk::state::views::view_constants::ConstantChunk;
 use crate::runtime::session::{Direction, Intrinsics};
 
 impl CameraFunctions {
-    /// True if a matrix leads from clip coordinates, or its inverse does.
+    /// True if a matrix, or its inverse in the shader, leads from clip coordinates.
     pub fn holds_inverse(&self, facts: &DrawFacts) -> bool {
         self.functions.iter().zip(&facts.cameras).any(|(function, camera)| {
             function.is_some_and(|(function, _)| camera.inverted || function.direction() == Direction::FromClip)
@@ -21,8 +21,8 @@ impl CameraFunctions {
     }
 }
 
-/// Looks which matrices of a group are functions of the frame's cameras; whether they, or the
-/// cameras, have changed.
+/// Finds the matrices of a group that are functions of the frame's cameras. Returns whether the
+/// matrices or the cameras have changed.
 pub fn look(device: &Device, group: &mut DrawGroup, frame: &Frame) -> bool {
     if group.facts.cameras.is_empty() {
         return false;
@@ -44,8 +44,7 @@ pub fn look(device: &Device, group: &mut DrawGroup, frame: &Frame) -> bool {
     true
 }
 
-/// Writes for each slot of a group the matrices that its shaders have in the place of the
-/// program's.
+/// Writes, for each slot of a group, the matrices that replace the program's in its shaders.
 pub(in crate::intercept::vk) fn write(
     device: &Device,
     group: &DrawGroup,
@@ -63,7 +62,8 @@ pub(in crate::intercept::vk) fn write(
             && layout.views.get(view).is_some_and(|view| !view.own_lens)
             && matches!(outcome, DrawClass::Scene(_) | DrawClass::Screen);
         for (behind, stage) in [(0, MatrixStage::Fragment), (CAMERA_BYTES / 2, MatrixStage::Vertex)] {
-            // Positions of the scene are re-projected: what its vertex shader hands on fits them.
+            // Positions of the scene are reprojected later, so the outputs of its vertex shader
+            // have to fit the program's own matrices.
             let replaced = turned && (stage == MatrixStage::Fragment || outcome == DrawClass::Screen);
             let mut of_view = |lens: &Intrinsics| {
                 let index = frame.cameras.index(lens, &layout.session);
@@ -72,7 +72,7 @@ pub(in crate::intercept::vk) fn write(
             };
             let CameraFunctions { seen, functions, eye } = &group.cameras;
             let Some((values, _)) = seen else { return };
-            // Images of the scene hold places of the program's eye.
+            // Images of the scene hold positions relative to the program's own eye.
             let eye = eye.as_ref().filter(|_| outcome == DrawClass::Screen && group.facts.sky && !group.facts.screen);
             let eye = eye.and_then(|eye| {
                 let (function, lens) = functions[eye.projection]?;

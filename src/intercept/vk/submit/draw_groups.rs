@@ -1,4 +1,4 @@
-//! Draw groups on submission: their lens, and the view constants that it gives each view.
+//! Draw groups at submission: their lenses, and the view constants for each view.
 //!
 //! A draw's class (scene or flat, and with which lens) is decided when the command buffer is
 //! submitted. The view constants carry out the decision: a draw that does not belong in a tile is
@@ -24,16 +24,16 @@ use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
 use std::sync::Arc;
 
-/// Matrices that change nothing, to the bit.
+/// Matrices that do not change positions, not even by rounding.
 const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
 
-/// Matrices that move everything to the right of what is seen: x' = 2w, w' = w.
+/// Matrices that move everything to the right of the visible area: x' = 2w, w' = w.
 const OUT_OF_SIGHT: ReprojectionMatrix =
     ReprojectionMatrix::from_array([0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
 
 impl Frame {
-    /// A frame ended. `in_views`: draws of scenes are drawn for each view. `off_screen` is asked
-    /// for what is drawn off screen.
+    /// Ends a frame. `in_views`: draws of scenes are issued to each view. `off_screen` returns what
+    /// is drawn off screen.
     pub fn end(&mut self, in_views: bool, off_screen: impl FnOnce() -> OffScreen) {
         if let Some(layout) = self.layout.as_ref().filter(|_| in_views) {
             let has_scene = !self.counts.found.is_empty() || self.counts.duplicated > 0;
@@ -54,8 +54,8 @@ impl Frame {
 }
 
 impl Frame {
-    /// Number of samples of all views that show what a lens sees; `own`: the number of samples of
-    /// the primary view.
+    /// Returns the number of samples that show the field of view of a lens, in all views. `own`:
+    /// number of samples of the primary view.
     fn samples(&mut self, lens: &Intrinsics, layout: &AtlasLayout, own: f64) -> f64 {
         let index = self.cameras.index(lens, &layout.session);
         let lens = self.cameras.get(index).map_or(*lens, |camera| camera.intrinsics);
@@ -68,7 +68,7 @@ impl Frame {
     }
 }
 
-/// A command buffer is submitted: what it draws gets its view constants.
+/// Handles a submitted command buffer: its draws get their view constants.
 pub fn submitted(device: &Device, recording: &mut Recording) {
     run_events(device, recording, &mut Vec::new());
 }
@@ -85,7 +85,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             }
             Event::Copy(from, to, region) => device.host_memory.copied(*from, *to, region),
             Event::Update(buffer, offset, bytes) => {
-                // SAFETY: the slice has so many bytes.
+                // SAFETY: pointer and length are those of a slice.
                 unsafe { call_sum::add_values(bytes.as_ptr(), bytes.len()) };
                 device.host_memory.written(*buffer, *offset, bytes.clone());
             }
@@ -118,8 +118,8 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
     }
 }
 
-/// Scale from samples of a group's draws to samples of the primary view, where what fills that
-/// picture counts as many as it has.
+/// Returns the scale from samples of a group's draws to samples of the primary view. Drawing that
+/// fills the primary view gets the number of samples of that picture.
 fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let mut frame = device.frame.locked();
     frame.follow(&group.layout);
@@ -127,7 +127,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let area = |width: f64, height: f64| width * height;
     let own = area(layout.window.0.into(), layout.window.1.into());
     let of_window = own / layout.pixels;
-    // In pictures with the program's own lens everything is seen once more.
+    // Pictures with the program's own lens show everything once more.
     let views = if group.facts.in_views { &layout.views[..] } else { &[] };
     let repeated = f64::from(u8::from(layout.primary.is_some()));
     let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
@@ -135,14 +135,14 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
         Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, of_window) / of_window,
         Some(DrawClass::Screen) => repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / own,
         Some(DrawClass::Flat) if !group.facts.off_screen && !layout.shows_own_lens() => same + 1.0,
-        // At the panel's place in the views, which is about as large as the panel.
+        // The draw covers the area of the panel in the views, which is about as large as the panel.
         _ => same.max(1.0),
     };
     SampleScale { factor: 1.0 / seen, of_scene: !matches!(group.last, Some(DrawClass::Flat)) }
 }
 
-/// Finds out what a group is, and writes its view constants, and what is drawn with them, into the
-/// `chunks` of its command buffer.
+/// Decides the class of a group, and writes its view constants and the parameters of its draws into
+/// the `chunks` of its command buffer.
 fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.locked();
     frame.follow(&group.layout);
@@ -183,7 +183,7 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     }
 }
 
-/// Finds the lens of a group among its matrices, if they are others than before.
+/// Finds the lens of a group among its matrices, if they have changed.
 fn find_lens(device: &Device, group: &mut DrawGroup) {
     let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
     let matrices: Vec<_> = group.facts.sources.iter().filter_map(ranked).collect();
@@ -197,8 +197,8 @@ fn find_lens(device: &Device, group: &mut DrawGroup) {
     }
 }
 
-/// Adds a group's draws to the sum of the program's calls, by their number and the matrices that
-/// Cupola reads for them.
+/// Adds a group's draws to the sum of the program's calls: the number of draws, and the matrices
+/// that Cupola reads for them.
 fn sum_up(group: &DrawGroup) {
     if call_sum::is_on() {
         call_sum::add(group.draws);
@@ -233,7 +233,7 @@ fn classify(
             DrawClass::Screen
         }
         None if facts.fills && in_views => DrawClass::Screen,
-        // What is flat in a picture of the scene has no other place than the views.
+        // A flat draw to an image of the scene can only go to the views.
         None if facts.off_screen => DrawClass::Behind,
         None => {
             frame.counts.flat += group.draws;
@@ -244,8 +244,8 @@ fn classify(
     }
 }
 
-/// Writes the view constants of a group (`of_views`: the reprojection matrices, where it is in
-/// views), and the parameters of its draws.
+/// Writes the view constants of a group and the parameters of its draws. `of_views`: the
+/// reprojection matrices, if the group is in views.
 fn write(
     device: &Device,
     group: &mut DrawGroup,
@@ -281,7 +281,7 @@ fn write(
     group.indirect.iter().for_each(|indirect| indirect.write(chunks, group.slots(), |slot| group.is_in_sight(slot)));
 }
 
-/// Writes for each slot of a group where its fragments are in the program's window.
+/// Writes, for each slot of a group, the conversion from its fragments to the program's window.
 fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     let (Some(viewport), Some(chunk)) = (group.facts.viewport, chunks.get(group.constants.chunk)) else { return };
     let window = group.layout.window.1 as i32;
@@ -310,8 +310,9 @@ fn write_places(device: &Device, group: &DrawGroup, chunks: &[ConstantChunk]) {
     write(group.slots() - 1, &own(group.layout.primary.unwrap_or(group.layout.panel)), &same);
 }
 
-/// Factors for a view of an image that is drawn by the layout `shown`: from texels of the program's
-/// image to those of the view's, and to texels of the program's from pixels of its target.
+/// Returns the factors for a view of an image that is drawn with the layout `shown`: first from
+/// texels of the program's image to texels of the view's, then from pixels of the draw's target to
+/// texels of the program's image.
 fn factors(shown: &AtlasLayout, view: usize, target: (u32, u32)) -> [f32; 4] {
     let Some(AtlasRect { width, height, .. }) = shown.views.get(view).map(|view| view.rect) else { return [1.0; 4] };
     let part = |of: f64, whole: u32| of / f64::from(whole.max(1));

@@ -1,7 +1,7 @@
 //! Buffers and memory of the program.
 //!
-//! Memory that the program maps stays mapped below us until it is freed, so that it can be read at
-//! any time. What commands copy or write into a buffer is kept beside it.
+//! Memory that the program maps stays mapped in the driver until it is freed, so that Cupola can
+//! read it at any time. Data that commands copy or write into a buffer is stored beside the buffer.
 
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
@@ -9,7 +9,7 @@ use crate::intercept::vk::state::host_memory::KnownBuffer;
 use crate::lock::Lock;
 use ash::vk;
 
-/// Buffers with these uses can hold matrices, or bring them.
+/// True if buffers with these uses can hold matrices, or can be the source of a copy of matrices.
 fn may_hold_matrices(usage: vk::BufferUsageFlags) -> bool {
     use vk::BufferUsageFlags as U;
     usage.intersects(U::UNIFORM_BUFFER | U::STORAGE_BUFFER | U::TRANSFER_SRC)

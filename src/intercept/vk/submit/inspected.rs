@@ -5,8 +5,8 @@ use crate::intercept::lens::Candidate;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, MatrixSource};
 
-/// Describes the draws of a group. `how`: the way in which the lens was found; `in_views`: they are
-/// issued to views; `value`: of a matrix, if it can be read.
+/// Describes the draws of a group. `how`: how the lens was found; `in_views`: the draws are issued
+/// to views; `value` reads a matrix, if that is possible.
 pub(in crate::intercept::vk) fn note(
     group: &DrawGroup,
     class: DrawClass,

@@ -1,4 +1,4 @@
-//! Submissions: the draws of submitted command buffers get their view constants.
+//! Submissions. The draws of submitted command buffers get their view constants here.
 
 use crate::backend::vk::COLOR;
 use crate::intercept::vk::state::device::Device;
@@ -10,7 +10,7 @@ use crate::intercept::vk::submit::draw_groups;
 use ash::prelude::VkResult;
 use ash::vk;
 
-/// Command buffers are submitted to a queue.
+/// Handles command buffers that are submitted to a queue.
 ///
 /// # Safety
 /// The program submits on this queue, so that no other thread uses it.
@@ -27,8 +27,8 @@ unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<It
     }
 }
 
-/// Brings new atlas copies into the layouts that the program believes its images to be in. Happens
-/// once for each, and is waited for.
+/// Changes new atlas copies to the layouts that the program expects its images to have. This is
+/// done once for each copy, and waits for the device.
 ///
 /// # Safety
 /// As for [`submitted`].
@@ -83,10 +83,10 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) ->
     }
 }
 
-/// Gives an atlas what the program's image holds.
+/// Copies the content of the program's image to an atlas.
 ///
 /// # Safety
-/// The command buffer is being recorded, and the image in the layout that is said.
+/// The command buffer is being recorded, and the program's image is in the layout of `pending`.
 unsafe fn fill(device: &Device, buffer: vk::CommandBuffer, pending: &PendingLayout) {
     let PendingLayout { image, layout, aspects, filled, .. } = *pending;
     let Some((from, place)) = filled.filter(|_| layout != vk::ImageLayout::UNDEFINED) else { return };
@@ -115,7 +115,7 @@ unsafe fn fill(device: &Device, buffer: vk::CommandBuffer, pending: &PendingLayo
     let extent = vk::Extent3D { width: place.width as u32, height: place.height as u32, depth: 1 };
     let copied = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
     both(copied, false);
-    // SAFETY: as promised; the place lies in the atlas, and is as large as the image.
+    // SAFETY: as promised; the rectangle lies in the atlas, and is as large as the image.
     unsafe {
         functions.cmd_copy_image(
             buffer,
