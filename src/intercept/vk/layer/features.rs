@@ -11,8 +11,7 @@ use ash::vk;
 
 const LATER: &str = "primitives are divided after a new start";
 const NO_STAGE: &str = "the device has no geometry shaders, primitives are not divided";
-const NO_WAY: &str =
-    "the program enables device features in an unknown way, so primitives are not divided";
+const NO_WAY: &str = "the program enables device features in an unknown way, so primitives are not divided";
 
 /// Decides how shaders process vertices. `offered` returns whether the device's geometry shaders
 /// can count, or the reason why there are none. `rig`: the rig at the start. Shaders are made for

@@ -118,8 +118,8 @@ pub unsafe fn write_back(device: &Device, buffer: vk::CommandBuffer, target: &Vi
     }
 }
 
-/// Blits view copies that compute shaders have written to a window. The shaders have also written
-/// the window's own image, which is in the general layout.
+/// Blits view copies to a window, after compute shaders have written them. The shaders have also
+/// written the window's own image, which is in the general layout.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.

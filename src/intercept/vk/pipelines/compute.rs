@@ -1,5 +1,5 @@
-//! Compute pipelines: what their shaders read and write, and variants with the camera's matrices of
-//! a view.
+//! Compute pipelines: the data that their shaders read and write, and variants with the camera
+//! matrices of a view.
 
 use crate::intercept::log;
 use crate::intercept::scene::obstacle::Obstacle;
@@ -37,13 +37,14 @@ impl ComputePipeline {
 
     pub(super) fn destroy(&self, device: &Device) {
         if let Some(variant) = &self.variant {
-            // SAFETY: ours; the program says by destroying its own that nothing uses it.
+            // SAFETY: a pipeline of Cupola; nothing uses it, since the program destroys its own.
             unsafe { device.driver.functions.destroy_pipeline(variant.pipeline, None) };
         }
     }
 }
 
-/// The pipeline with matrices of a view; `None` where its shader has none that may be the camera's.
+/// Returns the pipeline with the matrices of a view; `None` if its shader has no matrices that may
+/// be the camera's.
 ///
 /// # Errors
 /// The reason why there is none.
@@ -68,7 +69,7 @@ unsafe fn variant(
     let mut modules = Modules::new(device);
     let mut stage = info.stage;
     if stage.module == vk::ShaderModule::null() {
-        // The words that are given here are the program's.
+        // Without a module, the program's words are in the chain. The module below replaces them.
         stage.p_next = std::ptr::null();
     }
     stage.module = modules.make(&chosen.words)?;

@@ -1,5 +1,5 @@
-//! Create infos of pipelines: of whole pipelines, or of the parts that a library has. Pointers that
-//! belong to other parts may lead anywhere and are not followed.
+//! Create infos of complete pipelines, or of the parts that a library has. Pointers of other parts
+//! may be invalid and are not followed.
 
 use crate::intercept::vk::state::driver::structures::{Copied, in_chain, slice};
 use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Flags};
@@ -11,13 +11,13 @@ pub struct Parts<'a> {
     pub info: &'a vk::GraphicsPipelineCreateInfo<'a>,
     /// Parts that it describes.
     flags: Flags,
-    /// The libraries that have the others.
+    /// The libraries that contain the other parts.
     pub libraries: &'a [vk::Pipeline],
     /// Its shaders.
     pub stages: Vec<vk::PipelineShaderStageCreateInfo<'a>>,
     /// Viewports and scissors.
     pub viewports: Option<&'a vk::PipelineViewportStateCreateInfo<'a>>,
-    /// The test by depth.
+    /// The depth test.
     pub depth: Option<&'a vk::PipelineDepthStencilStateCreateInfo<'a>>,
     /// Blending of colours.
     pub blend: Option<&'a vk::PipelineColorBlendStateCreateInfo<'a>>,
@@ -30,7 +30,7 @@ impl<'a> Parts<'a> {
     /// # Safety
     /// `info` must be the program's.
     pub unsafe fn of(info: &'a vk::GraphicsPipelineCreateInfo<'a>) -> Self {
-        // SAFETY: as promised; a pointer is looked at where its part is described.
+        // SAFETY: as promised; a pointer is followed only if its part is described.
         unsafe {
             let part = vk::StructureType::GRAPHICS_PIPELINE_LIBRARY_CREATE_INFO_EXT;
             let part = in_chain::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next, part);
@@ -72,7 +72,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// True if what it draws can be seen.
+    /// True if its drawing can be visible.
     pub fn is_seen(&self) -> bool {
         !self.discards
     }
@@ -82,7 +82,7 @@ impl<'a> Parts<'a> {
         self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS)
     }
 
-    /// True if it has what is drawn and all shaders.
+    /// True if it has vertex input and all shaders.
     pub fn shades_all(&self) -> bool {
         let input = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
         input && self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
@@ -93,7 +93,7 @@ impl<'a> Parts<'a> {
         let described = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
         let fixed = described && !self.dynamic.contains(&vk::DynamicState::VERTEX_INPUT_EXT);
         let state = Some(self.info.p_vertex_input_state).filter(|_| fixed)?;
-        // SAFETY: the program's, which describes this part.
+        // SAFETY: the program's pointer, to a part that is described here.
         unsafe { state.as_ref() }.map(|state| state.vertex_attribute_description_count)
     }
 
@@ -117,11 +117,11 @@ impl<'a> Parts<'a> {
     /// The first viewport, unless commands set it.
     pub fn viewport(&self) -> Option<vk::Viewport> {
         let state = self.fixed([vk::DynamicState::VIEWPORT, vk::DynamicState::VIEWPORT_WITH_COUNT])?;
-        // SAFETY: the program's array, which is looked at where it is not set by commands.
+        // SAFETY: the program's array, which is read only if it is not set by commands.
         unsafe { slice(state.p_viewports, state.viewport_count) }.first().copied()
     }
 
-    /// The first scissor, likewise.
+    /// The first scissor, unless commands set it.
     pub fn scissor(&self) -> Option<vk::Rect2D> {
         let state = self.fixed([vk::DynamicState::SCISSOR, vk::DynamicState::SCISSOR_WITH_COUNT])?;
         // SAFETY: as above.
@@ -133,14 +133,14 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// A chain of structures like the program's, with other libraries.
+/// Copy of a chain of structures of the program, with other libraries.
 pub struct Relinked {
     chain: Copied,
     _libraries: Vec<vk::Pipeline>,
 }
 
 impl Relinked {
-    /// `None` where a structure is not known that comes before the one that names the libraries.
+    /// `None` if an unknown structure comes before the structure that names the libraries.
     ///
     /// # Safety
     /// `chain` must be the program's, with a structure that names libraries.
@@ -159,7 +159,7 @@ impl Relinked {
     }
 }
 
-/// Length of a structure that may come before the one that names libraries.
+/// Returns the length of a structure that may come before the one that names libraries.
 fn length(kind: vk::StructureType) -> Option<usize> {
     use vk::StructureType as K;
     Some(match kind {
@@ -190,10 +190,10 @@ mod tests {
             .flags(vk::PipelineCreateFlags::LIBRARY_KHR)
             .color_blend_state(&blend)
             .push_next(&mut part);
-        // Pointers of other parts may lead anywhere.
+        // Pointers of other parts may be invalid.
         (info.p_viewport_state, info.p_rasterization_state) = (std::ptr::dangling(), std::ptr::dangling());
         (info.p_depth_stencil_state, info.p_stages, info.stage_count) = (std::ptr::dangling(), std::ptr::dangling(), 2);
-        // SAFETY: what belongs to the part is valid.
+        // SAFETY: the pointers of this part are valid.
         let parts = unsafe { Parts::of(&info) };
         assert!(parts.stages.is_empty() && parts.viewports.is_none() && parts.depth.is_none() && parts.blend.is_some());
         assert!(parts.is_seen() && !parts.places_vertices() && !parts.shades());
@@ -205,7 +205,7 @@ mod tests {
         let mut linked = vk::PipelineLibraryCreateInfoKHR::default().libraries(&libraries);
         let mut info = vk::GraphicsPipelineCreateInfo::default().push_next(&mut linked);
         (info.p_rasterization_state, info.p_dynamic_state) = (std::ptr::dangling(), std::ptr::dangling());
-        // SAFETY: nothing belongs to it but the list.
+        // SAFETY: only the list belongs to it.
         let parts = unsafe { Parts::of(&info) };
         assert_eq!(parts.libraries, libraries);
         assert!(parts.dynamic.is_empty() && !parts.shades());
@@ -217,7 +217,7 @@ mod tests {
         let mut rendering = vk::PipelineRenderingCreateInfo::default().view_mask(7);
         let mut linked = vk::PipelineLibraryCreateInfoKHR::default().libraries(&libraries);
         let mut part = vk::GraphicsPipelineLibraryCreateInfoEXT::default();
-        // push_next puts each before the others.
+        // push_next puts each structure before the others.
         let info = vk::GraphicsPipelineCreateInfo::default();
         let info = info.push_next(&mut rendering).push_next(&mut linked).push_next(&mut part);
         // SAFETY: a chain of Vulkan's structures.

@@ -1,4 +1,5 @@
-//! The geometry stage that divides primitives: which pipelines get one, and why others do not.
+//! The geometry stage that divides primitives. Decides which pipelines get one, and gives the
+//! reason why others do not.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::pipelines::create_info::Parts;
@@ -13,8 +14,8 @@ use ash::vk;
 const NO_COUNTER: &str = "it needs the feature vertexPipelineStoresAndAtomics of the device";
 const NO_ROOM: &str = "a pipeline has no storage buffer to spare";
 
-/// The words of a geometry stage that reads the view constants by our set of `layout`, and counts
-/// by it; `None` where nothing is to be divided.
+/// Returns the words of a geometry stage that reads the view constants through Cupola's set of
+/// `layout`, and counts in it; `None` if there is nothing to divide.
 ///
 /// # Errors
 /// The reason why primitives that could be divided are not, for the log.
@@ -37,14 +38,14 @@ pub unsafe fn stage(
         return Err("it has geometry or tessellation shaders of its own");
     }
     if !parts.shades_all() {
-        return Err("it is linked from libraries that have its shaders apart");
+        return Err("it is linked from libraries with separate shaders");
     }
     // SAFETY: as promised; a pipeline with a vertex shader has these structures.
     unsafe {
         let feedback = vk::StructureType::PIPELINE_CREATION_FEEDBACK_CREATE_INFO;
         let feedback = in_chain::<vk::PipelineCreationFeedbackCreateInfo<'_>>(parts.info.p_next, feedback);
         if feedback.is_some_and(|feedback| feedback.pipeline_stage_creation_feedback_count > 0) {
-            return Err("the program asks how each of its stages is made");
+            return Err("the program requests creation feedback for each stage");
         }
         let raster = parts.info.p_rasterization_state.as_ref();
         if raster.is_some_and(|raster| raster.polygon_mode == vk::PolygonMode::POINT) {
@@ -78,15 +79,15 @@ pub unsafe fn stage(
     }
 }
 
-/// Kind of primitives that the pipeline draws, if they can be divided.
+/// Returns the kind of primitives that the pipeline draws, if they can be divided.
 ///
 /// # Safety
 /// As for [`stage`].
 unsafe fn input(device: &Device, parts: &Parts<'_>) -> Result<Option<Input>, &'static str> {
     if device.role.topologies_change && parts.dynamic.contains(&vk::DynamicState::PRIMITIVE_TOPOLOGY) {
-        return Err("commands may change what kind of primitives it draws");
+        return Err("commands may change the kind of its primitives");
     }
-    // SAFETY: as promised; of a topology that commands set the class is given here.
+    // SAFETY: as promised; if commands set the topology, its class is given here.
     let assembly = unsafe { parts.info.p_input_assembly_state.as_ref() };
     use vk::PrimitiveTopology as T;
     Ok(match assembly.map(|assembly| assembly.topology) {
@@ -97,7 +98,7 @@ unsafe fn input(device: &Device, parts: &Parts<'_>) -> Result<Option<Input>, &'s
     })
 }
 
-/// Tests whether the last vertex of a primitive has its values that are not interpolated.
+/// True if values that are not interpolated come from the last vertex of a primitive.
 ///
 /// # Safety
 /// As for [`stage`].

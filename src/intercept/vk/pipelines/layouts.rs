@@ -10,8 +10,8 @@ use crate::lock::Lock;
 use ash::vk;
 use std::sync::Arc;
 
-/// The number that our set gets in a layout, if it can have one, and whether there is room for the
-/// counter.
+/// Returns the number of Cupola's set in a layout, if the layout can have it, and whether there is
+/// room for the counter.
 ///
 /// # Safety
 /// `info` must be the program's.

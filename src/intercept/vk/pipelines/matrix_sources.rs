@@ -1,4 +1,4 @@
-//! Matrices that shaders read: where they are, and what they hold.
+//! Matrices that shaders read: their locations and values.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::{Matrix, Memory};
@@ -7,7 +7,7 @@ use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::bindings::BoundSet;
 use crate::intercept::vk::state::recording::draw_groups::{MatrixSource, MatrixValue};
 
-/// A matrix out of memory.
+/// Reads a matrix from memory.
 pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {
     let raw = match source.value {
         MatrixValue::Known(raw) => raw,
@@ -25,7 +25,8 @@ pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {
     Some(if source.matrix.row_major { lens::transposed(&value) } else { value })
 }
 
-/// Sixteen floats, four by four.
+/// Reads sixteen floats in four groups of four, with a distance of `stride` bytes between the
+/// groups.
 pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
     let mut raw = [0.0; 16];
     for (i, value) in raw.iter_mut().enumerate() {
@@ -35,13 +36,13 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
     Some(raw)
 }
 
-/// Place of a shader's matrix, with the descriptors and push constants that are bound.
+/// Returns the location of a shader's matrix, in the descriptors and push constants that are bound.
 pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
     let bound = |set: u32| recording.graphics.bound.get(set as usize)?.as_ref();
     source_of(device, &recording.graphics.push, bound, matrix)
 }
 
-/// The same for a compute shader.
+/// As [`source`], for a compute shader.
 pub fn compute_source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
     source_of(device, recording.compute.pushed(), |set| recording.compute.set(set), matrix)
 }

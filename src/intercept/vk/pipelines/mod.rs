@@ -1,15 +1,15 @@
 //! Pipelines: `vkCreateGraphicsPipelines`, shader modules and pipeline layouts.
 //!
-//! Each pipeline of the program gets two variants: one draws into a view, with the re-projection
-//! spliced into its last stage before rasterisation, and one draws onto the panel, whose alpha
-//! channel records where it is covered. `matrix_sources` reads the value of a matrix that
+//! Each pipeline of the program gets two variants. One draws into a view, with the reprojection
+//! inserted into its last stage before rasterisation. The other draws onto the panel, whose alpha
+//! channel records where the panel is covered. `matrix_sources` reads the value of a matrix that
 //! `spirv::reflect` found. Each pipeline layout gets one more descriptor set, for the view
 //! constants. State: `state::pipelines`.
 //!
 //! ```text
-//! create_info (what a structure says) ─ variants ─┬─ spirv::splice
-//!                                                 ├─ view_stages ─ spirv::frag_coord, texels, camera_matrices
-//!                                                 └─ dividing_stage ─ spirv::divide
+//! create_info (content of a structure) ─ variants ─┬─ spirv::splice
+//!                                                  ├─ view_stages ─ spirv::frag_coord, texels, camera_matrices
+//!                                                  └─ dividing_stage ─ spirv::divide
 //! ```
 
 pub mod compute;

@@ -11,7 +11,7 @@ use ash::vk;
 use std::sync::Arc;
 
 impl Pipelines {
-    /// Forgets all, before the device is destroyed.
+    /// Removes all pipelines, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
         let all = std::mem::take(&mut *self.all.locked());
         all.values().for_each(|pipeline| pipeline.destroy(device));
@@ -23,7 +23,7 @@ impl Pipelines {
 impl Pipeline {
     fn destroy(&self, device: &Device) {
         let Some(variants) = &self.variants else { return };
-        // SAFETY: ours; the program says by destroying its own that nothing uses them.
+        // SAFETY: pipelines of Cupola; nothing uses them, since the program destroys its own.
         unsafe {
             device.driver.functions.destroy_pipeline(variants.panel, None);
             if variants.view != variants.panel {

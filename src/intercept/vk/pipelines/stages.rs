@@ -15,7 +15,7 @@ pub unsafe fn name_of(stage: &vk::PipelineShaderStageCreateInfo<'_>) -> String {
     unsafe { CStr::from_ptr(stage.p_name) }.to_string_lossy().into_owned()
 }
 
-/// A stage's words: of its module, or given with it.
+/// Returns a stage's words, from its module or from its chain.
 ///
 /// # Safety
 /// `stage` must be the program's.

@@ -1,5 +1,5 @@
-//! Variants of the program's pipelines. A library has variants, too; a pipeline that is linked from
-//! libraries has variants that are linked from theirs.
+//! Variants of the program's pipelines. Libraries have variants, too. A pipeline that is linked
+//! from libraries has variants that are linked from theirs.
 
 use crate::intercept::log;
 use crate::intercept::scene::obstacle::Obstacle;
@@ -15,10 +15,10 @@ use ash::vk;
 use spirv_words::ExecutionModel;
 use std::sync::Arc;
 
-/// The crate of SPIR-V's numbers; `spirv` is our own module here.
+/// The crate with SPIR-V's numbers; `spirv` is an internal module here.
 use ::spirv as spirv_words;
 
-/// A pipeline of the program with its variants, if it has any.
+/// Returns a pipeline of the program, with its variants if there are any.
 pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants: Option<Variants>) -> Pipeline {
     let linked: Vec<_> = parts.libraries.iter().filter_map(|library| device.pipelines.get(*library)).collect();
     Pipeline {
@@ -34,8 +34,8 @@ pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants:
     }
 }
 
-/// The layout with a set of Cupola: of the pipeline itself, or of its libraries where it names
-/// none.
+/// Returns the layout with a set of Cupola: of the pipeline itself, or of its libraries if the
+/// pipeline names none.
 fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Option<Arc<PipelineLayout>> {
     match parts.info.layout == vk::PipelineLayout::null() {
         true => linked.iter().find_map(|library| library.layout.clone()),
@@ -43,11 +43,11 @@ fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Op
     }
 }
 
-/// The libraries that a pipeline is linked from, and the layout with a set of Cupola, if it needs
-/// one.
+/// Returns the libraries that a pipeline is linked from, and the layout with a set of Cupola, if it
+/// needs one.
 ///
 /// # Errors
-/// The reason why it has no variants.
+/// The reason why the pipeline has no variants.
 fn linked_libraries(device: &Device, parts: &Parts<'_>) -> Result<Linked, Obstacle> {
     let linked = |library: &vk::Pipeline| device.pipelines.get(*library).filter(|known| known.variants.is_some());
     let linked: Option<Vec<Arc<Pipeline>>> = parts.libraries.iter().map(linked).collect();
@@ -84,7 +84,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let mut modules = Modules::new(device);
     let mut stages = parts.stages.clone();
     let mut divided = None;
-    // SAFETY: as promised; shaders of Cupola are destroyed when the pipelines are made.
+    // SAFETY: as promised; shader modules of Cupola are destroyed after the pipelines are made.
     unsafe {
         made.matrices.extend(matrices_before_rasterisation(device, &stages));
         made.matrices.sort_by_key(|matrix| matrix.rank);
@@ -92,7 +92,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
             Some(layout) => change_stages(device, &mut stages, &mut modules, layout.ours, &mut made)?,
             None => None,
         };
-        // What divides has the program's own fragment shader, too.
+        // The variant that divides also uses the program's own fragment shader.
         let own_stages = stages.clone();
         if let Some(layout) = layout.filter(|_| parts.places_vertices()) {
             match spliced(device, &parts.stages, vertex_words, layout.ours) {
@@ -105,7 +105,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                         Err(why) => device.pipelines.divided.note_undivided(why),
                     }
                 }
-                Err(why) => log::once(&format!("Vulkan: what a pipeline draws is flat: {why}")),
+                Err(why) => log::once(&format!("Vulkan: the draws of a pipeline are flat: {why}")),
             }
         }
         let undivided = || create_both(device, cache, parts, [&stages, &stages], &linked);
@@ -140,7 +140,7 @@ fn inherited(parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Variants {
     }
 }
 
-/// The matrices that the stages before rasterisation read.
+/// Returns the matrices that the stages before rasterisation read.
 ///
 /// # Safety
 /// `stages` must be the program's.
@@ -149,7 +149,7 @@ unsafe fn matrices_before_rasterisation(
     stages: &[vk::PipelineShaderStageCreateInfo<'_>],
 ) -> Vec<spirv::Matrix> {
     let before = || stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT);
-    // The stages' bits are in their order.
+    // The bits of the stages are in the order of the stages.
     let last = before().map(|stage| stage.stage).max();
     let mut matrices = Vec::new();
     for stage in before() {
@@ -161,9 +161,9 @@ unsafe fn matrices_before_rasterisation(
     matrices
 }
 
-/// Changes the fragment stage and, where no matrix makes positions, the vertex stage to what they
-/// are in a view, by the view constants in set `ours`; notes in `made` what they read. Returns the
-/// vertex stage's number and words, if they are changed.
+/// Changes the fragment stage for views, and also the vertex stage if no matrix makes positions.
+/// The stages read the view constants in set `ours`. Notes in `made` the data that they read.
+/// Returns the index and the words of the vertex stage, if it is changed.
 ///
 /// # Errors
 /// The driver's.
@@ -190,7 +190,7 @@ unsafe fn change_stages(
         made.pictures.extend(changed.pictures);
         made.cameras.extend(changed.cameras);
     }
-    // What a draw of the scene hands on fits its position.
+    // In a draw of the scene, the outputs of the vertex stage have to fit its position.
     let Some(index) = vertex.filter(|_| made.matrices.is_empty()) else { return Ok(None) };
     // SAFETY: as promised.
     let Some((words, found)) = (unsafe { view_stages::vertex(device, &stages[index], ours) }) else { return Ok(None) };
@@ -199,19 +199,19 @@ unsafe fn change_stages(
     Ok(Some((index, words)))
 }
 
-/// Shaders of Cupola, which are needed until the pipelines are made.
+/// Shader modules of Cupola, which are needed until the pipelines are made.
 pub struct Modules<'a> {
     device: &'a Device,
     made: Vec<vk::ShaderModule>,
 }
 
 impl<'a> Modules<'a> {
-    /// None yet.
+    /// Returns an empty list.
     pub fn new(device: &'a Device) -> Self {
         Self { device, made: Vec::new() }
     }
 
-    /// Makes one of these words.
+    /// Makes a module of these words.
     ///
     /// # Errors
     /// The driver's.
@@ -223,7 +223,7 @@ impl<'a> Modules<'a> {
         made.map_err(|error| error.to_string().into())
     }
 
-    /// Gives a stage these words in the place of the program's, which may stand in its chain.
+    /// Gives a stage these words instead of the program's, which may be in its chain.
     ///
     /// # Errors
     /// The driver's.
@@ -237,13 +237,13 @@ impl<'a> Modules<'a> {
 impl Drop for Modules<'_> {
     fn drop(&mut self) {
         for module in self.made.drain(..) {
-            // SAFETY: ours; pipelines do not need it once they are made.
+            // SAFETY: a module of Cupola; pipelines do not need it once they are made.
             unsafe { self.device.driver.functions.destroy_shader_module(module, None) };
         }
     }
 }
 
-/// The stages of the program with the geometry stage `module` beside them.
+/// Returns the stages of the program and the geometry stage `module`.
 fn with_stage<'a>(
     stages: &[vk::PipelineShaderStageCreateInfo<'a>],
     module: vk::ShaderModule,
@@ -255,7 +255,7 @@ fn with_stage<'a>(
     stages.iter().copied().chain([ours]).collect()
 }
 
-/// The last stage before rasterisation, as an index, with what SPIR-V calls it.
+/// Returns the index of the last stage before rasterisation, and its SPIR-V name.
 fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize, ExecutionModel)> {
     let order = [
         (vk::ShaderStageFlags::GEOMETRY, ExecutionModel::Geometry),
@@ -265,8 +265,9 @@ fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize
     order.into_iter().find_map(|(flag, model)| stages.iter().position(|s| s.stage == flag).map(|at| (at, model)))
 }
 
-/// The last stage before rasterisation and its words with the epilogue, which reads the view
-/// constants by set `ours`. `changed`: a stage with other words than the program's.
+/// Returns the index of the last stage before rasterisation and its words with the epilogue, which
+/// reads the view constants through set `ours`. `changed`: a stage whose words differ from the
+/// program's.
 ///
 /// # Errors
 /// The reason why there are none.
@@ -287,7 +288,8 @@ unsafe fn spliced(
     Ok((index, spirv::splice(&words, model, &entry, ours, device.view_constants.have_lenses())?))
 }
 
-/// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
+/// Returns blending in which the alpha of the panel collects how much of it is covered. The
+/// composition needs this.
 fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorBlendAttachmentState {
     let mut changed = *blend;
     if blend.blend_enable == vk::TRUE {
@@ -306,8 +308,8 @@ fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorB
     changed
 }
 
-/// The pipelines for a view and for the panel, each with its stages; the same where nothing tells
-/// them apart.
+/// Makes the pipelines for a view and for the panel, each with its stages. They are the same
+/// pipeline if there is no difference.
 ///
 /// # Errors
 /// The request that the driver refuses, or the library that cannot be linked.
@@ -329,7 +331,7 @@ unsafe fn create_both(
         }
     }
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
-    // A variant is not a derivative, and is made in any case.
+    // A variant is not a derivative, and must be made in any case.
     let dropped = vk::PipelineCreateFlags::DERIVATIVE
         | vk::PipelineCreateFlags::FAIL_ON_PIPELINE_COMPILE_REQUIRED
         | vk::PipelineCreateFlags::EARLY_RETURN_ON_FAILURE;
@@ -338,7 +340,7 @@ unsafe fn create_both(
     changed.base_pipeline_index = -1;
     let create = |mut info: vk::GraphicsPipelineCreateInfo<'_>, of: fn(&Variants) -> vk::Pipeline| {
         let libraries: Vec<_> = linked.iter().filter_map(|library| library.variants.as_ref()).map(of).collect();
-        // SAFETY: as promised; the structures differ in what is said here.
+        // SAFETY: as promised; the structures differ only in the fields that are set here.
         unsafe {
             let chain = Some(info.p_next).filter(|_| !libraries.is_empty());
             let chain =
@@ -368,7 +370,7 @@ unsafe fn create_both(
     if let Some(blend) = &blend {
         changed = changed.color_blend_state(blend);
     }
-    // SAFETY: ours, and not used yet.
+    // SAFETY: a pipeline of Cupola that nothing uses yet.
     let undone = |_: &String| unsafe { device.driver.functions.destroy_pipeline(view, None) };
     Ok((view, create(changed, |variants| variants.panel).inspect_err(undone)?))
 }

@@ -1,5 +1,5 @@
-//! Stages of a pipeline with what is different in a view beside the position: places on the screen,
-//! texels of images of the scene, matrices of the camera.
+//! Shader stages of a pipeline, changed for views in parts beside the position: positions on the
+//! screen, texels of images of the scene, camera matrices.
 
 use crate::intercept::log;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};
@@ -10,21 +10,21 @@ use ::spirv::ExecutionModel;
 use ash::vk;
 use std::sync::Arc;
 
-/// A stage that was changed, and what its words read of the view constants.
+/// A stage that was changed, and the view constants that its words read.
 pub struct ViewStage {
     /// Its words; `None`: the program's own.
     pub words: Option<Vec<u32>>,
-    /// Its fragments get the coordinates of the program's window.
+    /// True if its fragments get the coordinates of the program's window.
     pub moves_place: bool,
-    /// It should be, and cannot.
+    /// True if its fragments need these coordinates, but cannot get them.
     pub loses_place: bool,
-    /// Descriptors of the images that it reads by texels.
+    /// Descriptors of the images that it reads by texel coordinates.
     pub pictures: Vec<DescriptorPlace>,
     /// Its matrices that may be functions of the camera.
     pub cameras: Vec<CameraMatrix>,
 }
 
-/// A fragment stage for views, which reads the view constants by set `ours`.
+/// Returns a fragment stage for views, which reads the view constants through set `ours`.
 ///
 /// # Safety
 /// `stage` must be the program's.
@@ -62,7 +62,7 @@ pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInf
     made
 }
 
-/// The words of a vertex stage with matrices of views, and these.
+/// Returns the words of a vertex stage with the matrices of views, and these matrices.
 ///
 /// # Safety
 /// `stage` must be the program's.
@@ -95,7 +95,7 @@ fn with_cameras(
         }
         Ok(None) => None,
         Err(why) => {
-            log::once(&format!("Vulkan: matrices of a shader are not those of a view: {why}"));
+            log::once(&format!("Vulkan: a shader keeps the matrices of the program in all views: {why}"));
             None
         }
     }

@@ -1,8 +1,8 @@
-//! Results of queries that a command copies into a buffer of the program: they are scaled on the
+//! Results of queries that a command copies into a buffer of the program. They are scaled on the
 //! device.
 //!
-//! The results of a pool are copied into a buffer of Cupola, a compute shader scales them, and they
-//! are copied to where the program wants them. Results that are not available are those of the last
+//! The results of a pool are copied into a buffer of Cupola. A compute shader scales them, and they
+//! are copied to the program's buffer. Results that are not available have the values of the last
 //! copy.
 
 use crate::backend::vk::Buffer;
@@ -17,19 +17,19 @@ use ash::vk;
 /// The shader's entry point.
 const ENTRY: &std::ffi::CStr = c"tell";
 
-/// Queries that a workgroup of the shader has.
+/// Number of queries in a workgroup of the shader.
 const GROUP: u32 = 64;
 
 include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
 
-/// A copy of results that a program asks for.
+/// A copy of results that a program requests.
 #[derive(Clone, Copy, Debug)]
 pub struct CopiedResults {
     /// The first query and the number of queries.
     pub queries: (u32, u32),
-    /// Buffer to which they go.
+    /// Buffer that the results are copied to.
     pub to: vk::Buffer,
-    /// Offset of the first result in the buffer, and distance from one result to the next, bytes.
+    /// Offset of the first result in the buffer, and distance of two results, in bytes.
     pub place: (u64, u64),
     /// The form.
     pub flags: vk::QueryResultFlags,
@@ -56,8 +56,8 @@ impl QueryScaler {
         };
         let bindings: Vec<_> = (0..3).map(binding).collect();
         let functions = &device.driver.functions;
-        // SAFETY: makes objects of Cupola on a live device; they are kept in `self` as soon as they
-        // are made.
+        // SAFETY: makes objects of Cupola on a live device; they are stored in `self` as soon as
+        // they are made.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             self.set_layout = functions.create_descriptor_set_layout(&info, None)?;
@@ -75,9 +75,9 @@ impl QueryScaler {
         Ok(())
     }
 
-    /// Destroys it, before the device is destroyed.
+    /// Destroys the objects, before the device is destroyed.
     pub fn destroy(&self, device: &Device) {
-        // SAFETY: ours or null; nothing uses them any more.
+        // SAFETY: objects of Cupola or null; nothing uses them any more.
         unsafe {
             device.driver.functions.destroy_pipeline(self.pipeline, None);
             device.driver.functions.destroy_pipeline_layout(self.layout, None);
@@ -86,8 +86,8 @@ impl QueryScaler {
     }
 }
 
-/// Offset of the results in the form that `flags` asks for, and length of each result, in bytes,
-/// for `queries` queries of `numbers` numbers.
+/// Returns the offset of the results in the form of `flags`, and the length of each result, in
+/// bytes, for `queries` queries of `numbers` numbers.
 fn form(flags: vk::QueryResultFlags, numbers: u64, queries: u64) -> (u64, u64) {
     use vk::QueryResultFlags as F;
     let lengths = [8 * numbers, 8 * (numbers + 1), 4 * numbers, 4 * (numbers + 1)];
@@ -156,17 +156,17 @@ impl Scratch {
         Ok(())
     }
 
-    /// The program's pool is gone.
+    /// Destroys the objects for a destroyed pool of the program.
     pub fn destroy(&mut self, device: &Device) {
-        // SAFETY: ours or null; the program says by destroying its pool that nothing uses it.
+        // SAFETY: an object of Cupola or null; nothing uses it, since the program destroys its
+        // pool.
         unsafe { device.driver.functions.destroy_descriptor_pool(self.pool, None) };
         [&mut self.counted, &mut self.factors, &mut self.scaled]
             .into_iter()
             .for_each(|buffer| buffer.destroy(&device.driver.api));
     }
 
-    /// Records the copy of results to where the program wants them; `next` copies results into a
-    /// buffer.
+    /// Records the copy of results to the program's buffer. `next` copies results into a buffer.
     ///
     /// # Safety
     /// The command buffer is being recorded, outside of a pass; the results are the pool's.
@@ -196,7 +196,7 @@ impl Scratch {
         next(self.counted.handle, u64::from(first) * stride, stride, wanted.flags | results::RAW);
         wait(copied, (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE));
         let point = vk::PipelineBindPoint::COMPUTE;
-        // SAFETY: as promised; pipeline and set are of one layout.
+        // SAFETY: as promised; pipeline and set have the same layout.
         unsafe {
             functions.cmd_bind_pipeline(buffer, point, scaler.pipeline);
             functions.cmd_bind_descriptor_sets(buffer, point, scaler.layout, 0, &[self.set], &[]);
@@ -212,20 +212,18 @@ impl Scratch {
             size: if together { u64::from(count) * length } else { length },
         };
         let regions: Vec<_> = (0..if together { 1 } else { count.into() }).map(region).collect();
-        // SAFETY: as promised; the program's buffer is there to be copied to, and has room for the
-        // results.
+        // SAFETY: as promised; the program's buffer can be copied to, and has room for the results.
         unsafe { functions.cmd_copy_buffer(buffer, self.scaled.handle, wanted.to, &regions) };
     }
 }
 
 impl Queries {
-    /// Records a copy of results with their factors, by `next`, which copies results of the pool:
-    /// to a buffer, its offset, from one result to the next, in which form. Without the means for
-    /// it the results are copied as they were counted.
+    /// Records a copy of results with their factors. `next` copies results of the pool; its
+    /// parameters are a buffer, the offset, the distance of two results and the form. If scaling is
+    /// not possible, the results are copied without it.
     ///
     /// # Safety
-    /// The command buffer is being recorded, outside of a pass; `wanted` is what the program asks
-    /// for.
+    /// The command buffer is being recorded, outside of a pass; `wanted` is the program's request.
     pub unsafe fn copy(
         &self,
         device: &Device,
@@ -245,7 +243,9 @@ impl Queries {
             match Scratch::new(device, scaler, &pool, queries) {
                 Ok(new) => *scratch = Some(new),
                 Err(error) => {
-                    crate::intercept::log::once(&format!("Vulkan: counts of queries are copied as they are: {error}"));
+                    crate::intercept::log::once(&format!(
+                        "Vulkan: counts of queries are copied without scaling: {error}"
+                    ));
                 }
             }
         }
@@ -261,8 +261,8 @@ impl Queries {
         }
     }
 
-    /// Returns the object that multiplies counts by their factors; `None` if queues that draw need
-    /// not compute, or if the driver refuses it.
+    /// Returns the object that multiplies counts by their factors; `None` if some queues that draw
+    /// cannot compute, or if the driver refuses it.
     fn scaler(&self, device: &Device) -> Option<&QueryScaler> {
         use vk::QueueFlags as Q;
         let computes = |family: &Q| !family.contains(Q::GRAPHICS) || family.contains(Q::COMPUTE);

@@ -1,9 +1,9 @@
 //! Hooks of queries that count draws.
 //!
-//! A query counts all that is issued while it is active. The program gets that number times a
-//! factor (`QueryScaling`), which is known on submission. Each draw is issued a known number of
-//! times, so that counts of primitives are exact where all draws of a query are issued equally
-//! often, or where the program says how large they are.
+//! A query counts everything that is issued while it is active. The program gets that number times
+//! a factor (`QueryScaling`), which is known at submission. Each draw is issued a known number of
+//! times. So counts of primitives are exact if all draws of a query are issued equally often, or if
+//! the sizes of the draws are known.
 
 use crate::intercept::scene::query_scaling::{Quantity, QueryScaling};
 use crate::intercept::vk::queries::results::HostResults;
@@ -16,8 +16,7 @@ use ash::vk;
 use std::ffi::c_void;
 use std::sync::Arc;
 
-/// Returns the quantities of a query's result; empty for queries whose numbers are the program's as
-/// they are.
+/// Returns the quantities of a query's result; empty for queries whose results are not scaled.
 fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
     use vk::QueryPipelineStatisticFlags as S;
     match info.query_type {
@@ -29,8 +28,8 @@ fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
             let bits = (0..u32::BITS).map(|bit| S::from_raw(1 << bit));
             let of = |bit| match bit {
                 S::FRAGMENT_SHADER_INVOCATIONS => Quantity::Samples,
-                // After clipping a primitive remains only in views that show it: the count is not
-                // divided.
+                // After clipping, a primitive remains only in views that show it, so the count is
+                // not divided.
                 S::CLIPPING_PRIMITIVES | S::COMPUTE_SHADER_INVOCATIONS => Quantity::Unscaled,
                 _ => Quantity::Primitives,
             };
@@ -41,14 +40,14 @@ fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
 }
 
 impl Queries {
-    /// A pool is gone.
+    /// Forgets a destroyed pool.
     fn forget(&self, device: &Device, handle: vk::QueryPool) {
         let gone = self.pools.locked().remove(&handle);
         let scratch = gone.and_then(|gone| gone.scratch.locked().take());
         scratch.into_iter().for_each(|mut scratch| scratch.destroy(device));
     }
 
-    /// Destroys what is ours, before the device is destroyed.
+    /// Destroys objects of Cupola, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
         let all: Vec<_> = self.pools.locked().keys().copied().collect();
         all.into_iter().for_each(|handle| self.forget(device, handle));

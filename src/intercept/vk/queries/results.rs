@@ -3,39 +3,39 @@
 use crate::intercept::vk::state::queries::{Pool, scaled};
 use ash::vk;
 
-/// Flags of each request for results, beside the program's own for waiting: wide, and with their
-/// availability behind them.
+/// Flags of each request for results, in addition to the program's own flag for waiting: 64-bit
+/// values, each result followed by its availability.
 pub const RAW: vk::QueryResultFlags = vk::QueryResultFlags::from_raw(
     vk::QueryResultFlags::TYPE_64.as_raw() | vk::QueryResultFlags::WITH_AVAILABILITY.as_raw(),
 );
 
 impl Pool {
-    /// From one raw result to the next: its numbers, and whether they are available.
+    /// Distance of two raw results: the numbers of a result and its availability.
     pub fn stride(&self) -> usize {
         self.quantities.len() + 1
     }
 
-    /// The same in bytes.
+    /// As [`stride`](Self::stride), in bytes.
     pub fn stride_in_bytes(&self) -> u64 {
         8 * self.stride() as u64
     }
 }
 
-/// Memory and form in which a program wants results.
+/// Memory and form of the results that a program requests.
 pub struct HostResults {
-    /// Address to which they go.
+    /// Address of the results.
     pub to: *mut u8,
     /// Number of bytes there.
     pub size: usize,
-    /// From one result to the next, bytes.
+    /// Distance of two results in bytes.
     pub stride: usize,
     /// The form.
     pub flags: vk::QueryResultFlags,
 }
 
 impl HostResults {
-    /// Writes the results of the queries from `first` on, for which the driver returned `raw`. The
-    /// place of a result that is not available is not written, unless the program set `PARTIAL`.
+    /// Writes the results of the queries from `first` on, for which the driver returned `raw`. A
+    /// result that is not available is not written, unless the program set `PARTIAL`.
     ///
     /// # Safety
     /// `to` must be the program's memory, with `size` bytes.
@@ -75,7 +75,7 @@ mod tests {
         let half = QueryScaling { samples: 0.5, primitives: 1.0 };
         let quantities = vec![Quantity::Primitives, Quantity::Samples];
         let pool = Pool::new(quantities, vec![QueryScaling::ONCE, half, half]);
-        // Of the query 1, and of 2, which is not available.
+        // Results of query 1, and of query 2, which is not available.
         let raw = [10, 20, 1, 30, 40, 0];
         let write = |length: usize, size: usize, flags| {
             let mut to = [7_u32; 12];

@@ -1,4 +1,4 @@
-//! Queries of a command buffer that is submitted: which draws they count, and how often each is
+//! Queries of a submitted command buffer: which draws they count, and how often each draw is
 //! issued.
 
 use crate::intercept::scene::query_scaling::{QueryScaling, factor};
@@ -14,39 +14,39 @@ use std::sync::Arc;
 pub struct SampleScale {
     /// The factor.
     pub factor: f64,
-    /// The draw is one of the scene.
+    /// True if the draw belongs to the scene.
     pub of_scene: bool,
 }
 
 impl SampleScale {
-    /// A draw that is issued once.
+    /// The scale of a draw that is issued once.
     pub const ONCE: Self = Self { factor: 1.0, of_scene: false };
 }
 
-/// A query of a command buffer that is submitted.
+/// A query of a submitted command buffer.
 pub struct RunningQuery {
     pool: Arc<Pool>,
     query: u32,
     sample_scale: Option<SampleScale>,
     /// Vertices of the program's draws.
     drawn: f64,
-    /// Vertices that were issued for them.
+    /// Vertices that were issued for these draws.
     issued: f64,
 }
 
 impl RunningQuery {
-    /// A query that begins.
+    /// Returns a query that begins.
     pub fn new(pool: Arc<Pool>, query: u32) -> Self {
         Self { pool, query, sample_scale: None, drawn: 0.0, issued: 0.0 }
     }
 
-    /// True if it is this one.
+    /// True if it is this query.
     pub fn is(&self, pool: &Arc<Pool>, query: u32) -> bool {
         Arc::ptr_eq(&self.pool, pool) && self.query == query
     }
 
-    /// Adds draws of `vertices` vertices that are issued `times` times. Where draws of a scene are
-    /// counted together with others, the scene's scale of samples holds.
+    /// Adds draws of `vertices` vertices that are issued `times` times. If draws of a scene are
+    /// counted together with others, the scale of the scene's samples is used for all.
     pub fn add(&mut self, sample_scale: SampleScale, vertices: u64, times: u32) {
         if self.sample_scale.is_none_or(|known| sample_scale.of_scene && !known.of_scene) {
             self.sample_scale = Some(sample_scale);
@@ -55,19 +55,19 @@ impl RunningQuery {
         self.issued += vertices as f64 * f64::from(times);
     }
 
-    /// The factors of what it counted.
+    /// Returns the factors for its results.
     fn factors(&self) -> QueryScaling {
         let samples = self.sample_scale.unwrap_or(SampleScale::ONCE).factor;
         QueryScaling { samples, primitives: factor(self.drawn, self.issued) }
     }
 
-    /// It ends.
+    /// Ends the query.
     pub fn end(self, device: &Device) {
         self.pool.set_factors(&device.driver, self.query, self.factors());
     }
 }
 
-/// A query begins in a command buffer. Pending clears of Cupola are done first, so that the query
+/// Begins a query in a command buffer. Pending clears of Cupola are done first, so that the query
 /// does not count them.
 ///
 /// # Safety
@@ -82,7 +82,7 @@ pub unsafe fn begin(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryP
     });
 }
 
-/// A query ends in a command buffer.
+/// Ends a query in a command buffer.
 pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
     let Some(pool) = device.queries.get(pool) else { return };
     device.recordings.with(buffer, |recording| {

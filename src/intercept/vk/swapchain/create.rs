@@ -1,4 +1,5 @@
-//! Creation of swapchains: the program draws to stand-in images; the real ones get the correction.
+//! Creation of swapchains. The program draws to stand-in images, and the real images get the
+//! correction.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::clock;
@@ -19,7 +20,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
 impl Swapchain {
-    /// The image that the program has as number `index`.
+    /// Returns image number `index` of the program.
     pub fn given(&self, index: usize) -> Option<vk::Image> {
         match &self.stand_in {
             Some(stand_in) => stand_in.given(index),
@@ -27,10 +28,10 @@ impl Swapchain {
         }
     }
 
-    /// Goes on with the rig as its file is now, before a picture is made. Where only the correction
-    /// changes, it is made anew; images and views of the program's belong to the views that it has
-    /// drawn, so that others need a new swapchain: whether the program should be asked for one.
-    /// If planning or making fails, nothing changes.
+    /// Applies the rig as its file is now, before a picture is made. If only the correction
+    /// changes, it is made again. The program's images fit the old views, so other views need a new
+    /// swapchain. Returns whether the program should be asked for a new swapchain. If planning or
+    /// making fails, nothing changes.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
@@ -45,7 +46,7 @@ impl Swapchain {
         let adopted = plan(device, &live.rig, window, read).and_then(|new| {
             let layout = AtlasLayout { version, ..new };
             let (old, new) = (&stand_in.layout.plan.views, &layout.plan.views);
-            // What is recorded already has the program's camera as the rig adapted it.
+            // Recorded commands contain the program's camera as the old rig changed it.
             let same = stand_in.layout.session.rig().camera == layout.session.rig().camera
                 && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
             // SAFETY: as promised.
@@ -66,7 +67,8 @@ impl Swapchain {
         }
     }
 
-    /// Source of the next picture of image `index`; `None`: it is presented as it is.
+    /// Returns the source of the next picture of image `index`; `None` if the image is presented
+    /// unchanged.
     pub fn show(&self, index: usize) -> Option<PictureSource> {
         let in_views = self.stand_in.as_ref()?.in_views(index);
         Some(match (self.failed, in_views) {
@@ -78,7 +80,7 @@ impl Swapchain {
     }
 }
 
-/// Plans a rig for a window. The log says which outputs are made by another method.
+/// Plans a rig for a window. The log reports outputs that are made by another method.
 fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<AtlasLayout> {
     let (vertices, undivided) = (device.role.vertices.vertices, device.role.vertices.undivided);
     let projects = vertices != VertexProcessing::Views;
@@ -91,9 +93,7 @@ fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Atla
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
     if rig.views.duplicate == Duplicate::InTurn {
-        log::once(
-            "Vulkan: views are not drawn in turn: what is drawn off screen is followed as with duplicate \"auto\"",
-        );
+        log::once("Vulkan: views are not drawn in turn: off-screen drawing is followed as with duplicate \"auto\"");
     }
     AtlasLayout::new(rig, size, device.driver.greatest_image(), read, vertices)
 }
@@ -127,7 +127,7 @@ pub unsafe extern "system" fn create(
     let Some(device) = device::get(handle) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
     // SAFETY: the program's structure.
     let given = unsafe { &*info };
-    // SAFETY: the program's own call; the structure differs in its usage and flags only.
+    // SAFETY: the program's own call; the structure differs only in its usage and flags.
     let next = |info: &vk::SwapchainCreateInfoKHR<'_>| unsafe {
         let result = (device.driver.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain);
         if result == vk::Result::SUCCESS {
@@ -158,7 +158,7 @@ pub unsafe extern "system" fn create(
     }
     changed.image_usage |= wanted | read;
     if !passthrough {
-        // The correction's views of the images are made at once, which needs their memory.
+        // The correction makes views of the images at once, which needs the memory of the images.
         changed.flags &= !vk::SwapchainCreateFlagsKHR::DEFERRED_MEMORY_ALLOCATION_EXT;
     }
     let result = next(&changed);
@@ -170,11 +170,11 @@ pub unsafe extern "system" fn create(
     vk::Result::SUCCESS
 }
 
-/// Looks after a swapchain from now on. One that cannot be corrected is counted and captured
-/// nevertheless.
+/// Takes charge of a new swapchain. If it cannot be corrected, its frames are still counted and
+/// captured.
 ///
 /// # Safety
-/// The driver has just made it from `given`, with usages of its images for ours.
+/// The driver has just made it from `given`, with the usages that Cupola needs.
 unsafe fn manage(
     device: &Device,
     made: vk::SwapchainKHR,
@@ -200,10 +200,10 @@ unsafe fn manage(
     }
 }
 
-/// Returns the supported usage of images of a new swapchain's surface: all, if the driver does not
-/// say. The driver is not asked again for a swapchain that follows another. It answers by way of
-/// the display's server, and the longer the program's call takes until the driver has it, the
-/// likelier the window has another size by then.
+/// Returns the supported usage of images of a new swapchain's surface; all usages if the driver
+/// gives none. The driver is not asked again for a swapchain that replaces another: its answer
+/// comes from the display server, and the longer the program's call takes until it reaches the
+/// driver, the likelier the window has another size by then.
 ///
 /// # Safety
 /// The structure must be one that the program passes for this device.
@@ -231,7 +231,7 @@ unsafe fn build(
 ) -> Result<Swapchain> {
     // SAFETY: as promised.
     let real = unsafe { real_images(device, swapchain) }
-        .map_err(|error| Error::new(ErrorKind::Graphics, format!("the driver does not tell its images: {error}")))?;
+        .map_err(|error| Error::new(ErrorKind::Graphics, format!("the driver does not return its images: {error}")))?;
     let stand_in = match corrected {
         None => {
             real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
@@ -266,7 +266,7 @@ unsafe fn build(
 unsafe fn real_images(device: &Device, swapchain: vk::SwapchainKHR) -> VkResult<Vec<vk::Image>> {
     let ask = device.driver.swapchain.get_swapchain_images_khr;
     let (handle, mut count) = (device.driver.functions.handle(), 0);
-    // SAFETY: asks for the number, then for as many.
+    // SAFETY: gets the number first, and then that number of images.
     unsafe {
         ask(handle, swapchain, &mut count, std::ptr::null_mut()).result()?;
         let mut images = vec![vk::Image::null(); count as usize];
@@ -292,7 +292,7 @@ pub unsafe extern "system" fn images(
     };
     let managed = managed.locked();
     let all: Vec<vk::Image> = (0..managed.real.len()).filter_map(|index| managed.given(index)).collect();
-    // SAFETY: `count` is the program's, and `images` has room for as many as it says.
+    // SAFETY: `count` is the program's, and `images` has room for that number of images.
     unsafe {
         if images.is_null() {
             *count = all.len() as u32;
@@ -316,7 +316,7 @@ pub unsafe extern "system" fn destroy(
 ) {
     let Some(device) = device::get(handle) else { return };
     let managed = device.swapchains.all.locked().remove(&swapchain);
-    // SAFETY: the program has finished with the swapchain; our own commands are waited for.
+    // SAFETY: the program has finished with the swapchain; Cupola's own commands are waited for.
     unsafe {
         (device.driver.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
         if let Some(managed) = managed {

@@ -6,12 +6,12 @@ use crate::intercept::vk::state::driver::own_image::OwnImage;
 use crate::intercept::vk::state::views::view_target::{ATLAS_FLAGS, ATLAS_USAGE};
 use ash::vk;
 
-/// Error for an object that the driver refuses.
+/// Returns the error for an object that the driver refuses.
 pub(super) fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("the driver refuses {what}: {result}"))
 }
 
-/// The format with the same bits that converts nothing.
+/// Returns the format with the same bits but without conversion of values.
 pub(super) fn plain_format(format: vk::Format) -> vk::Format {
     match format {
         vk::Format::B8G8R8A8_SRGB => vk::Format::B8G8R8A8_UNORM,
@@ -21,7 +21,7 @@ pub(super) fn plain_format(format: vk::Format) -> vk::Format {
     }
 }
 
-/// An image like those of the swapchain, in `size`.
+/// Returns the description of an image like those of the swapchain, in `size`.
 fn like<'a>(info: &vk::SwapchainCreateInfoKHR<'a>, (width, height): (u32, u32)) -> vk::ImageCreateInfo<'a> {
     let mut image = vk::ImageCreateInfo::default()
         .image_type(vk::ImageType::TYPE_2D)
@@ -37,7 +37,7 @@ fn like<'a>(info: &vk::SwapchainCreateInfoKHR<'a>, (width, height): (u32, u32)) 
     image
 }
 
-/// An image for the program in the place of a real one.
+/// Makes an image for the program in place of a real one.
 ///
 /// # Safety
 /// The device must be live.
@@ -54,7 +54,8 @@ pub(super) unsafe fn program_image(
     unsafe { OwnImage::new(&device.driver, &image) }
 }
 
-/// An image for the views; the program's render passes can draw into it, and the correction reads
+/// Makes an image for the views. The program's render passes can draw into it, and the correction
+/// reads it.
 /// it.
 ///
 /// # Safety
@@ -69,7 +70,7 @@ pub(super) unsafe fn atlas_image(
     unsafe { OwnImage::new(&device.driver, &image) }
 }
 
-/// An image that the correction draws to, and that is then copied.
+/// Makes an image that the correction draws to, and that is then copied.
 ///
 /// # Safety
 /// The device must be live.

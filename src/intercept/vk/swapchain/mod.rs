@@ -1,10 +1,10 @@
 //! Swapchains: `vkCreateSwapchainKHR`, `vkGetSwapchainImagesKHR`, `vkDestroySwapchainKHR` and
 //! `vkQueuePresentKHR`.
 //!
-//! The program gets stand-in images in place of a swapchain's own; each has an atlas for the views
-//! and the panel. When it presents one, the correction draws the real image from the atlas, or from
-//! the stand-in image on the panel if nothing was drawn to views. State: `state::swapchains`, which
-//! this room alone changes.
+//! The program gets stand-in images in place of the images of a swapchain. Each has an atlas for
+//! the views and the panel. When the program presents one, the correction draws the real image from
+//! the atlas. If nothing was drawn to views, it draws the stand-in image on the panel. State:
+//! `state::swapchains`, which only this module changes.
 //!
 //! ```text
 //! program ─ draws flat ──► stand-in image ─ copied to the panel ─┐

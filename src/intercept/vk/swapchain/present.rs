@@ -1,4 +1,4 @@
-//! The end of a frame: the picture is corrected, counted, captured and presented.
+//! The end of a frame: its picture is corrected, counted, captured and presented.
 
 use crate::correct::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
@@ -49,15 +49,15 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
         log::once("Vulkan: a frame could not be corrected after a failure");
     }
     if let Some(ready) = &ready {
-        // What the program's semaphores stand for, ours were signalled after.
+        // Cupola's semaphores are signalled after the program's, so they replace them.
         changed = changed.wait_semaphores(ready);
     }
     // SAFETY: the lengths and arrays of the program's structure.
     if let Some(first) = unsafe { slice(changed.p_swapchains, changed.swapchain_count) }.first() {
-        // A late frame is shown all the same: an image that was acquired has to be presented.
+        // A late frame is presented all the same, because an acquired image has to be presented.
         nodes::end_frame(clock::window_of_swapchain(first.as_raw()), || (0, 0));
     }
-    // SAFETY: the program's own call; the structure differs in what is waited for.
+    // SAFETY: the program's own call; the structure differs only in its semaphores.
     let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };
     if last {
         last_frame::end_program();
@@ -68,7 +68,8 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     if result == vk::Result::SUCCESS && outdated { vk::Result::SUBOPTIMAL_KHR } else { result }
 }
 
-/// Lets what is presented follow the rig's file; whether the program should make new swapchains.
+/// Applies changes of the rig's file to the presented swapchains. Returns whether the program
+/// should make new ones.
 ///
 /// # Safety
 /// As for [`present`].
@@ -85,9 +86,9 @@ unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
     outdated
 }
 
-/// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the
-/// place of the program's semaphores, where those were waited for here. Returns whether each image
-/// has a picture.
+/// Corrects each image that is presented. `ready` gets the semaphores that the presentation has to
+/// wait for instead of the program's, if the program's were waited for here. Returns whether each
+/// image has a picture.
 ///
 /// # Safety
 /// As for [`present`].
@@ -131,10 +132,10 @@ struct Presentation<'a> {
     queue: Queue,
     /// Number of this frame, from 1.
     number: u64,
-    /// The program ends after this frame.
+    /// True if the program ends after this frame.
     last: bool,
-    /// Semaphores for which the next submission has to wait. The first one waits for everything;
-    /// the commands that follow on the queue come after it.
+    /// Semaphores that the next submission has to wait for. Only the first submission waits for
+    /// them, since later commands on the queue come after it.
     waits: &'a [vk::Semaphore],
     /// Semaphores for which the presentation waits, as for [`prepare`].
     ready: &'a mut Option<Vec<vk::Semaphore>>,
@@ -164,7 +165,8 @@ impl Presentation<'_> {
         !matches!(made, Made::Lost)
     }
 
-    /// Notes a submission that waited for [`Presentation::waits`], and the semaphore that it signals.
+    /// Notes a submission that waited for [`Presentation::waits`], and the semaphore that it
+    /// signals.
     fn submitted(&mut self, signal: Option<vk::Semaphore>) {
         self.ready.get_or_insert_default().extend(signal);
         self.waits = &[];
@@ -184,7 +186,7 @@ impl Presentation<'_> {
         }
     }
 
-    /// Stores pictures and statistics for the report at the program's end.
+    /// Stores pictures and statistics for the exit report.
     ///
     /// # Safety
     /// As for [`present`].
@@ -218,7 +220,7 @@ fn wait_for_counts(device: &Device, managed: &Swapchain) {
     }
 }
 
-/// As [`make`], with its time among the statistics if it is `timed`.
+/// As [`make`], and adds its time to the statistics if `timed`.
 ///
 /// # Safety
 /// As for [`present`].
@@ -249,9 +251,9 @@ fn off_screen(device: &Device) -> OffScreen {
     }
 }
 
-/// The picture of a window.
+/// How the picture of a window was made.
 enum Made {
-    /// Its commands were submitted; this says when it can be presented.
+    /// Its commands were submitted; the semaphore is signalled when it can be presented.
     Submitted(vk::Semaphore),
     /// The program draws to the real image.
     AsItIs,
@@ -280,7 +282,7 @@ unsafe fn make(device: &Device, queue: Queue, managed: &mut Swapchain, index: us
                 return Made::Lost;
             }
             Err(error) => {
-                // What is recorded from now on goes to that picture, and not to views.
+                // Drawing that is recorded from now on goes to that picture, and not to views.
                 device.flatness.show_own(&error.message);
                 managed.failed = true;
             }
@@ -288,7 +290,7 @@ unsafe fn make(device: &Device, queue: Queue, managed: &mut Swapchain, index: us
     }
 }
 
-/// The outputs of the frame that was just made, and the pictures that they were made of.
+/// Returns the outputs of the frame that was just made, and the views that they were made from.
 ///
 /// # Safety
 /// As for [`present`].
@@ -334,8 +336,7 @@ unsafe fn captured(
         Some(stand_in) if stand_in.in_views(index) => {
             let (layout, atlas) = (&stand_in.layout, stand_in.atlas(index).unwrap_or_default());
             let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
-            // SAFETY: the atlas is as large as its layout says, and ready as an image that is
-            // presented.
+            // SAFETY: the atlas has the size of its layout, and is in the layout for presentation.
             let bytes =
                 unsafe { read_back::read(device, queue, atlas, texel_format.size(), extent, &[]) }.map_err(failed)?;
             let tiles = layout.tiles();
@@ -346,14 +347,14 @@ unsafe fn captured(
     Ok((outputs, views))
 }
 
-/// Number of primitives that were not divided enough so far, if they are counted.
+/// Returns the number of primitives that were not divided enough so far, if they are counted.
 fn coarse(device: &Device) -> Option<u64> {
     let counts = device.pipelines.divided.uncounted().is_none();
     counts.then(|| device.view_constants.counted().unwrap_or(0).into())
 }
 
 /// Completes the exit report of the last frame. The device has finished all work and is about to be
-/// destroyed; the report was incomplete, since the frame was not known to be the last.
+/// destroyed. The report was incomplete because nobody knew that the frame was the last.
 pub fn count_again(device: &Device) {
     last_frame::amend(device.presented.report.load(Ordering::Relaxed), |statistics| {
         statistics.coarse_primitives = coarse(device)
@@ -366,8 +367,9 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         (frame.counts.clone(), common_statistics::lenses(&frame.cameras).collect())
     };
     let divided = &device.pipelines.divided;
-    let uncounted =
-        divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));
+    let uncounted = divided
+        .uncounted()
+        .map(|why| format!("Vulkan: primitives that are not divided far enough are not counted: {why}"));
     let mut statistics = Statistics {
         notes: device.flatness.note().into_iter().chain(uncounted).collect(),
         draws_seen: counts.seen,

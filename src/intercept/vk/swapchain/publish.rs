@@ -1,4 +1,4 @@
-//! Finished pictures for other processes: what is read of a frame, and when.
+//! Finished pictures for other processes: which pictures of a frame are read, and when.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::publishing::{self, Stamp};
@@ -9,15 +9,16 @@ use crate::intercept::vk::state::swapchains::publishing::Publishing;
 use ash::vk;
 use std::sync::Arc;
 
-/// Reads the pictures of the frame that was just made in image `index`, after `waits`, and hands on
-/// those that were read before. Returns what the presentation has to wait for.
+/// Reads the pictures of the frame that was just made in image `index`, after `waits`, and
+/// publishes pictures that were read earlier. Returns the semaphore that the presentation has to
+/// wait for.
 ///
 /// # Errors
 /// The driver's.
 ///
 /// # Safety
-/// No other thread may use the queue or present this swapchain; what was submitted to the queue,
-/// and `waits`, leave the image ready to be presented.
+/// No other thread may use the queue or present this swapchain; the submissions to the queue, and
+/// `waits`, leave the image ready to be presented.
 pub unsafe fn frame(
     device: &Device,
     queue: Queue,
@@ -55,7 +56,7 @@ pub unsafe fn frame(
     Ok(copied)
 }
 
-/// Makes the reader of the pictures for the window as it is now.
+/// Makes the reader of the pictures for the current window.
 ///
 /// # Safety
 /// The device must be live.

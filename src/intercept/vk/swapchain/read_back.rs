@@ -1,4 +1,5 @@
-//! Read-back of images, for captures. Waits for the device: captures are not part of a frame.
+//! Read-back of images, for captures. It waits for the device, since captures are not part of a
+//! frame.
 
 use crate::correct::PixelRect;
 use crate::intercept::vk::state::device::Device;
@@ -9,16 +10,15 @@ use crate::runtime::run_results::Picture;
 use ash::prelude::VkResult;
 use ash::vk;
 
-/// Reads an image whose texels have `size` bytes, as it is when it is presented, and leaves it so,
-/// after `waits`; rows from the top.
+/// Reads an image with texels of `size` bytes, after `waits`. The image has the layout for
+/// presentation before and after. The rows start at the top.
 ///
 /// # Errors
 /// The driver's.
 ///
 /// # Safety
-/// `queue` must not be in use by another thread; the image can be copied from, is as
-/// large as `extent` says, and what was submitted to the queue before leaves it ready to be
-/// presented.
+/// `queue` must not be in use by another thread; the image can be copied from, has the size
+/// `extent`, and earlier submissions to the queue leave it ready to be presented.
 pub unsafe fn read(
     device: &Device,
     queue: Queue,
@@ -36,7 +36,7 @@ pub unsafe fn read(
     }
 }
 
-/// Objects of one reading; null until they are made.
+/// Objects of one read-back; null until they are made.
 #[derive(Default)]
 struct Reading {
     buffer: vk::Buffer,
@@ -110,8 +110,7 @@ impl Reading {
     }
 }
 
-/// A rectangle within a picture with rows
-/// of `stride` pixels from the top.
+/// Copies a rectangle from a picture with rows of `stride` pixels from the top.
 pub fn cut(
     bytes: &[u8],
     stride: u32,
@@ -137,7 +136,7 @@ mod tests {
 
     #[test]
     fn a_rectangle_is_cut_and_turned() {
-        // 2 × 3 pixels, each with its number in every channel but for the order.
+        // 2 × 3 pixels, numbered; each number is in every channel, with a different offset.
         let bytes: Vec<u8> = (0..6).flat_map(|n| [n, 10 + n, 20 + n, 99]).collect();
         let picture = cut(&bytes, 2, TexelFormat::Bgra8, "a", PixelRect::new(1, 1, 1, 2));
         assert_eq!(picture.rgba, [25, 15, 5, 255, 23, 13, 3, 255], "rows from the bottom, red first");

@@ -1,5 +1,5 @@
-//! The command buffers that make the window's picture from a stand-in image or its atlas, and their
-//! submission.
+//! The command buffers that make the window's picture from a stand-in image or its atlas, and the
+//! submission of these command buffers.
 
 use super::images::refused;
 use crate::backend::vk::{COLOR, Use};
@@ -23,7 +23,7 @@ impl PictureSource {
     }
 }
 
-/// Nanoseconds that the last picture of an image may take. A device that takes longer hangs.
+/// Longest time for the last picture of an image, in nanoseconds. A device that takes longer hangs.
 const LONGEST_WAIT: u64 = 60_000_000_000;
 
 fn missing(index: usize) -> Error {
@@ -32,13 +32,13 @@ fn missing(index: usize) -> Error {
 
 impl StandIn {
     /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the
-    /// semaphore that says that it can be presented.
+    /// semaphore that is signalled when the picture can be presented.
     ///
-    /// Waits until the last picture of this image is done, 60 seconds at most. Normally it is
-    /// done: the window system has handed the image out again.
+    /// Waits until the last picture of this image is done, for 60 seconds at most. Normally it is
+    /// done already, since the window system has returned the image.
     ///
     /// # Errors
-    /// The driver's; and where the family cannot draw. Nothing was submitted then.
+    /// The driver's errors, or that the family cannot draw. Nothing is submitted then.
     ///
     /// # Safety
     /// No other thread may use the queue or present this swapchain meanwhile.
@@ -50,7 +50,7 @@ impl StandIn {
         show: PictureSource,
         waits: &[vk::Semaphore],
     ) -> Result<vk::Semaphore> {
-        // SAFETY: as promised; the command buffer is recorded, and not pending any more.
+        // SAFETY: as promised; the command buffer is recorded, and no longer pending.
         unsafe {
             let commands = [self.commands(device, queue.family, index, show)?];
             let source = self.source_of(index, show);
@@ -82,11 +82,11 @@ impl StandIn {
         }
     }
 
-    /// The command buffer that makes the window's picture `index`, for queues of `family`; recorded
-    /// at first.
+    /// Returns the command buffer that makes the window's picture `index`, for queues of `family`.
+    /// It is recorded when it is needed first.
     ///
     /// # Errors
-    /// The driver's; and where the family cannot draw.
+    /// The driver's errors, or that the family cannot draw.
     ///
     /// # Safety
     /// No other thread may present this swapchain meanwhile.
@@ -131,7 +131,8 @@ impl StandIn {
             }
             device.driver.functions.end_command_buffer(buffer).map_err(refused("to record"))?;
             if fills {
-                // The first one also fills masks and tables, which is done once.
+                // The first command buffer also fills masks and tables, which must be done only
+                // once.
                 self.uploaded = true;
             } else if let Some(slot) = self.slots.get_mut(index) {
                 slot.commands[show as usize] = buffer;
@@ -140,7 +141,7 @@ impl StandIn {
         }
     }
 
-    /// Records what makes the window's picture `index`.
+    /// Records the commands that make the window's picture `index`.
     ///
     /// # Safety
     /// The command buffer is being recorded.
@@ -154,7 +155,7 @@ impl StandIn {
         let (Some(slot), Some(&real)) = (self.slots.get(index), self.real.get(index)) else { return Ok(()) };
         let (given, atlas) = (slot.given.image, slot.atlas.image);
         let commands = Commands { device, buffer, window: self.layout.window };
-        // SAFETY: as promised; all images are live, and as large as is said.
+        // SAFETY: as promised; all images are live and have the given sizes.
         unsafe {
             match show {
                 PictureSource::Own => commands.show(given, real, vk::Offset3D::default()),
@@ -165,8 +166,8 @@ impl StandIn {
                 PictureSource::Views => self.record_correction(buffer, index, show)?,
                 PictureSource::Panel => {
                     commands.show_on_panel(given, atlas, self.layout.flat_place().offset());
-                    // Where the picture covers the views, the correction reads the atlas as it was
-                    // copied to.
+                    // If the picture covers the views, the correction reads the atlas in the layout
+                    // of the copy.
                     if !self.covers() {
                         commands.barrier(atlas, COPIED_TO, PRESENTED);
                     }
@@ -185,7 +186,7 @@ impl StandIn {
         Ok(())
     }
 
-    /// Records the correction of the outputs in the window, and of those beside it.
+    /// Records the correction of the outputs in the window, and of those outside of it.
     ///
     /// # Safety
     /// The command buffer is being recorded.
@@ -212,7 +213,7 @@ struct Commands<'a> {
 }
 
 impl Commands<'_> {
-    /// The region of the whole window, from the corner of one image to the corner of another.
+    /// Returns the region of the whole window, for a copy from image to image at the same position.
     fn whole(&self) -> vk::ImageCopy {
         let (width, height) = self.window;
         let extent = vk::Extent3D { width, height, depth: 1 };
@@ -227,8 +228,8 @@ impl Commands<'_> {
     }
 
     /// # Safety
-    /// The command buffer is being recorded; the images are live, in the layouts of copies, and as
-    /// large as the region says.
+    /// The command buffer is being recorded; the images are live, in the layouts of copies, and
+    /// contain the region.
     unsafe fn copy(&self, from: vk::Image, to: vk::Image, region: vk::ImageCopy) {
         let functions = &self.device.driver.functions;
         // SAFETY: as promised.
@@ -240,7 +241,7 @@ impl Commands<'_> {
     /// Copies the part of an image at `offset` to the real image.
     ///
     /// # Safety
-    /// As for [`Commands::copy`], with images as they are presented.
+    /// As for [`Commands::copy`], with images in the layout for presentation.
     unsafe fn show(&self, from: vk::Image, real: vk::Image, offset: vk::Offset3D) {
         // SAFETY: as promised.
         unsafe {

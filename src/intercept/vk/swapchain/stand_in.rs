@@ -1,4 +1,4 @@
-//! Stand-in images for a swapchain, an atlas for each, and what the correction draws to.
+//! Stand-in images for a swapchain, an atlas for each, and the images that the correction draws to.
 
 use super::images::{atlas_image, own_target, plain_format, program_image, refused};
 use crate::backend::vk::{SourceImage, TargetImage, VkBackend};
@@ -13,11 +13,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl StandIn {
-    /// For the swapchain that the driver made after `info`, with its `real` images. `timed`: it is
-    /// measured how long the device takes.
+    /// Makes the stand-in images for the swapchain that the driver made with `info`, with its
+    /// `real` images. `timed`: the time of the device is measured.
     ///
     /// # Errors
-    /// [`Graphics`](crate::error::ErrorKind::Graphics) where the driver refuses something.
+    /// [`Graphics`](crate::error::ErrorKind::Graphics) if the driver refuses something.
     ///
     /// # Safety
     /// The device must be live, and the images of that swapchain.
@@ -43,7 +43,7 @@ impl StandIn {
             uploaded: false,
             timed,
         };
-        // SAFETY: as promised; after a failure what was made is destroyed.
+        // SAFETY: as promised; after a failure, the objects made so far are destroyed.
         unsafe {
             match stand_in.build(device, info) {
                 Ok(()) => Ok(stand_in),
@@ -72,14 +72,14 @@ impl StandIn {
         prepared
     }
 
-    /// Adds an image for the program, and the atlas for what it draws there.
+    /// Adds an image for the program, and the atlas for draws to it.
     ///
     /// # Safety
     /// As for [`StandIn::new`].
     unsafe fn add_slot(&mut self, device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> Result<()> {
         let same = vk::ComponentMapping::default();
         let opaque = vk::ComponentMapping { a: vk::ComponentSwizzle::ONE, ..same };
-        // SAFETY: as promised; everything is kept in `self` as soon as it is made.
+        // SAFETY: as promised; every object is stored in `self` as soon as it is made.
         unsafe {
             let given = program_image(device, info).map_err(refused("an image for the program"))?;
             let atlas = atlas_image(device, info, self.layout.atlas).map_err(refused("an image for the views"));
@@ -111,14 +111,14 @@ impl StandIn {
         Ok(())
     }
 
-    /// Adds what the correction draws to: the real images, or one image that is then copied to
-    /// them, where their format converts what is drawn.
+    /// Adds the targets of the correction: the real images, or one image that is then copied to
+    /// them, if their format converts values.
     ///
     /// # Safety
     /// As for [`StandIn::new`].
     unsafe fn add_targets(&mut self, device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> Result<()> {
         let same = vk::ComponentMapping::default();
-        // SAFETY: as promised; everything is kept in `self` as soon as it is made.
+        // SAFETY: as promised; every object is stored in `self` as soon as it is made.
         unsafe {
             if self.format == info.image_format {
                 for image in &self.real {
@@ -135,14 +135,14 @@ impl StandIn {
         Ok(())
     }
 
-    /// Adds an image for each output beside the window.
+    /// Adds an image for each output outside of the window.
     ///
     /// # Safety
     /// As for [`StandIn::new`].
     unsafe fn add_outputs_beside(&mut self, device: &Device) -> Result<()> {
         for output in &self.layout.session.rig().beside {
             let (width, height) = output.size.unwrap_or_default();
-            // SAFETY: as promised; everything is kept in `self` as soon as it is made.
+            // SAFETY: as promised; every object is stored in `self` as soon as it is made.
             unsafe {
                 let extent = vk::Extent2D { width, height };
                 let image = own_target(device, self.format, extent).map_err(refused("an image"))?;
@@ -156,7 +156,8 @@ impl StandIn {
         Ok(())
     }
 
-    /// Makes a backend ready to correct by a plan whose views lie as those of this stand-in image.
+    /// Prepares a backend to correct by a plan with the same positions of the views as in this
+    /// stand-in image.
     fn prepare(&self, backend: &mut VkBackend, layout: &AtlasLayout) -> Result<()> {
         backend.prepare(&layout.plan, true, self.format)?;
         backend.set_sources(&self.sources(self.format))?;
@@ -164,17 +165,17 @@ impl StandIn {
     }
 
     /// Corrects by another plan from the next picture on, with the same views in the same window.
-    /// On an error everything stays.
+    /// On an error nothing changes.
     ///
     /// # Errors
-    /// [`Graphics`](crate::error::ErrorKind::Graphics) where the driver refuses something.
+    /// [`Graphics`](crate::error::ErrorKind::Graphics) if the driver refuses something.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn adopt(&mut self, device: &Device, layout: Arc<AtlasLayout>) -> Result<()> {
         let mut backend = VkBackend::new(&device.driver.api);
         let prepared = self.prepare(&mut backend, &layout);
-        // SAFETY: as promised; the device has finished with what is destroyed.
+        // SAFETY: as promised; the device has finished with the destroyed objects.
         unsafe {
             self.wait(device);
             if let Err(error) = prepared {
@@ -184,9 +185,9 @@ impl StandIn {
             self.backend.destroy();
             device.driver.functions.destroy_command_pool(std::mem::take(&mut self.pool), None);
         }
-        // The old backend's times are gone with it.
+        // The times of the old backend are lost.
         self.slots.iter_mut().for_each(|slot| slot.timed = None);
-        // Commands are recorded anew with the next pool.
+        // Commands are recorded again with the next pool.
         (self.backend, self.layout, self.family, self.uploaded) = (backend, layout, u32::MAX, false);
         Ok(())
     }
@@ -201,7 +202,7 @@ impl StandIn {
         self.layout.flat_place() == self.layout.panel
     }
 
-    /// The atlases: twice each, as they are and as if they covered everything.
+    /// Returns two sources for each atlas: one with its own alpha, and one that is opaque.
     fn sources(&self, format: vk::Format) -> Vec<SourceImage> {
         let drawn = (PRESENTED.layout, vk::PipelineStageFlags::ALL_COMMANDS, vk::AccessFlags::MEMORY_WRITE);
         let copied = (COPIED_TO.layout, vk::PipelineStageFlags::TRANSFER, COPIED_TO.access);
@@ -252,22 +253,22 @@ impl StandIn {
         images.zip(&self.targets).map(target).chain(beside).collect()
     }
 
-    /// The image that the program has as number `index`.
+    /// Returns image number `index` of the program.
     pub fn given(&self, index: usize) -> Option<vk::Image> {
         self.slots.get(index).map(|slot| slot.given.image)
     }
 
-    /// The atlas of image `index`.
+    /// Returns the atlas of image `index`.
     pub fn atlas(&self, index: usize) -> Option<vk::Image> {
         self.slots.get(index).map(|slot| slot.atlas.image)
     }
 
-    /// True if the latest frame in image `index` is in the views.
+    /// True if the latest frame of image `index` was drawn to the views.
     pub fn in_views(&self, index: usize) -> bool {
         self.slots.get(index).is_some_and(|slot| slot.target.in_views.load(Ordering::Relaxed))
     }
 
-    /// Waits until the device has done what was submitted.
+    /// Waits until the device has finished the submitted work.
     ///
     /// # Safety
     /// The device must be live.
