@@ -1,9 +1,9 @@
-//! 4×4 matrices of a shader that may be functions of the program's camera: each becomes a choice
-//! between the program's own and one of Cupola's.
+//! 4×4 matrices of a shader that may be functions of the program's camera. Each becomes a choice
+//! between the program's matrix and one of Cupola's.
 //!
-//! A function of Cupola, to which the entry point leads, gives each matrix a variable: what the
-//! program's block holds, or what the view constants hold, as they say. Loads of the matrix, or of
-//! a part of it, become loads of the variable.
+//! A function of Cupola, which becomes the entry point's function, gives each matrix a variable:
+//! with the value of the program's block, or with that of the view constants. A number in the view
+//! constants chooses. Loads of the matrix, or of a part of it, become loads of the variable.
 
 use crate::intercept::scene::eye;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
@@ -15,26 +15,27 @@ use crate::runtime::session::ViewMatrix;
 use spirv::{Decoration, ExecutionModel, FunctionControl, Op, StorageClass};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// More matrices of one stage are not looked at.
+/// Greatest number of matrices of one stage that are examined.
 pub const MOST_CAMERAS: usize = 4;
 
-/// Bytes that the matrices of both stages take, with the numbers that choose them.
+/// Size in bytes of the matrices of both stages, with the numbers that choose between them.
 pub const CAMERA_BYTES: u32 = 2 * (MOST_CAMERAS as u32 * 64 + 16);
 
-/// GLSL's inverse.
+/// Number of GLSL's function for the inverse.
 const INVERSE: u32 = 34;
 
 /// A shader with choices.
 pub struct Chosen {
     /// Its words.
     pub words: Vec<u32>,
-    /// Its matrices, in the order of Cupola's, and what they are by their names.
+    /// Its matrices, in the order of Cupola's, and the kinds of view matrix that their names
+    /// suggest.
     pub matrices: Vec<(Matrix, Option<ViewMatrix>)>,
-    /// It computes an inverse.
+    /// True if it computes an inverse.
     pub inverts: bool,
 }
 
-/// A matrix of the program: the variable, and the members and elements that lead there.
+/// A matrix of the program: the variable, and the path of members and elements to it.
 type Place = (u32, Vec<u32>);
 
 /// A chain of indices that leads to a matrix or into it.
@@ -42,11 +43,11 @@ struct Chain {
     place: Place,
     /// Ids of the indices that lead to the matrix.
     to_matrix: Vec<u32>,
-    /// Those that lead on.
+    /// Ids of the indices within the matrix.
     rest: Vec<u32>,
 }
 
-/// A matrix that is looked at.
+/// A matrix that is examined.
 struct Found {
     matrix: Matrix,
     /// Its type.
@@ -60,12 +61,12 @@ struct Found {
     class: u32,
 }
 
-/// `words` with a choice for each 4×4 matrix; `None` where there is none. Of a vertex stage those
-/// are left that may flow into the position. The matrices of Cupola, and behind them the numbers
-/// that choose them, lie at `offset` in the uniform block at binding 0 of `set`.
+/// Returns `words` with a choice for each 4×4 matrix; `None` if there is no such matrix. In a
+/// vertex stage, matrices that may flow into the position are left out. The matrices of Cupola lie
+/// at `offset` in the uniform block at binding 0 of `set`. The numbers that choose follow them.
 ///
 /// # Errors
-/// For people: what the shader does that cannot be followed.
+/// What the shader does that cannot be followed, for the log.
 pub fn camera_matrices(
     words: &[u32],
     model: ExecutionModel,
@@ -117,8 +118,8 @@ pub fn camera_matrices(
     Ok(Some(Chosen { words: put_into(additions, words, &all, &entry, change), matrices, inverts }))
 }
 
-/// Those of the matrices between which and ours a stage chooses: what is handed on as a whole is
-/// left, and what may flow into the position.
+/// Returns the matrices that get a choice. Matrices that are passed on by pointer are left out, and
+/// so are matrices that may flow into the position.
 fn to_choose(
     all: &[Instruction<'_>],
     declared: &Declarations<'_>,
@@ -127,7 +128,7 @@ fn to_choose(
     mut found: BTreeMap<Place, Found>,
 ) -> Vec<(Place, Found)> {
     if model == ExecutionModel::Vertex {
-        // Any of them may make the position.
+        // Any of the matrices may make the position.
         let Some(loads) = PositionLoads::of(all, declared) else { return Vec::new() };
         found.retain(|_, found| !loads.contain(found.variable, &found.members));
     }
@@ -141,7 +142,7 @@ fn is_chain(i: &Instruction<'_>) -> bool {
     i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain)
 }
 
-/// The chains of a module by their results, and the matrices that they lead to.
+/// Returns the chains of a module by their results, and the matrices that they lead to.
 fn chains(all: &[Instruction<'_>], declared: &Declarations<'_>) -> (HashMap<u32, Chain>, BTreeMap<Place, Found>) {
     let (mut chains, mut found) = (HashMap::new(), BTreeMap::new());
     let mut indices: HashMap<u32, (u32, Vec<u32>)> = HashMap::new();
@@ -159,7 +160,8 @@ fn chains(all: &[Instruction<'_>], declared: &Declarations<'_>) -> (HashMap<u32,
     (chains, found)
 }
 
-/// The matrix that constant indices of a block lead to, with the numbers of these indices.
+/// Returns the matrix at the end of constant indices into a block, with the values of these
+/// indices.
 fn matrix_at(declared: &Declarations<'_>, variable: u32, path: &[u32]) -> Option<(Vec<u32>, Found)> {
     let (class, mut kind) = declared.pointee(variable)?;
     let number = |kind| declared.number(variable, None, kind).unwrap_or(0);
@@ -201,7 +203,7 @@ fn matrix_at(declared: &Declarations<'_>, variable: u32, path: &[u32]) -> Option
     None
 }
 
-/// The matrices of which pointers are used otherwise than by loads.
+/// Returns the matrices whose pointers are used for more than loads.
 fn handed_on(all: &[Instruction<'_>], chains: &HashMap<u32, Chain>) -> HashSet<Place> {
     let mut handed = HashSet::new();
     for i in all {
@@ -217,7 +219,7 @@ fn handed_on(all: &[Instruction<'_>], chains: &HashMap<u32, Chain>) -> HashSet<P
     handed
 }
 
-/// A variable of Cupola.
+/// Adds a variable of Cupola.
 fn private(to: &mut Additions<'_>, kind: u32) -> u32 {
     let [pointer, variable] = std::array::from_fn(|_| to.id());
     let class = StorageClass::Private as u32;
@@ -226,7 +228,7 @@ fn private(to: &mut Additions<'_>, kind: u32) -> u32 {
     variable
 }
 
-/// For the types of chains into matrices the same for our variables.
+/// Returns, for the types of chains into matrices, the same types for Cupola's variables.
 fn private_pointers(
     to: &mut Additions<'_>,
     declared: &Declarations<'_>,
@@ -247,14 +249,14 @@ fn private_pointers(
     made
 }
 
-/// The block with our matrices: columns, and numbers that choose.
+/// The block with Cupola's matrices: columns, and numbers that choose.
 struct Block {
     variable: u32,
-    /// Pointer to four floats.
+    /// Type of a pointer to four floats.
     member: u32,
     int: u32,
     vector: u32,
-    /// Numbers of the block's members.
+    /// Indices of the block's members.
     members: [u32; 2],
 }
 
@@ -282,7 +284,7 @@ fn block(to: &mut Additions<'_>, (set, offset): (u32, u32)) -> Block {
     Block { variable, member, int, vector, members: [zero, one] }
 }
 
-/// The function that gives our variables their values and calls `main`.
+/// Returns a function that sets Cupola's variables and calls `main`.
 fn wrapper(to: &mut Additions<'_>, found: &[(Place, Found)], variables: &[u32], block: &Block, main: u32) -> u32 {
     let void = to.kind(Op::TypeVoid, &[]);
     let function = to.kind(Op::TypeFunction, &[void]);

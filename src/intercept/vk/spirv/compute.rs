@@ -13,7 +13,7 @@ pub enum BufferWrites {
     Nothing,
     /// Sums and other results of atomic instructions.
     Sums,
-    /// Values at places.
+    /// Values at positions.
     Places,
 }
 
@@ -24,20 +24,20 @@ pub struct ComputeUse {
     pub read: Vec<DescriptorPlace>,
     /// Descriptors of the images that it stores to.
     pub written: Vec<DescriptorPlace>,
-    /// It changes images by atomic instructions.
+    /// True if it changes images by atomic instructions.
     pub image_atomics: bool,
     /// Kind of its writes to buffers.
     pub buffers: BufferWrites,
 }
 
-/// Values that come from more places are not followed.
+/// Greatest number of steps in the search for the origins of a value.
 const MOST_STEPS: usize = 256;
 
-/// Deeper chains of pointers, or of calls, are not followed.
+/// Greatest depth of chains of pointers, or of calls, that is followed.
 const DEEPEST: usize = 16;
 
-/// Returns what the shader of a module reads and writes; in doubt all that it can. `None` where
-/// `words` are no module.
+/// Returns the images and buffers that a shader reads and writes; in doubt, all that it can. `None`
+/// if `words` are no module.
 pub fn compute_use(words: &[u32]) -> Option<ComputeUse> {
     let all = instructions(words)?;
     let declared = Declarations::new(&all);
@@ -50,7 +50,7 @@ pub fn compute_use(words: &[u32]) -> Option<ComputeUse> {
     })
 }
 
-/// An image variable: its descriptor, and whether it is one that shaders store to.
+/// Returns an image variable's descriptor, and whether shaders can store to it.
 fn image(declared: &Declarations<'_>, variable: u32) -> Option<(DescriptorPlace, bool)> {
     let (class, mut kind) = declared.pointee(variable)?;
     if class != StorageClass::UniformConstant as u32 {
@@ -64,7 +64,7 @@ fn image(declared: &Declarations<'_>, variable: u32) -> Option<(DescriptorPlace,
             None => break,
         }
     }
-    // Type, dimension, depth, layers, samples, whether it is sampled.
+    // Operands: type, dimension, depth, layers, samples, whether it is sampled.
     let of_image = declared.get(kind, Op::TypeImage).filter(|image| image.operand(2) != Dim::DimBuffer as u32)?;
     let number = |kind| declared.number(variable, None, kind).unwrap_or(0);
     Some(((number(Decoration::DescriptorSet), number(Decoration::Binding)), of_image.operand(6) == 2))
@@ -102,7 +102,7 @@ fn images(
             Some(Op::ImageRead | Op::ImageSparseRead | Op::ImageFetch | Op::ImageSparseFetch) => {
                 note(i.operand(2), Some(false));
             }
-            // All that sample, or gather.
+            // All instructions that sample or gather.
             Some(op)
                 if (Op::ImageSampleImplicitLod as u32..=Op::ImageDrefGather as u32).contains(&(op as u32))
                     || (Op::ImageSparseSampleImplicitLod as u32..=Op::ImageSparseDrefGather as u32)
@@ -151,7 +151,8 @@ impl Origins {
         Self { from, arguments }
     }
 
-    /// Those of `known` that a value comes from; `None` where it may come from elsewhere.
+    /// Returns the variables of `known` that a value comes from; `None` if it may come from another
+    /// one.
     fn variables(&self, id: u32, known: &[u32]) -> Option<Vec<u32>> {
         let (mut open, mut found) = (vec![(id, DEEPEST)], Vec::new());
         let mut left = MOST_STEPS;

@@ -1,37 +1,37 @@
-//! Values that flow into `Position`: only a matrix among them can be the lens.
+//! Values that flow into `Position`. Only a matrix among them can contain the lens.
 //!
-//! Ids and variables of all functions are followed. Each variable is followed as a whole, except
-//! blocks that the program fills, whose members are followed one by one. In doubt a value flows:
-//! all conditions, in whichever function, and all arguments of a call.
+//! Ids and variables of all functions are followed. Each variable is followed as one value. Only
+//! blocks that the program fills are followed member by member. In doubt a value counts as flowing:
+//! this includes all conditions, in every function, and all arguments of a call.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// A member of the program's blocks: the variable, and the members that lead there.
+/// A member of the program's blocks: the variable, and the path of members to it.
 type Member = (u32, Vec<u32>);
 
 /// Members of the program's blocks that may flow into the position.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct PositionLoads {
     members: HashSet<Member>,
-    /// Of arrays the elements that are loaded by their number, each with whether it only goes into
-    /// scalar products.
+    /// Elements of arrays that are loaded by a constant index. The value is true if the element is
+    /// only used in scalar products.
     elements: HashMap<Member, BTreeMap<u32, bool>>,
 }
 
 impl PositionLoads {
-    /// True if what is loaded includes the member at `path` of a variable, or a part of it.
-    /// Elements of arrays count as one.
+    /// True if the loaded members include the member at `path` of a variable, or a part of it. All
+    /// elements of an array count as one.
     pub fn contain(&self, variable: u32, path: &[u32]) -> bool {
         self.members.iter().any(|(of, loaded)| *of == variable && loaded.iter().zip(path).all(|(a, b)| a == b))
     }
 
-    /// Groups of four elements of an array that are loaded one behind the other, by the first one's
-    /// number: what is a matrix if the array's elements are `vec4`. The groups begin with the first
-    /// element of a row of such elements, or end with the last one. `true`: they are rows, as they
-    /// go into scalar products.
+    /// Returns the groups of four consecutive loaded elements of an array, by the index of the
+    /// first element. Such a group is a matrix if the elements are `vec4`. A run of consecutive
+    /// elements is divided into groups from its first element on, and again from its last element
+    /// back. `true`: the elements are rows, because they are used in scalar products.
     pub fn fours(&self, variable: u32, path: &[u32]) -> Vec<(u32, bool)> {
         let Some(elements) = self.elements.get(&(variable, path.to_vec())) else { return Vec::new() };
         let numbers: Vec<u32> = elements.keys().copied().collect();
@@ -39,8 +39,8 @@ impl PositionLoads {
         lens::fours(&numbers).into_iter().map(|first| (first, by_rows(first))).collect()
     }
 
-    /// Those of a module; `None` where it writes through pointers that are not followed, or has no
-    /// position.
+    /// Returns the loads of a module; `None` if it writes through pointers that cannot be followed,
+    /// or has no position.
     pub fn of(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Option<Self> {
         let open = positions(all, declared);
         let (into, chains, products) = (HashMap::new(), HashMap::new(), products(all));
@@ -74,7 +74,7 @@ fn positions(all: &[Instruction<'_>], declared: &Declarations<'_>) -> Vec<u32> {
     globals.filter(output).map(|i| i.operand(1)).collect()
 }
 
-/// Pointers whose values go into scalar products only.
+/// Returns the pointers whose values are used only in scalar products.
 fn products(all: &[Instruction<'_>]) -> HashSet<u32> {
     let loads: HashMap<u32, u32> =
         all.iter().filter(|i| i.is(Op::Load)).map(|i| (i.operand(1), i.operand(2))).collect();
@@ -92,13 +92,13 @@ fn products(all: &[Instruction<'_>]) -> HashSet<u32> {
 
 struct Flow<'a> {
     declared: &'a Declarations<'a>,
-    /// From each id to those that may flow into it.
+    /// From each id to the ids that may flow into it.
     into: HashMap<u32, Vec<u32>>,
-    /// Access chains: what they start from, and their indices.
+    /// Access chains: their base, and their indices.
     chains: HashMap<u32, (u32, Vec<u32>)>,
-    /// Pointers whose values go into scalar products only.
+    /// Pointers whose values are used only in scalar products.
     products: HashSet<u32>,
-    /// Ids that flow into the position and are to be followed.
+    /// Ids that flow into the position and are not followed yet.
     open: Vec<u32>,
 }
 
@@ -107,8 +107,8 @@ impl Flow<'_> {
         self.into.entry(target).or_default().extend(sources);
     }
 
-    /// The variable, parameter or result that a pointer leads into, and the indices that lead
-    /// there.
+    /// Returns the variable, parameter or result that a pointer points into, and the indices within
+    /// it.
     fn root(&self, mut pointer: u32) -> (u32, Vec<u32>) {
         let mut path = Vec::new();
         while let Some((base, indices)) = self.chains.get(&pointer) {
@@ -137,7 +137,7 @@ impl Flow<'_> {
             match Op::from_u32(i.opcode)? {
                 Op::Function => function = i.operand(1),
                 Op::FunctionParameter | Op::Label | Op::FunctionEnd | Op::Line | Op::NoLine => {}
-                // In `chains`.
+                // Already in `chains`.
                 Op::AccessChain | Op::InBoundsAccessChain | Op::CopyObject => {}
                 Op::Branch | Op::SelectionMerge | Op::LoopMerge | Op::Return | Op::Kill | Op::Unreachable => {}
                 Op::BranchConditional | Op::Switch => self.open.push(i.operand(0)),
@@ -161,7 +161,7 @@ impl Flow<'_> {
                 Op::Variable => self.add(i.operand(1), i.rest(3)),
                 Op::ExtInst => {
                     self.add(i.operand(1), i.rest(4));
-                    // Some write to one of their operands.
+                    // Some of these functions write to one of their operands.
                     for operand in i.rest(4) {
                         let (root, _) = self.root(*operand);
                         if followed.contains(&root) {
@@ -175,18 +175,18 @@ impl Flow<'_> {
         Some(())
     }
 
-    /// A call of a function that has these parameters.
+    /// Reads a call of a function with these parameters.
     fn read_call(&mut self, i: &Instruction<'_>, parameters: &[u32]) {
         self.add(i.operand(1), i.rest(2));
         for (parameter, argument) in parameters.iter().zip(i.rest(3)) {
             self.add(*parameter, &[*argument]);
-            // The function may write to what it is given.
+            // The function may write to its argument.
             let (root, _) = self.root(*argument);
             self.add(root, &[*parameter]);
         }
     }
 
-    /// Follows all that flows into the position back to members of the program's blocks.
+    /// Follows all values that flow into the position back to members of the program's blocks.
     fn loads(mut self) -> PositionLoads {
         let mut loads = PositionLoads::default();
         let mut seen = HashSet::new();
@@ -216,9 +216,9 @@ impl Flow<'_> {
         loads
     }
 
-    /// Those of `indices` that choose a member of a structure, from `variable` on; an index that is
-    /// not known ends them. Behind the last one the number of an element of an array, if it is
-    /// known.
+    /// Returns the constant `indices` that choose members of structures, from `variable` on; an
+    /// unknown index ends the list. If the last index is that of an array element and is known, it
+    /// is returned, too.
     fn members(&self, variable: u32, indices: &[u32]) -> (Vec<u32>, Option<u32>) {
         let constant = |id: u32| self.declared.get(id, Op::Constant).map(|constant| constant.operand(2));
         let mut kind = self.declared.pointee(variable).map_or(0, |pointee| pointee.1);

@@ -1,9 +1,9 @@
-//! A geometry stage of Cupola behind a program's vertex shader, which divides triangles or lines
-//! and projects what it emits.
+//! A geometry stage of Cupola after a program's vertex shader. It divides triangles or lines and
+//! projects the vertices that it emits.
 //!
-//! The arithmetic is `correct::projected::division`, made SPIR-V by the build. What reads the
-//! corners and writes vertices is put together here: what the vertex shader hands on is declared
-//! again, once as an array of the corners' and once as it is.
+//! The build compiles the arithmetic, `correct::projected::division`, to SPIR-V. The code that
+//! reads the corners and writes vertices is made here. The outputs of the vertex shader are
+//! declared twice: as an array of the corners' values, and as outputs of this stage.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::functions::{Additions, Linked, division, push};
@@ -18,38 +18,38 @@ use std::collections::HashMap;
 /// Limits of a device for a geometry stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Vertices that a run emits.
+    /// Vertices that one invocation emits.
     pub vertices: u32,
-    /// Components of all that it emits.
+    /// Components of all emitted vertices.
     pub all_components: u32,
-    /// Components of what a vertex gets, and of what one has.
+    /// Components of an input vertex, and of an output vertex.
     pub components: [u32; 2],
-    /// Runs for a primitive.
+    /// Invocations for a primitive.
     pub runs: u32,
 }
 
-/// Runs that share a primitive.
+/// Invocations that share a primitive.
 const RUNS: u32 = 16;
-/// Components of a vertex that are built in: its position.
+/// Components of a vertex for its built-in position.
 const POSITION: u32 = 4;
-/// Components beside these that a corner may have: the size of its point, a distance of either
-/// kind.
+/// Further components that a corner may have: the point size, and one distance of each kind.
 const BESIDE: u32 = 4;
-/// Types that are copied at most, each of which may be in another.
+/// Greatest number of types that are copied. Each may be part of another.
 const MOST_TYPES: usize = 256;
-/// The fewest parts for which division is worth its while.
+/// Smallest number of parts for which division is useful.
 const FEWEST: u32 = 4;
-/// Version 1.0, which every device takes.
+/// Version 1.0, which every device accepts.
 const VERSION: u32 = 0x0001_0000;
 /// The name of the stage's entry point.
 pub const ENTRY: &std::ffi::CStr = c"main";
 
-/// The words of the stage. The view constants are at binding 0 of `set`; with `counts` a number is
-/// at binding 1, to which each part is added that is not fine enough. `provoking`: the corner whose
-/// values a primitive has where they are not interpolated.
+/// Returns the words of the stage. The view constants are at binding 0 of `set`. With `counts`, a
+/// counter is at binding 1, which counts the parts that are not fine enough. `provoking`: the
+/// corner that gives a primitive the values that are not interpolated.
 ///
 /// # Errors
-/// For people: what the device does not allow, or the shader hands on.
+/// The limit of the device that is exceeded, or the output of the shader that cannot be followed,
+/// for the log.
 pub fn divide(
     input: Input,
     stage_outputs: &StageOutputs<'_>,
@@ -60,11 +60,11 @@ pub fn divide(
 ) -> Result<Vec<u32>, &'static str> {
     let corners = input.corners();
     let emitted = POSITION + stage_outputs.components + u32::from(stage_outputs.number);
-    // Of each stage's locations a device has a quarter of its components.
+    // Each location needs four components of the device's limit.
     let needed = (emitted + BESIDE).max(stage_outputs.locations.saturating_mul(4));
     let room = limits.vertices.min(limits.all_components / emitted) / corners;
     if room < FEWEST || limits.runs < RUNS || limits.components.iter().any(|limit| needed > *limit) {
-        return Err("a shader hands on more than the device's geometry shaders can");
+        return Err("a shader has more outputs than the geometry shaders of the device allow");
     }
     let none = Declarations::default();
     let mut additions = Additions::new(1, &none);
@@ -76,12 +76,12 @@ pub fn divide(
     Ok(stage.module(&linked, &interface, input, room))
 }
 
-/// The stage as far as it is made.
+/// The stage while it is made.
 struct Stage<'a> {
     to: Additions<'a>,
     stage_outputs: &'a StageOutputs<'a>,
     corners: u32,
-    /// The vertex shader's types here.
+    /// Types of the vertex shader, with their ids here.
     copied: HashMap<u32, u32>,
     /// Constants.
     numbers: HashMap<u32, u32>,
@@ -93,7 +93,7 @@ struct Interface<'a> {
     corner: u32,
     position: u32,
     run: u32,
-    /// The number of the primitive, as it comes and as it goes.
+    /// The number of the primitive, as input and as output.
     number: Option<[u32; 2]>,
     /// Outputs of the vertex shader.
     pairs: Vec<Pair<'a>>,
@@ -101,11 +101,11 @@ struct Interface<'a> {
 
 /// A variable of the vertex shader.
 struct Pair<'a> {
-    /// The corners'.
+    /// Input variable, with the values of the corners.
     from: u32,
-    /// The member of the corners' that it is, where they are blocks.
+    /// The member of the input, if the corners have blocks.
     member: Option<u32>,
-    /// The one that is emitted.
+    /// Output variable of this stage.
     to: u32,
     leaves: &'a [OutputPart],
 }
@@ -119,7 +119,7 @@ impl Interface<'_> {
     }
 }
 
-const MISSING: &str = "a shader hands on what is not followed";
+const MISSING: &str = "a shader has outputs that cannot be followed";
 
 impl<'a> Stage<'a> {
     fn float(&mut self) -> u32 {
@@ -139,7 +139,7 @@ impl<'a> Stage<'a> {
         self.to.kind(Op::TypePointer, &[class as u32, kind])
     }
 
-    /// A constant of `int`.
+    /// Returns a constant of type `int`.
     fn number(&mut self, value: u32) -> u32 {
         if let Some(id) = self.numbers.get(&value) {
             return *id;
@@ -164,16 +164,16 @@ impl<'a> Stage<'a> {
         push(&mut self.to.decorations, op, &[&to[..], &[decoration as u32], operands].concat());
     }
 
-    /// A decoration of the vertex shader's, if it is there.
+    /// Copies a decoration of the vertex shader, if it exists.
     fn decorate_as(&mut self, from: u32, member: Option<u32>, to: u32, decoration: Decoration) {
         if let Some(operands) = self.stage_outputs.declared.decoration(from, member, decoration) {
             self.decorate(to, member, decoration, operands);
         }
     }
 
-    /// A type of the vertex shader's.
+    /// Copies a type of the vertex shader.
     fn copy(&mut self, id: u32) -> Result<u32, &'static str> {
-        // What is being copied has no number yet: a type in itself is damage.
+        // A type that is being copied has no number yet. A type that contains itself is damage.
         if let Some(known) = self.copied.get(&id) {
             return if *known == 0 { Err(MISSING) } else { Ok(*known) };
         }
@@ -212,7 +212,7 @@ impl<'a> Stage<'a> {
         Ok(copied)
     }
 
-    /// The corners' variables for one of the vertex shader's.
+    /// Returns the corners' input variable for a variable of the vertex shader.
     fn corners_of(&mut self, variable: u32, pointee: u32) -> Result<u32, &'static str> {
         let (kind, count) = (self.copy(pointee)?, self.number(self.corners));
         let array = self.to.kind(Op::TypeArray, &[kind, count]);
@@ -263,14 +263,14 @@ impl<'a> Stage<'a> {
         Ok(Interface { corner, position, run, number, pairs })
     }
 
-    /// An instruction of a function whose result is a `kind`.
+    /// Adds an instruction of a function, with a result of type `kind`.
     fn made(&mut self, op: Op, kind: u32, operands: &[u32]) -> u32 {
         let id = self.to.id();
         push(&mut self.to.bodies, op, &[&[kind, id], operands].concat());
         id
     }
 
-    /// Begins the function `id`; its parameters.
+    /// Begins the function `id`; returns its parameters.
     fn function(&mut self, id: u32, result: u32, parameters: &[u32]) -> Vec<u32> {
         let kind = self.to.kind(Op::TypeFunction, &[&[result], parameters].concat());
         push(&mut self.to.bodies, Op::Function, &[result, id, FunctionControl::NONE.bits(), kind]);
@@ -289,14 +289,14 @@ impl<'a> Stage<'a> {
         push(&mut self.to.bodies, Op::FunctionEnd, &[]);
     }
 
-    /// A value of type `kind` in a variable for input.
+    /// Loads a value of type `kind` from an input variable.
     fn load(&mut self, kind: u32, variable: u32, path: &[u32]) -> u32 {
         let pointer = self.pointer(StorageClass::Input, kind);
         let place = self.made(Op::AccessChain, pointer, &[&[variable], path].concat());
         self.made(Op::Load, kind, &[place])
     }
 
-    /// The functions that the arithmetic asks for, in the order of
+    /// Adds the functions that the arithmetic calls, in the order of
     /// `correct::projected::division::STAGE_FUNCTIONS`.
     fn bodies(
         &mut self,
@@ -346,13 +346,13 @@ impl<'a> Stage<'a> {
         Ok(())
     }
 
-    /// The function that is called where a part is not fine enough: it adds to the number in `set`,
-    /// if there is one.
+    /// Adds the function that is called for a part that is not fine enough. It increments the
+    /// counter in `set`, if there is one.
     fn count(&mut self, linked: &Linked, set: Option<u32>) -> Result<(), &'static str> {
         let [.., count] = linked.open[..] else { return Err(MISSING) };
         let (void, int) = (self.to.kind(Op::TypeVoid, &[]), self.int());
         let counter = set.map(|set| {
-            // Version 1.0 has no storage buffers but these.
+            // Version 1.0 has no other storage buffers.
             let block = self.to.id();
             push(&mut self.to.globals, Op::TypeStruct, &[block, int]);
             self.decorate(block, None, Decoration::BufferBlock, &[]);
@@ -374,7 +374,7 @@ impl<'a> Stage<'a> {
         Ok(())
     }
 
-    /// One number of the corners', by their weights or as the provoking vertex has it.
+    /// Computes one output from the corners: by their weights, or from the provoking vertex.
     fn hand_on(
         &mut self,
         pair: &Pair<'_>,
@@ -412,7 +412,7 @@ impl<'a> Stage<'a> {
         Ok(())
     }
 
-    /// The whole module.
+    /// Returns the complete module.
     fn module(self, linked: &Linked, interface: &Interface<'_>, input: Input, room: u32) -> Vec<u32> {
         let mut to = self.to;
         let mut words = vec![spirv::MAGIC_NUMBER, VERSION, 0, to.bound(), 0];
@@ -423,7 +423,7 @@ impl<'a> Stage<'a> {
         }
         words.append(&mut to.imports);
         push(&mut words, Op::MemoryModel, &[AddressingModel::Logical as u32, MemoryModel::GLSL450 as u32]);
-        // "main" and its end, in two words.
+        // "main" and its terminator, in two words.
         let mut point = vec![ExecutionModel::Geometry as u32, linked.root, u32::from_le_bytes(*b"main"), 0];
         point.extend(interface.all());
         push(&mut words, Op::EntryPoint, &point);

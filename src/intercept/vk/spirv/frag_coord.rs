@@ -1,8 +1,9 @@
-//! `FragCoord` of the program's fragment shaders: in the coordinates of the program's window.
+//! `FragCoord` of the program's fragment shaders, in the coordinates of the program's window.
 //!
-//! Loads of the built-in variable become loads of a variable of Cupola. A function of Cupola, to
-//! which the entry point leads, sets it to the driver's value, less an offset and times a scale of
-//! the view constants, and calls the program's function.
+//! Loads of the built-in variable become loads of a variable of Cupola. A function of Cupola, which
+//! becomes the entry point's function, sets that variable: it subtracts an offset from the driver's
+//! value and multiplies by a scale, both from the view constants. Then it calls the program's
+//! function.
 
 use crate::intercept::vk::spirv::functions::{Additions, push};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
@@ -10,11 +11,11 @@ use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into
 use spirv::{BuiltIn, Decoration, ExecutionModel, FunctionControl, Op, StorageClass};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// `words` with window coordinates of the program; `None` where the shader does not ask for them.
+/// Returns `words` with window coordinates of the program; `None` if the shader does not use them.
 /// The offset and the scale are four floats at `offset` in the uniform block at binding 0 of `set`.
 ///
 /// # Errors
-/// For people: what the shader does that cannot be followed.
+/// What the shader does that cannot be followed, for the log.
 pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Vec<u32>>, &'static str> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
@@ -27,7 +28,7 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
         _ => return Err("a shader whose FragCoord is no vector of four floats"),
     };
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
-        return Err("several entry points in a module that asks for its place on the screen");
+        return Err("several entry points in a module that uses its position on the screen");
     }
     if words[3] > MOST_IDS {
         return Err("a shader with too many ids");
@@ -53,10 +54,10 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
     Ok(Some(put_into(additions, words, &all, &entry, change)))
 }
 
-/// Results and types of the access chains into the variable.
+/// Returns results and types of the access chains into the variable.
 ///
 /// # Errors
-/// The variable, or a part of it, is used otherwise than by loads.
+/// The variable, or a part of it, is used for more than loads.
 fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'static str> {
     let is_chain = |i: &&Instruction<'_>| i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain);
     let chains: Vec<(u32, u32)> =
@@ -64,7 +65,7 @@ fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'stat
     let parts: HashSet<u32> = chains.iter().map(|(result, _)| *result).collect();
     let is_ours = |id: &u32| *id == given || parts.contains(id);
     for i in all {
-        // Operands that may be pointers, without numbers that only look like ids.
+        // Operands that may be pointers. Literal numbers that only look like ids are left out.
         let pointers = match Op::from_u32(i.opcode) {
             Some(Op::AccessChain | Op::InBoundsAccessChain) if parts.contains(&i.operand(2)) => i.rest(2),
             Some(Op::FunctionCall) => i.rest(3),
@@ -74,7 +75,7 @@ fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'stat
             _ => continue,
         };
         if pointers.iter().any(is_ours) {
-            return Err("a shader that hands FragCoord on otherwise than by its value");
+            return Err("a shader that passes FragCoord on by a pointer");
         }
     }
     Ok(chains)
@@ -82,13 +83,13 @@ fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'stat
 
 /// Variables of Cupola.
 struct Ours {
-    /// The block of the view constants, of which there is one member here.
+    /// The block of the view constants. Only one of its members is declared here.
     block: u32,
-    /// Pointer to this member.
+    /// Type of a pointer to this member.
     member: u32,
-    /// Number of the member.
+    /// Index of the member.
     zero: u32,
-    /// Variable that stands for the program's `FragCoord`.
+    /// Variable that replaces the program's `FragCoord`.
     place: u32,
 }
 
@@ -109,7 +110,8 @@ fn variables(to: &mut Additions<'_>, vector: u32, (set, offset): (u32, u32)) -> 
     Ours { block, member, zero, place }
 }
 
-/// For each type of the chains, which are pointers to input, the same for our variable.
+/// Returns, for each pointer type of the chains, which points to input, the same type for Cupola's
+/// variable.
 ///
 /// # Errors
 /// A type is not known.
@@ -128,7 +130,7 @@ fn private_pointers(
     kinds.into_iter().map(private).collect()
 }
 
-/// The function that gives our variable its value and calls `main`.
+/// Returns a function that sets Cupola's variable and calls `main`.
 fn wrapper(to: &mut Additions<'_>, given: u32, main: u32, vector: u32, ours: &Ours) -> u32 {
     let void = to.kind(Op::TypeVoid, &[]);
     let function = to.kind(Op::TypeFunction, &[void]);
@@ -147,7 +149,7 @@ fn wrapper(to: &mut Additions<'_>, given: u32, main: u32, vector: u32, ours: &Ou
     push(code, Op::VectorShuffle, &[pair, corner, driver, driver, 0, 1]);
     push(code, Op::FSub, &[pair, moved, corner, offset]);
     push(code, Op::FMul, &[pair, scaled, moved, scale]);
-    // The first two are those of `scaled`, then come those of `driver`.
+    // The first two components are those of `scaled`, the others are those of `driver`.
     push(code, Op::VectorShuffle, &[vector, result, scaled, driver, 0, 1, 4, 5]);
     push(code, Op::Store, &[ours.place, result]);
     push(code, Op::FunctionCall, &[void, called, main]);

@@ -1,48 +1,48 @@
-//! The functions that re-project, as the build made SPIR-V of them (`build/projection.rs`), on
-//! their way into a program's module: all ids are numbered anew, and of types that may be there
-//! only once the module's own are taken.
+//! Adds the reprojection functions, which the build compiles to SPIR-V (`build/projection.rs`), to
+//! a program's module. All ids get new numbers. Types that must be unique in a module are taken
+//! from the program's module if it has them.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions_of};
 use spirv::{Decoration, Op};
 use std::collections::HashMap;
 
-/// Instructions, and which of their words are ids.
+/// Instructions, and the positions of ids among their words.
 struct Part {
     words: &'static [u32],
     ids: &'static [usize],
 }
 
-/// The function `cupola_fix` of `correct::projected::projection`, and what it needs.
+/// The function `cupola_fix` of `correct::projected::projection`, and everything that it needs.
 pub struct Functions {
     decorations: Part,
     globals: Part,
     bodies: Part,
     /// Id of the import of GLSL's own functions.
     import: u32,
-    /// The block with the view constants.
+    /// The uniform block with the view constants.
     variable: u32,
     fix: u32,
-    /// The function for whose sake they are here: `cupola_fix`, or one that calls it.
+    /// The main function: `cupola_fix`, or a function that calls it.
     root: u32,
-    /// Functions that the module has to have: those of
+    /// Functions that the module has to define: those of
     /// `correct::projected::division::STAGE_FUNCTIONS`, or none.
     open: &'static [u32],
-    /// The type that `cupola_fix` takes and gives.
+    /// Parameter and result type of `cupola_fix`.
     vector: u32,
-    /// Ids are below.
+    /// All ids are below this number.
     bound: u32,
 }
 
 include!(concat!(env!("OUT_DIR"), "/projection_spirv.rs"));
 
-/// The functions for views; `lenses`: also for outputs whose lens constants follow the reprojection
-/// matrix.
+/// Returns the functions for views; `lenses`: also for outputs whose lens constants follow the
+/// reprojection matrix.
 pub fn functions(lenses: bool) -> &'static Functions {
     if lenses { &LENSES } else { &VIEWS }
 }
 
-/// The functions that divide: `cupola_divided`.
+/// Returns the functions that divide: `cupola_divided`.
 pub fn division(input: Input) -> &'static Functions {
     match input {
         Input::Triangles => &TRIANGLES,
@@ -50,55 +50,55 @@ pub fn division(input: Input) -> &'static Functions {
     }
 }
 
-/// Additions to a module, by places.
+/// Additions to a module, by section.
 pub struct Additions<'a> {
     declared: &'a Declarations<'a>,
     next: u32,
-    /// Of types of which there may be one only, those that are new.
+    /// New types among those that must be unique in a module.
     made: HashMap<(u32, Vec<u32>), u32>,
-    /// Behind the extensions.
+    /// Added after the extensions.
     pub imports: Vec<u32>,
-    /// Before the types.
+    /// Added before the types.
     pub decorations: Vec<u32>,
-    /// Before the functions.
+    /// Added before the functions.
     pub globals: Vec<u32>,
-    /// At the end.
+    /// Added at the end.
     pub bodies: Vec<u32>,
 }
 
-/// The functions where they have been put into a module.
+/// Ids of the functions in the program's module.
 pub struct Linked {
-    /// The block with the view constants.
+    /// The uniform block with the view constants.
     pub variable: u32,
-    /// The function that re-projects.
+    /// The function that reprojects.
     pub fix: u32,
-    /// The function that they are here for.
+    /// The main function.
     pub root: u32,
-    /// The functions that the module has to have.
+    /// The functions that the module has to define.
     pub open: Vec<u32>,
-    /// Four floats, which re-projection takes and gives.
+    /// Type of four floats: parameter and result of the reprojection.
     pub vector: u32,
 }
 
 impl<'a> Additions<'a> {
-    /// Nothing, for a module with ids below `bound`.
+    /// Returns empty additions, for a module with ids below `bound`.
     pub fn new(bound: u32, declared: &'a Declarations<'a>) -> Self {
         let (made, [imports, decorations, globals, bodies]) = (HashMap::new(), Default::default());
         Self { declared, next: bound, made, imports, decorations, globals, bodies }
     }
 
-    /// A new id.
+    /// Returns a new id.
     pub fn id(&mut self) -> u32 {
         self.next += 1;
         self.next - 1
     }
 
-    /// The first number that is no id.
+    /// Returns the first number that is not used as an id.
     pub fn bound(&self) -> u32 {
         self.next
     }
 
-    /// A type of which there may be one only: the module's own, or a new one.
+    /// Returns a type that must be unique in a module: the module's own, or a new one.
     pub fn kind(&mut self, op: Op, operands: &[u32]) -> u32 {
         let key = (op as u32, operands.to_vec());
         if let Some(id) = self.declared.find(op, operands).or_else(|| self.made.get(&key).copied()) {
@@ -110,7 +110,7 @@ impl<'a> Additions<'a> {
         id
     }
 
-    /// The import of GLSL's own functions: the module's, or a new one.
+    /// Returns the import of GLSL's own functions: the module's, or a new one.
     pub fn glsl(&mut self) -> u32 {
         self.declared.imported("GLSL.std.450").unwrap_or_else(|| {
             let import = self.id();
@@ -120,7 +120,7 @@ impl<'a> Additions<'a> {
         })
     }
 
-    /// Puts `functions` in. Their block is in set `set`.
+    /// Adds `functions`. Their block is in set `set`.
     pub fn link(&mut self, functions: &Functions, set: u32) -> Linked {
         let mut ids = vec![0; functions.bound as usize];
         let calls = functions.bodies.instructions().iter().any(|i| i.is(Op::ExtInst));
@@ -165,7 +165,7 @@ impl<'a> Additions<'a> {
         }
     }
 
-    /// The operands of an instruction of Cupola with the ids that they have here.
+    /// Returns the operands of an instruction of Cupola with their ids in this module.
     fn renumbered(&mut self, part: &Part, instruction: &Instruction<'_>, ids: &mut [u32]) -> Vec<u32> {
         let mut operands = instruction.operands.to_vec();
         let first = instruction.offset + 1;

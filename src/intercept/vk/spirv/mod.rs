@@ -1,5 +1,5 @@
-//! Shaders of the program: where their matrices are, the epilogue that re-projects what they draw,
-//! and the place of fragments in the program's window.
+//! Shaders of the program: the locations of their matrices, the epilogue that reprojects vertices,
+//! and the position of fragments in the program's window.
 
 mod camera_matrices;
 mod compute;

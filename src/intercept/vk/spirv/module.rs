@@ -1,4 +1,4 @@
-//! The words of a SPIR-V module, instruction by instruction. Whatever is not understood is skipped.
+//! The words of a SPIR-V module, instruction by instruction. Unknown instructions are skipped.
 
 use spirv::{Decoration, Op};
 use std::collections::HashMap;
@@ -6,16 +6,16 @@ use std::collections::HashMap;
 /// An instruction.
 #[derive(Clone, Copy, Debug)]
 pub struct Instruction<'a> {
-    /// Offset of its beginning, in words.
+    /// Offset of its first word in the module.
     pub offset: usize,
     /// Its opcode, known or not.
     pub opcode: u32,
-    /// The words after the first.
+    /// The words after the first one.
     pub operands: &'a [u32],
 }
 
 impl Instruction<'_> {
-    /// True if it is this one.
+    /// True if the instruction is `op`.
     pub fn is(&self, op: Op) -> bool {
         self.opcode == op as u32
     }
@@ -25,7 +25,7 @@ impl Instruction<'_> {
         self.operands.get(index..).unwrap_or_default()
     }
 
-    /// Operand `index`, 0 where there is none: no id is 0.
+    /// Operand `index`, or 0 if there is none: no id is 0.
     pub fn operand(&self, index: usize) -> u32 {
         self.operands.get(index).copied().unwrap_or(0)
     }
@@ -34,7 +34,7 @@ impl Instruction<'_> {
 /// Words of the header.
 pub const HEADER: usize = 5;
 
-/// The instructions of a module; `None` unless `words` are one, in the order of bytes of this
+/// Returns the instructions of a module; `None` if `words` are no module in the byte order of this
 /// machine.
 pub fn instructions(words: &[u32]) -> Option<Vec<Instruction<'_>>> {
     if words.len() < HEADER || words[0] != spirv::MAGIC_NUMBER {
@@ -43,7 +43,8 @@ pub fn instructions(words: &[u32]) -> Option<Vec<Instruction<'_>>> {
     instructions_of(words, HEADER)
 }
 
-/// The instructions from the word `offset` on; `None` where they do not end with the words.
+/// Returns the instructions from the word `offset` on; `None` if the last one does not end with the
+/// words.
 pub fn instructions_of(words: &[u32], mut offset: usize) -> Option<Vec<Instruction<'_>>> {
     let mut found = Vec::new();
     while let Some(&first) = words.get(offset) {
@@ -54,7 +55,7 @@ pub fn instructions_of(words: &[u32], mut offset: usize) -> Option<Vec<Instructi
     Some(found)
 }
 
-/// A literal string at the start of `words`, and the number of words that it takes.
+/// Reads a literal string at the start of `words`. Returns it with the number of its words.
 pub fn string(words: &[u32]) -> (String, usize) {
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
     let length = (bytes.len() / 4 + 1).min(words.len());
@@ -73,12 +74,12 @@ pub struct Declarations<'a> {
     decorations: HashMap<ChunkOffset, Vec<(u32, &'a [u32])>>,
     /// Names.
     names: HashMap<ChunkOffset, String>,
-    /// Sets of instructions that are imported.
+    /// Imported sets of instructions.
     imports: Vec<(u32, String)>,
 }
 
 impl<'a> Declarations<'a> {
-    /// Reads them.
+    /// Reads the declarations.
     pub fn new(instructions: &[Instruction<'a>]) -> Self {
         let mut all = Self::default();
         for instruction in instructions {
@@ -102,7 +103,7 @@ impl<'a> Declarations<'a> {
                     all.imports.push((operands[0], string(&operands[1..]).0));
                 }
                 Some(Op::Function) => break,
-                // Constants and variables have their type first.
+                // The type of constants and variables comes before their id.
                 Some(Op::Variable | Op::Constant | Op::SpecConstant) => {
                     all.by_id.insert(instruction.operand(1), *instruction);
                 }
@@ -115,44 +116,44 @@ impl<'a> Declarations<'a> {
         all
     }
 
-    /// The operands of a decoration of an id, or of one of its members.
+    /// Returns the operands of a decoration of an id, or of one of its members.
     pub fn decoration(&self, id: u32, member: Option<u32>, kind: Decoration) -> Option<&'a [u32]> {
         let list = self.decorations.get(&(id, member))?;
         list.iter().find(|(decoration, _)| *decoration == kind as u32).map(|(_, operands)| *operands)
     }
 
-    /// True if an id has a decoration, by its number.
+    /// True if an id has the decoration with this number.
     pub fn has(&self, id: u32, decoration: u32) -> bool {
         self.decorations.get(&(id, None)).is_some_and(|list| list.iter().any(|(known, _)| *known == decoration))
     }
 
-    /// The first operand of a decoration.
+    /// Returns the first operand of a decoration.
     pub fn number(&self, id: u32, member: Option<u32>, kind: Decoration) -> Option<u32> {
         self.decoration(id, member, kind)?.first().copied()
     }
 
-    /// The name of an id, or of one of its members; empty where it was stripped.
+    /// Returns the name of an id, or of one of its members; empty if it was stripped.
     pub fn name(&self, id: u32, member: Option<u32>) -> &str {
         self.names.get(&(id, member)).map_or("", String::as_str)
     }
 
-    /// The declaration of `id`, if it is this one.
+    /// Returns the declaration of `id`, if it is an `op`.
     pub fn get(&self, id: u32, op: Op) -> Option<Instruction<'a>> {
         self.by_id.get(&id).copied().filter(|instruction| instruction.is(op))
     }
 
-    /// Storage class and type that a variable's pointer points at.
+    /// Returns the storage class of a variable, and the type that its pointer points at.
     pub fn pointee(&self, variable: u32) -> Option<(u32, u32)> {
         let pointer = self.get(self.get(variable, Op::Variable)?.operand(0), Op::TypePointer)?;
         Some((pointer.operand(1), pointer.operand(2)))
     }
 
-    /// The id of a set of instructions, if it is imported.
+    /// Returns the id of a set of instructions, if it is imported.
     pub fn imported(&self, name: &str) -> Option<u32> {
         self.imports.iter().find(|(_, known)| known == name).map(|(id, _)| *id)
     }
 
-    /// The id of a type with exactly these operands.
+    /// Returns the id of a type with exactly these operands.
     pub fn find(&self, op: Op, operands: &[u32]) -> Option<u32> {
         self.by_id.iter().find(|(_, i)| i.is(op) && i.rest(1) == operands).map(|(id, _)| *id)
     }

@@ -1,4 +1,4 @@
-//! Places of a shader's 4×4 matrices.
+//! Locations of a shader's 4×4 matrices.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
@@ -14,7 +14,7 @@ pub enum Memory {
     Buffer {
         /// Descriptor set.
         set: u32,
-        /// Binding in it; of an array of descriptors the first.
+        /// Binding in the set; the first one of an array of descriptors.
         binding: u32,
     },
 }
@@ -22,27 +22,27 @@ pub enum Memory {
 /// A 4×4 matrix of 32-bit floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Matrix {
-    /// Its place or value.
+    /// Memory that it is in.
     pub memory: Memory,
     /// Offset in bytes.
     pub offset: u32,
-    /// From a column to the next, or from a row to the next, bytes.
+    /// Distance of two columns, or of two rows, in bytes.
     pub stride: u32,
-    /// Rows follow each other, not columns.
+    /// True if rows follow each other, not columns.
     pub row_major: bool,
     /// Rank of its name: the lower, the higher its priority.
     pub rank: u8,
 }
 
-/// More matrices of one shader than this are not looked at.
+/// Greatest number of matrices of one shader that are examined.
 const MOST: usize = 16;
 
-/// Deeper than this no program nests its blocks.
+/// Greatest depth of nested blocks. No program is known to need more.
 const DEEPEST: usize = 4;
 
-/// The matrices in a shader's uniform blocks, storage blocks and push constants, the likeliest
-/// first; of arrays the first element. `of_position`: only those that may flow into the shader's
-/// `Position`.
+/// Returns the matrices in a shader's uniform blocks, storage blocks and push constants, the
+/// likeliest first. Of arrays, only the first element is taken. `of_position`: only matrices that
+/// may flow into the shader's `Position`.
 pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);
@@ -71,7 +71,7 @@ pub fn matrices(words: &[u32], of_position: bool) -> Vec<Matrix> {
     found
 }
 
-/// True if a fragment shader asks for its place on the screen.
+/// True if a fragment shader uses its position on the screen.
 pub fn asks_place(words: &[u32]) -> bool {
     let place = [Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];
     let asks = |i: &Instruction<'_>| i.is(Op::Decorate) && i.rest(1) == place;
@@ -80,7 +80,7 @@ pub fn asks_place(words: &[u32]) -> bool {
 
 /// Parts of a variable that are loaded for the position.
 struct Loaded<'a> {
-    /// `None`: all may be.
+    /// `None`: every part may be loaded.
     loads: Option<&'a PositionLoads>,
     variable: u32,
 }
@@ -90,20 +90,20 @@ impl Loaded<'_> {
         self.loads.is_none_or(|loads| loads.contain(self.variable, path))
     }
 
-    /// Matrices among the elements of an array of `vec4`, by the first one's number; whether they
-    /// are rows.
+    /// Returns the matrices among the elements of an array of `vec4`, by the index of the first
+    /// element, and whether the elements are rows.
     fn fours(&self, path: &[u32]) -> Vec<(u32, bool)> {
         self.loads.map(|loads| loads.fours(self.variable, path)).unwrap_or_default()
     }
 }
 
-/// Place in a block.
+/// Position in a block.
 struct Within<'a> {
     memory: Memory,
     offset: u32,
-    /// The name around: what members without one go by.
+    /// Name of the enclosing member, used for members without a name.
     name: &'a str,
-    /// The members that lead here.
+    /// The path of members to this position.
     path: Vec<u32>,
 }
 
@@ -133,7 +133,7 @@ fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, loaded: &L
                 });
             }
         } else if declared.is_vec4(kind) {
-            // Shaders of other languages than GLSL have a matrix as four elements of an array.
+            // Languages other than GLSL store a matrix as four elements of an array.
             let stride = declared.number(given, None, Decoration::ArrayStride).unwrap_or(16);
             for (first, row_major) in loaded.fours(&path) {
                 let Some(offset) = first.checked_mul(stride).and_then(|bytes| offset.checked_add(bytes)) else {

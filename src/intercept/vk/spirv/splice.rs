@@ -1,25 +1,26 @@
-//! The splice that lets a program's own shader draw into a view.
+//! The splice, which makes a program's own shader draw into a view.
 //!
-//! The last stage before rasterisation gets an epilogue that re-projects `gl_Position`
-//! (`correct::projected::projection`). All words of the program stay as they are, known or not;
-//! functions, their types and a uniform block are put in, and the entry point leads to a function
+//! The last stage before rasterisation gets an epilogue that reprojects `gl_Position`
+//! (`correct::projected::projection`). All words of the program stay unchanged, known or not.
+//! Functions, their types and a uniform block are added. The entry point then refers to a function
 //! of Cupola that calls the program's.
 
 use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
 use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl, Op, StorageClass};
 
-/// The first version in which an entry point names all variables that it uses.
+/// The first SPIR-V version in which an entry point lists all variables that it uses.
 const NAMES_ALL: u32 = 0x0001_0400;
 
-/// Greatest bound of a module's ids: 256 times what every driver takes. Ours follow it.
+/// Greatest bound of a module's ids: 256 times the bound that every driver accepts. Ids of Cupola
+/// follow the bound.
 pub const MOST_IDS: u32 = 1 << 30;
 
-/// `words` with the epilogue, or why there is none. The view constants are a uniform block at
-/// binding 0 of `set`; with `lenses` the lens of a picture follows them.
+/// Returns `words` with the epilogue, or the reason why there is none. The view constants are a
+/// uniform block at binding 0 of `set`. With `lenses`, the lens of a picture follows them.
 ///
 /// # Errors
-/// For people: what the shader does that cannot be followed.
+/// What the shader does that cannot be followed, for the log.
 pub fn splice(
     words: &[u32],
     model: ExecutionModel,
@@ -31,7 +32,7 @@ pub fn splice(
     let declared = Declarations::new(&all);
     let is_entry = |i: &Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == model as u32;
     let (point, main) = entry_point(&all, model, entry)?;
-    // Vertices are emitted in functions that both may call.
+    // Vertices are emitted in functions that both entry points may call.
     if model == ExecutionModel::Geometry && all.iter().any(|i| is_entry(i) && i.offset != point.offset) {
         return Err("several geometry shaders in one module");
     }
@@ -67,7 +68,8 @@ pub fn splice(
     }))
 }
 
-/// The entry point of this name, and its function, which is no other's.
+/// Returns the entry point of this name, and its function. The function belongs to no other entry
+/// point.
 ///
 /// # Errors
 /// The reason why there is none.
@@ -89,7 +91,7 @@ pub fn entry_point<'a>(
     Ok((point, main))
 }
 
-/// Place of `gl_Position`: the variable, and the member where it is a block.
+/// Location of `gl_Position`: the variable, and the member if the variable is a block.
 #[derive(Clone, Copy)]
 struct Position {
     variable: u32,
@@ -114,29 +116,30 @@ fn position(declared: &Declarations<'_>, interface: &[u32]) -> Option<Position> 
     })
 }
 
-/// The entry point and where it leads.
+/// The entry point and its function.
 pub struct Entry<'a> {
     /// Its instruction.
     pub point: &'a Instruction<'a>,
     /// The program's function.
     pub main: u32,
-    /// Our function that takes its place, unless ours is called at each vertex that is emitted.
+    /// Function of Cupola that replaces it. `None` if Cupola's function is called at each emitted
+    /// vertex.
     pub wrapper: Option<u32>,
-    /// Variables of Cupola that the entry point names.
+    /// Variables of Cupola that the entry point lists.
     pub variables: Vec<u32>,
-    /// Those of them that come from the stage before: each version names them.
+    /// Those of `variables` that are inputs. They are listed in all versions of SPIR-V.
     pub inputs: Vec<u32>,
 }
 
-/// A call of our function at each vertex that is emitted.
+/// A call of Cupola's function at each emitted vertex.
 #[derive(Clone, Copy)]
 struct AtVertices {
     epilogue: u32,
     void: u32,
 }
 
-/// The function that gives `gl_Position` what `fix` makes of it, a `vector`; before that it calls
-/// `main`, if one is given.
+/// Returns a function that replaces `gl_Position` by the result of `fix`, a `vector`. It calls
+/// `main` first, if there is one.
 fn epilogue(to: &mut Additions<'_>, position: Position, (fix, vector): (u32, u32), main: Option<u32>) -> u32 {
     let void = to.kind(Op::TypeVoid, &[]);
     let function = to.kind(Op::TypeFunction, &[void]);
@@ -166,7 +169,7 @@ fn epilogue(to: &mut Additions<'_>, position: Position, (fix, vector): (u32, u32
     made
 }
 
-/// True if an instruction stands before types, constants and variables (sections 1 to 8 of a
+/// True if an instruction comes before types, constants and variables (sections 1 to 8 of a
 /// module).
 fn before_types(instruction: &Instruction<'_>) -> bool {
     let head = [
@@ -196,8 +199,8 @@ fn before_types(instruction: &Instruction<'_>) -> bool {
     head.iter().any(|op| instruction.is(*op))
 }
 
-/// The whole module. `change` gives the operands of each instruction of the program, and may put
-/// others before it.
+/// Returns the complete module. `change` returns the operands of each instruction of the program,
+/// and may insert other instructions before it.
 pub fn put_into(
     mut additions: Additions<'_>,
     words: &[u32],

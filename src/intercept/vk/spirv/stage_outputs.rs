@@ -6,13 +6,13 @@ use std::collections::HashSet;
 
 /// A scalar or vector of 32-bit numbers within a variable.
 pub struct OutputPart {
-    /// Indices of the members, elements and columns that lead to it.
+    /// Indices of the members, elements and columns on the path to it.
     pub path: Vec<u32>,
     /// Its type.
     pub kind: u32,
-    /// It is that of the provoking vertex.
+    /// True if it is not interpolated, but taken from the provoking vertex.
     pub flat: bool,
-    /// It is a vector of several.
+    /// True if it is a vector of several numbers.
     pub vector: bool,
 }
 
@@ -32,21 +32,21 @@ pub struct StageOutputs<'a> {
     pub declared: Declarations<'a>,
     /// Variables that have locations and are read.
     pub variables: Vec<Variable>,
-    /// `gl_Position`, or the block with it: the variable, and the member where it is a block.
+    /// `gl_Position`, or the block with it: the variable, and the member if it is a block.
     pub position: (u32, Option<u32>),
     /// `gl_ClipDistance`, if it is set.
     pub distances: Option<Distances>,
-    /// Number of scalars that have locations, or are distances.
+    /// Number of scalars that have locations or are distances.
     pub components: u32,
-    /// The first location that is free, as are those after it.
+    /// The first location from which on all are free.
     pub locations: u32,
-    /// The fragment shader asks for the number of the primitive.
+    /// True if the fragment shader reads the number of the primitive.
     pub number: bool,
 }
 
 /// `gl_ClipDistance`.
 pub struct Distances {
-    /// The variable, and the member where it is a block.
+    /// The variable, and the member if it is a block.
     pub place: (u32, Option<u32>),
     /// Its type.
     pub kind: u32,
@@ -54,19 +54,20 @@ pub struct Distances {
     pub leaves: Vec<OutputPart>,
 }
 
-/// Longest array and largest structure that are followed.
+/// Greatest length of an array and size of a structure that are followed.
 const LONGEST: u32 = 64;
-/// Types on the way through a variable.
+/// Greatest number of types on the way through a variable.
 const MOST_STEPS: usize = 1024;
-/// Deepest structure in a structure.
+/// Greatest depth of nested structures.
 const DEEPEST: usize = 8;
-/// `PerVertexKHR`, `BaryCoordKHR` and `BaryCoordNoPerspKHR`: a fragment shader interpolates itself.
+/// `PerVertexKHR`, `BaryCoordKHR` and `BaryCoordNoPerspKHR`: the fragment shader interpolates by
+/// itself.
 const INTERPOLATES: ([u32; 1], [u32; 2]) = ([5285], [5286, 5287]);
 
-/// A place between stages: location and component.
+/// A location between stages, and a component.
 type ChunkOffset = (u32, u32);
 
-/// A number on its way, with all places that it takes.
+/// A number that is passed between stages, with all locations that it takes.
 struct Number {
     leaf: OutputPart,
     places: Vec<ChunkOffset>,
@@ -75,7 +76,7 @@ struct Number {
 /// An entry point: words of a module, stage, name.
 pub type Entry<'a> = (&'a [u32], ExecutionModel, &'a str);
 
-/// The variables of an entry point with their class.
+/// Returns the variables that an entry point lists.
 fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Vec<u32>> {
     let named =
         |i: &&Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == *model as u32 && string(i.rest(2)).0 == *name;
@@ -83,17 +84,17 @@ fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Ve
     Some(point.rest(2 + string(point.rest(2)).1).to_vec())
 }
 
-/// Returns the outputs of the vertex shader `vertex` for `fragment`, if there is one: outputs that
-/// it does not read would only take room.
+/// Returns the outputs of the vertex shader `vertex` that `fragment` reads, if there is a fragment
+/// shader. Outputs that it does not read would only take space.
 ///
 /// # Errors
-/// The reason, for messages, why a stage between them cannot hand an output on.
+/// The reason why a stage between them cannot pass on an output, for the log.
 pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;
     let declared = Declarations::new(&all);
     let has = |capability: Capability| all.iter().any(|i| i.is(Op::Capability) && i.operand(0) == capability as u32);
-    // A part may be culled where the whole is not.
+    // A part of a primitive may be culled where the complete primitive is not.
     if has(Capability::CullDistance) {
         return Err("a shader sets cull distances");
     }
@@ -150,7 +151,7 @@ pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Resu
 struct Asked {
     /// Variables that it reads.
     read: HashSet<ChunkOffset>,
-    /// Those that are not interpolated.
+    /// Variables that are not interpolated.
     flat: HashSet<ChunkOffset>,
     number: bool,
 }
@@ -184,7 +185,7 @@ fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
     Ok(asked)
 }
 
-/// Built-in variables, each with the member where the variable is a block.
+/// Built-in variables; each with the member, if the variable is a block.
 #[derive(Default)]
 struct BuiltIns {
     /// `gl_Position`.
@@ -204,7 +205,7 @@ fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option
         } else if is(BuiltIn::ClipDistance) {
             found.distances = Some((member, kind));
         } else if !is(BuiltIn::PointSize) && !is(BuiltIn::CullDistance) {
-            return Err("a shader sets layers, viewports or other values that are built in");
+            return Err("a shader sets layers, viewports or other built-in values");
         }
         Ok(())
     };
@@ -220,7 +221,7 @@ fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option
     Ok(found)
 }
 
-/// The numbers of a variable with locations.
+/// Returns the numbers of a variable with locations.
 fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Number>, &'static str> {
     let number = |kind| declared.number(id, None, kind);
     let mut walk = Walk {
@@ -230,16 +231,16 @@ fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Num
         ..Walk::new(declared)
     };
     if declared.decoration(id, None, Decoration::Patch).is_some() {
-        return Err("a shader has outputs that are not followed");
+        return Err("a shader has outputs that cannot be followed");
     }
     walk.enter(pointee)?;
     Ok(walk.found)
 }
 
-/// A way through a variable.
+/// A walk through the parts of a variable.
 struct Walk<'a> {
     declared: &'a Declarations<'a>,
-    /// Place of the next number.
+    /// Location of the next number.
     location: Option<u32>,
     component: u32,
     flat: bool,
@@ -256,9 +257,9 @@ impl<'a> Walk<'a> {
     fn enter(&mut self, kind: u32) -> Result<(), &'static str> {
         self.steps += 1;
         if self.steps > MOST_STEPS {
-            return Err("a shader hands on more than is followed");
+            return Err("a shader has more outputs than can be followed");
         }
-        const UNKNOWN: &str = "a shader hands on what is not followed, such as numbers of 16 or 64 bits";
+        const UNKNOWN: &str = "a shader has outputs that cannot be followed, such as numbers of 16 or 64 bits";
         let declared = self.declared;
         let instruction = declared.by_id.get(&kind).copied().ok_or(UNKNOWN)?;
         let scalar = |id: u32| {
@@ -277,7 +278,7 @@ impl<'a> Walk<'a> {
                 let count = match declared.get(count, Op::Constant) {
                     Some(length) if instruction.is(Op::TypeArray) => length.operand(2),
                     _ if instruction.is(Op::TypeMatrix) => count,
-                    _ => return Err("a shader hands on an array whose length is specialised"),
+                    _ => return Err("a shader has an output array whose length is specialised"),
                 };
                 self.each(0..count, |_| instruction.operand(1))
             }
@@ -299,7 +300,7 @@ impl<'a> Walk<'a> {
 
     fn each(&mut self, range: std::ops::Range<u32>, kind: impl Fn(u32) -> u32) -> Result<(), &'static str> {
         if range.end > LONGEST || self.path.len() >= DEEPEST {
-            return Err("a shader hands on more than is followed");
+            return Err("a shader has more outputs than can be followed");
         }
         for index in range {
             self.path.push(index);
@@ -310,12 +311,12 @@ impl<'a> Walk<'a> {
     }
 
     fn leaf(&mut self, kind: u32, whole: bool, count: u32) -> Result<(), &'static str> {
-        let location = self.location.ok_or("a shader hands on what has no location")?;
+        let location = self.location.ok_or("a shader has an output without a location")?;
         let places = (self.component..self.component.saturating_add(count).min(4)).map(|c| (location, c)).collect();
         let leaf = OutputPart { path: self.path.clone(), kind, flat: self.flat || whole, vector: count > 1 };
         self.found.push(Number { leaf, places });
         if self.found.len() > LONGEST as usize {
-            return Err("a shader hands on more than is followed");
+            return Err("a shader has more outputs than can be followed");
         }
         self.location = Some(location.saturating_add(1));
         Ok(())

@@ -1,4 +1,4 @@
-//! The splice and the search on modules of our own.
+//! Tests of the splice and of the search for matrices, on handmade modules.
 
 mod camera_matrices;
 mod compute;
@@ -80,8 +80,8 @@ fn the_rows_are_where_the_layout_has_them() {
     assert_eq!(declared.pointee(id).map(|p| p.0), Some(StorageClass::Uniform as u32));
 }
 
-/// GLSL's own functions are imported once, whether the program does it or not, where a module has
-/// its imports.
+/// GLSL's own functions are imported once, in the module's section for imports, whether the program
+/// imports them or not.
 #[test]
 fn functions_of_glsl_are_imported_once() {
     let entry = VERTEX_ENTRY.to_str().expect("a name");
@@ -119,7 +119,7 @@ fn what_cannot_be_followed_is_refused() {
     assert!(refused(&endless, VERTEX_ENTRY.to_str().expect("a name")), "no number is left for an id");
 }
 
-/// Any damage to a module is survived.
+/// A damaged module does no harm.
 #[test]
 fn damaged_modules_do_no_harm() {
     let words = vertex_shader();
@@ -135,7 +135,7 @@ fn damaged_modules_do_no_harm() {
     }
 }
 
-/// Words of a module whose instructions are given.
+/// Returns the words of a module with these instructions.
 fn module(bound: u32, all: &[(u32, &[u32])]) -> Vec<u32> {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, bound, 0];
     for (opcode, operands) in all {
@@ -145,8 +145,8 @@ fn module(bound: u32, all: &[(u32, &[u32])]) -> Vec<u32> {
     words
 }
 
-/// A stage with the loose `gl_Position` 5, put together by hand; its types begin with `first`, and
-/// its function is 7.
+/// A handmade stage with a `gl_Position` outside of a block, as id 5. Its types begin with `first`,
+/// and its function is 7.
 fn loose_position(points: &[[u32; 4]], first: (u32, &[u32])) -> Vec<u32> {
     let output = StorageClass::Output as u32;
     let builtin = [5, Decoration::BuiltIn as u32, spirv::BuiltIn::Position as u32];
@@ -170,11 +170,10 @@ fn loose_position(points: &[[u32; 4]], first: (u32, &[u32])) -> Vec<u32> {
     module(40, &all)
 }
 
-/// Types of extensions may come before all others; decorations come before them.
+/// Types of extensions may come before all others. Decorations must be inserted before them.
 #[test]
 fn decorations_stand_before_types_whatever_the_first_is() {
-    // OpTypeAccelerationStructureKHR, OpTypeVoid's twin that no module needs, a number that nobody
-    // knows.
+    // OpTypeAccelerationStructureKHR, an unneeded second OpTypeVoid, an unknown number.
     for first in [5341, 6090] {
         let words =
             loose_position(&[[ExecutionModel::Vertex as u32, 7, u32::from_le_bytes(*b"go\0\0"), 5]], (first, &[30]));
@@ -198,7 +197,7 @@ fn several_geometry_shaders_in_a_module_are_refused() {
     assert_eq!(splice(&two, ExecutionModel::Geometry, "go", 2, false), Err("several geometry shaders in one module"));
 }
 
-/// A block with an array of structures with matrices, put together by hand.
+/// A handmade block with an array of structures with matrices.
 #[test]
 fn matrices_are_found_in_nested_blocks() {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 40, 0];
@@ -241,8 +240,8 @@ fn matrices_are_found_in_nested_blocks() {
     );
 }
 
-/// Two matrices in a block. `through`: the matrix of this number goes through a function's
-/// parameter into the position, the other one into an output of the program's own.
+/// Two matrices in a block. `through`: index of the matrix that flows through a function's
+/// parameter into the position. The other one flows into an output of the program's own.
 fn two_matrices(through: u32) -> Vec<u32> {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 60, 0];
     let mut put = |op: Op, operands: &[u32]| {
@@ -308,14 +307,14 @@ fn only_matrices_of_the_position_are_found_where_it_is_asked_for() {
         assert_eq!(offsets(&words, false), HashSet::from([0, 64]));
         assert_eq!(offsets(&words, true), HashSet::from([64 * through]));
     }
-    // A pointer that is not followed: all that the shader has may flow.
+    // A pointer that cannot be followed: every matrix of the shader may flow into the position.
     let mut words = two_matrices(0);
     words.extend([(3 << 16) | Op::Store as u32, 59, 53]);
     assert_eq!(offsets(&words, true), HashSet::from([0, 64]));
 }
 
-/// A block with an array of `vec4`. The elements from `first` on, as many as there are `products`,
-/// flow into the position: into a scalar product where it says so, otherwise into a sum.
+/// A block with an array of `vec4`. The elements from `first` on flow into the position, one for
+/// each item of `products`: into a scalar product if the item is true, otherwise into a sum.
 fn elements_of_an_array(first: u32, products: &[bool]) -> Vec<u32> {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 200, 0];
     let mut put = |op: Op, operands: &[u32]| {
@@ -366,8 +365,8 @@ fn four_elements_of_an_array_are_a_matrix() {
     assert_eq!(found(3, &[true; 4]), [(32 + 3 * 16, 16, true)]);
     assert_eq!(found(0, &[true, true, false, true]), [(32, 16, false)], "what goes into a sum is no row");
     assert_eq!(found(5, &[true; 3]), [], "three are none");
-    // From the first and from the last one on: what lies before or behind a matrix may flow into
-    // the position, too.
+    // Groups from the first element on, and from the last one back: elements before or after a
+    // matrix may flow into the position, too.
     assert_eq!(found(1, &[false; 6]), [(48, 16, false), (80, 16, false)]);
     assert_eq!(found(0, &[false; 8]), [(32, 16, false), (96, 16, false)]);
     assert!(matrices(&elements_of_an_array(0, &[false; 4]), false).is_empty(), "not where all may flow");

@@ -1,10 +1,10 @@
-//! Texels and sizes of images that a fragment shader reads by numbers: those of the program's
-//! images.
+//! Fragment shaders that read images by texel coordinates or query their sizes. In each view they
+//! get the texels and sizes of the program's images.
 //!
-//! In a view, an image of the scene has as many texels as the view, not as the program gave it.
-//! Coordinates of fetches are scaled to that, sizes are scaled back. With a coordinate goes the
-//! fragment's offset from the corner of its texel: where a shader fetches at its own place, it gets
-//! its own texel, whichever image has more.
+//! In a view, an image of the scene has the size of the view, not the size that the program chose.
+//! Coordinates of fetches are scaled to the size of the view, and sizes are scaled back. The
+//! fragment's offset from the corner of its texel is added to the coordinates. So a shader that
+//! fetches at its own position gets its own texel, whichever image is larger.
 
 use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
@@ -12,32 +12,32 @@ use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into
 use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, FunctionControl, ImageOperands, Op, StorageClass};
 use std::collections::HashMap;
 
-/// More images of one shader are not followed.
+/// Greatest number of images of one shader that are followed.
 pub const MOST_PICTURES: usize = 8;
 
-/// Functions of GLSL's own set.
+/// Numbers of functions of GLSL's own set.
 const FLOOR: u32 = 8;
 const FRACTION: u32 = 10;
 
 /// A descriptor: set and binding.
 pub type DescriptorPlace = (u32, u32);
 
-/// A shader whose fetches are those of the program.
+/// A shader in which fetches and sizes are changed.
 pub struct Followed {
     /// Its words.
     pub words: Vec<u32>,
-    /// Descriptors of the images that it fetches from or asks for their size, in the order of their
-    /// factors.
+    /// Descriptors of the images that it fetches from or whose size it queries, in the order of
+    /// their factors.
     pub pictures: Vec<DescriptorPlace>,
 }
 
-/// `words` with fetches at texels of the program; `None` where the shader reads by texture
-/// coordinates only. Four floats at `offset` in the uniform block at binding 0 of `set` are those
-/// of [`frag_coord`](super::frag_coord); behind them are four for each image: the factors from its
-/// texels to those of a view, and to them from pixels of the program.
+/// Returns `words` with fetches at the program's texels; `None` if the shader reads only by texture
+/// coordinates. The uniform block at binding 0 of `set` has four floats at `offset`, those of
+/// [`frag_coord`](super::frag_coord). Four more floats follow for each image: the factors from its
+/// texels to those of a view, and from pixels of the program to its texels.
 ///
 /// # Errors
-/// For people: what the shader does that cannot be followed.
+/// What the shader does that cannot be followed, for the log.
 pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Followed>, &'static str> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
@@ -54,10 +54,10 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
         return Ok(None);
     }
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
-        return Err("several entry points in a module that reads images by texel numbers");
+        return Err("several entry points in a module that reads images by texel coordinates");
     }
     if reads.unknown || reads.pictures.len() > MOST_PICTURES {
-        return Err("a shader that reads images by texel numbers, in a way that is not followed");
+        return Err("a shader that reads images by texel coordinates in a way that cannot be followed");
     }
     if words[3] > MOST_IDS {
         return Err("a shader with too many ids");
@@ -86,22 +86,23 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
 
 /// Ids for the changes of reads.
 struct Scaling {
-    /// Constants with the numbers of the images.
+    /// Constants with the indices of the images.
     numbers: Vec<u32>,
-    /// The type of two signed numbers.
+    /// The type of two signed integers.
     pair: u32,
-    /// The function from a texel of the program to one of a view.
+    /// The function from a texel of the program to a texel of a view.
     texel: u32,
-    /// The function from a size of a view's image to the program's.
+    /// The function from the size of a view's image to the size of the program's.
     size: u32,
 }
 
 impl Scaling {
-    /// Operands of a fetch at the program's texel; what computes them goes to `out`.
+    /// Returns the operands of a fetch at the program's texel. The instructions that compute them
+    /// go to `out`.
     fn of_fetch(&self, to: &mut Additions<'_>, i: &Instruction<'_>, read: &Read, out: &mut Vec<u32>) -> Vec<u32> {
         let mut operands = i.operands.to_vec();
         let given = match read.offset {
-            // It is in texels of the program, too.
+            // The offset is in texels of the program, too.
             Some(index) => {
                 let sum = to.id();
                 push(out, Op::IAdd, &[self.pair, sum, operands[3], operands.remove(index)]);
@@ -116,8 +117,8 @@ impl Scaling {
         operands
     }
 
-    /// As [`of_fetch`](Self::of_fetch), of a question for the size: the answer is computed before,
-    /// and the program's own instruction follows for nothing.
+    /// As [`of_fetch`](Self::of_fetch), for a query of the size. The result is computed before the
+    /// program's own query, whose result is not used.
     fn of_size(&self, to: &mut Additions<'_>, i: &Instruction<'_>, read: &Read, out: &mut Vec<u32>) -> Vec<u32> {
         let mut operands = i.operands.to_vec();
         let (asked, unused) = (to.id(), to.id());
@@ -130,7 +131,7 @@ impl Scaling {
         operands
     }
 
-    /// Two numbers of a read as signed ones.
+    /// Converts the two integers of a read to signed ones.
     fn signed(&self, to: &mut Additions<'_>, read: &Read, id: u32, out: &mut Vec<u32>) -> u32 {
         if read.kind == self.pair {
             return id;
@@ -140,7 +141,7 @@ impl Scaling {
         cast
     }
 
-    /// Makes `result`, of the read's type, by a function of two signed numbers.
+    /// Computes `result`, of the read's type, with a function of two signed integers.
     fn call(
         &self,
         to: &mut Additions<'_>,
@@ -156,12 +157,12 @@ impl Scaling {
     }
 }
 
-/// A place where an image is read by numbers.
+/// An instruction that reads an image by texel coordinates or queries its size.
 struct Read {
     is_fetch: bool,
     /// Index of the image.
     picture: usize,
-    /// The type of the coordinates, or of the size.
+    /// Type of the coordinates, or of the size.
     kind: u32,
     /// Index of the operand that is added to the coordinates.
     offset: Option<usize>,
@@ -170,7 +171,8 @@ struct Read {
 /// Operands that are added to the coordinates.
 const OFFSETS: ImageOperands = ImageOperands::CONST_OFFSET.union(ImageOperands::OFFSET);
 
-/// Index of the offset of a fetch: it stands behind the bias, the level and the two gradients.
+/// Returns the index of the offset of a fetch. It comes after the bias, the level and the two
+/// gradients.
 fn offset_index(fetch: &Instruction<'_>) -> Option<usize> {
     let given = ImageOperands::from_bits_truncate(fetch.operand(4));
     let before = given & (ImageOperands::BIAS | ImageOperands::LOD | ImageOperands::GRAD);
@@ -178,15 +180,16 @@ fn offset_index(fetch: &Instruction<'_>) -> Option<usize> {
     given.intersects(OFFSETS).then_some(5 + before.bits().count_ones() as usize + gradients)
 }
 
-/// Places at which a shader reads two-dimensional images by numbers.
+/// Instructions of a shader that read two-dimensional images by texel coordinates or query their
+/// size.
 #[derive(Default)]
 struct Reads {
-    /// By the offset of the instruction.
+    /// Reads by the offset of the instruction.
     places: HashMap<usize, Read>,
     pictures: Vec<DescriptorPlace>,
-    /// Some read is of an image that is not known.
+    /// True if any read is of an unknown image.
     unknown: bool,
-    /// Some fetch is.
+    /// True if any fetch is of an unknown image.
     unknown_fetch: bool,
 }
 
@@ -205,7 +208,7 @@ impl Reads {
             .filter(|(_, i)| declared.get(i.operand(1), Op::TypeInt).is_some_and(|int| int.operand(1) == 32))
             .map(|(id, _)| *id)
             .collect();
-        // Results have their type before them.
+        // A result's type comes before the result.
         let typed: HashMap<u32, u32> = all
             .iter()
             .filter(|i| i.operands.len() > 1 && pairs.contains(&i.operand(0)))
@@ -216,7 +219,7 @@ impl Reads {
             let is_fetch = i.is(Op::ImageFetch);
             let kind =
                 if is_fetch { typed.get(&i.operand(3)) } else { pairs.iter().find(|kind| **kind == i.operand(0)) };
-            // Images of one or three dimensions, and layers, are no views.
+            // Images of one or three dimensions, and layers, are not views.
             let Some(kind) = kind.copied() else { continue };
             let variable = sources.variable(i.operand(2), DEEPEST);
             let place = variable.and_then(|variable| place_of(declared, variable));
@@ -244,7 +247,7 @@ impl Reads {
 /// Descriptor of a variable that holds an image.
 enum Place {
     Plain(DescriptorPlace),
-    /// No image of a view: several samples, an attachment, one that is written.
+    /// Not an image of a view: it has several samples, is an attachment, or is written.
     Other,
 }
 
@@ -256,7 +259,7 @@ fn place_of(declared: &Declarations<'_>, variable: u32) -> Option<Place> {
     if let Some(sampled) = declared.get(kind, Op::TypeSampledImage) {
         kind = sampled.operand(1);
     }
-    // Type, dimension, depth, layers, samples, whether it is sampled.
+    // Operands: type, dimension, depth, layers, samples, whether it is sampled.
     let image = declared.get(kind, Op::TypeImage)?;
     let plain =
         (image.operand(2), image.operand(4), image.operand(5), image.operand(6)) == (Dim::Dim2D as u32, 0, 0, 1);
@@ -268,14 +271,14 @@ fn place_of(declared: &Declarations<'_>, variable: u32) -> Option<Place> {
     })
 }
 
-/// Deeper calls are not followed.
+/// Greatest depth of calls that is followed.
 const DEEPEST: usize = 4;
 
 /// Origins of images.
 struct Sources {
-    /// From a loaded value, or what is taken of it, to what it is loaded from.
+    /// From a value that is loaded, or taken from a loaded one, to its source.
     from: HashMap<u32, u32>,
-    /// Arguments that functions get for a parameter.
+    /// Arguments that calls give to a parameter.
     arguments: HashMap<u32, Vec<u32>>,
 }
 
@@ -301,7 +304,8 @@ impl Sources {
         Self { from, arguments }
     }
 
-    /// The variable that a value or pointer comes from; of several or a part of one, `None`.
+    /// Returns the variable that a value or pointer comes from; `None` if there are several, or if
+    /// it is a part of a variable.
     fn variable(&self, id: u32, depth: usize) -> Option<u32> {
         let mut id = id;
         for _ in 0..DEEPEST {
@@ -324,12 +328,12 @@ struct Ours {
     int_pair: u32,
     pair: u32,
     vector: u32,
-    /// Pointer to four floats of the block.
+    /// Type of a pointer to four floats of the block.
     member: u32,
     block: u32,
-    /// Numbers of the block's members.
+    /// Constants with the indices of the block's members.
     members: [u32; 2],
-    /// Variable with the driver's value of the fragment's place.
+    /// Variable with the driver's position of the fragment.
     place: u32,
     half: u32,
     glsl: u32,
@@ -374,7 +378,8 @@ impl Ours {
         Self { int, int_pair, pair, vector, member, block, members: [zero, one], place, half: half_pair, glsl }
     }
 
-    /// Begins a function of a pair of numbers and of an image's; returns it with these.
+    /// Begins a function of two integers and of an image's index. Returns the function and these
+    /// parameters.
     fn begin(&self, to: &mut Additions<'_>) -> (u32, u32, u32) {
         let function = to.kind(Op::TypeFunction, &[self.int_pair, self.int_pair, self.int]);
         let [made, given, picture, label] = std::array::from_fn(|_| to.id());
@@ -385,14 +390,14 @@ impl Ours {
         (made, given, picture)
     }
 
-    /// An instruction with a result of this type.
+    /// Adds an instruction with a result of this type.
     fn value(to: &mut Additions<'_>, op: Op, kind: u32, operands: &[u32]) -> u32 {
         let made = to.id();
         push(&mut to.bodies, op, &[&[kind, made], operands].concat());
         made
     }
 
-    /// Two of the four floats at a place in the block: the first, or the last.
+    /// Loads four floats from the block. Returns the first two and the last two.
     fn halves(&self, to: &mut Additions<'_>, indices: &[u32]) -> [u32; 2] {
         let at = Self::value(to, Op::AccessChain, self.member, &[&[self.block], indices].concat());
         let all = Self::value(to, Op::Load, self.vector, &[at]);
@@ -407,7 +412,7 @@ impl Ours {
         result
     }
 
-    /// The function that takes a texel of the program to that of a view.
+    /// Adds the function from a texel of the program to a texel of a view.
     fn texel(&self, to: &mut Additions<'_>) -> u32 {
         let (made, given, picture) = self.begin(to);
         let [offset, scale] = self.halves(to, &[self.members[0]]);
@@ -425,7 +430,7 @@ impl Ours {
         made
     }
 
-    /// The function that takes the size of a view's image to that of the program's.
+    /// Adds the function from the size of a view's image to the size of the program's image.
     fn size(&self, to: &mut Additions<'_>) -> u32 {
         let (made, given, picture) = self.begin(to);
         let [factor, _] = self.halves(to, &[self.members[1], picture]);

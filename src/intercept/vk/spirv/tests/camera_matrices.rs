@@ -1,4 +1,4 @@
-//! Choices between matrices of the program and ours, on modules put together by hand.
+//! Choices between matrices of the program and those of Cupola, in handmade modules.
 
 use super::module;
 use crate::intercept::vk::spirv::module::instructions;
@@ -6,9 +6,9 @@ use crate::intercept::vk::spirv::{Memory, camera_matrices};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 
-/// A stage whose function does `body`. 15 is a block in set 1 at binding 2: a vector, a matrix by
-/// rows, and two by columns. Constants 12 and 13 are 1 and 2; pointers to a matrix of it are 16, to
-/// a column 17, to a vector of output 18.
+/// A stage whose function does `body`. Id 15: a block in set 1 at binding 2 with a vector, a
+/// row-major matrix, and two column-major ones. Ids 12 and 13: constants 1 and 2. Ids 16, 17 and
+/// 18: types of pointers to a matrix of the block, to a column of it, and to an output vector.
 fn stage(model: ExecutionModel, body: &[(u32, &[u32])]) -> Vec<u32> {
     let (uniform, output) = (StorageClass::Uniform as u32, StorageClass::Output as u32);
     let point = [model as u32, 7, u32::from_le_bytes(*b"go\0\0"), 19];
@@ -55,7 +55,7 @@ fn stage(model: ExecutionModel, body: &[(u32, &[u32])]) -> Vec<u32> {
     module(60, &all)
 }
 
-/// The matrix by rows, and a column of the second one by columns.
+/// The row-major matrix, and a column of the second column-major one.
 const WHOLE: (u32, &[u32]) = (Op::AccessChain as u32, &[16, 30, 15, 12]);
 const LOAD: (u32, &[u32]) = (Op::Load as u32, &[4, 31, 30]);
 const COLUMN: (u32, &[u32]) = (Op::AccessChain as u32, &[17, 32, 15, 13, 12, 13]);
@@ -93,7 +93,7 @@ fn matrices_of_the_position_and_those_that_are_handed_on_are_left() {
     assert!(matches!(camera_matrices(&words, ExecutionModel::Fragment, "go", 3, 208), Ok(None)));
 }
 
-/// Any damage to a module is survived.
+/// A damaged module does no harm.
 #[test]
 fn damaged_modules_do_no_harm() {
     let words = stage(ExecutionModel::Fragment, &[WHOLE, LOAD, COLUMN, LOAD_COLUMN]);

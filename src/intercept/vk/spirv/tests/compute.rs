@@ -1,13 +1,13 @@
-//! Images and buffers that compute shaders read and write, on modules put together by hand.
+//! Images and buffers that compute shaders read and write, in handmade modules.
 
 use super::module;
 use crate::intercept::vk::spirv::{BufferWrites, ComputeUse, compute_use};
 use crate::testing::random::Random;
 use spirv::{Decoration, Dim, ExecutionModel, Op, StorageClass};
 
-/// A compute stage whose function does `body`. A sampled image of type 5 at binding 1 is 20; stored
-/// ones of type 6 at bindings 2 and 3, the latter never read, are 21 and 22; a word of a buffer at
-/// binding 4, by a pointer of type 13, is what a chain from 23 leads to.
+/// A compute stage whose function does `body`. Id 20: sampled image of type 5, binding 1. Ids 21
+/// and 22: stored images of type 6, bindings 2 and 3; 22 is never read. Id 23: base of a chain to a
+/// word of a buffer at binding 4, with a pointer of type 13.
 fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
     let (constant, buffer) = (StorageClass::UniformConstant as u32, StorageClass::StorageBuffer as u32);
     let point = [ExecutionModel::GLCompute as u32, 30, u32::from_le_bytes(*b"go\0\0")];
@@ -53,7 +53,7 @@ const CHAIN: (u32, &[u32]) = (Op::AccessChain as u32, &[13, 45, 23, 24]);
 const STORE: (u32, &[u32]) = (Op::Store as u32, &[45, 24]);
 const ADD: (u32, &[u32]) = (Op::AtomicIAdd as u32, &[10, 46, 45, 24, 24, 24]);
 
-/// Stores to the image that this is loaded from.
+/// Stores to the image that is loaded here.
 const fn write(image: &'static [u32]) -> (u32, &'static [u32]) {
     (Op::ImageWrite as u32, image)
 }
@@ -86,7 +86,7 @@ fn buffers_that_are_written() {
     assert!(used(&[(Op::ImageTexelPointer as u32, &[13, 47, 21, 24, 24])]).image_atomics);
 }
 
-/// Any damage to a module is survived.
+/// A damaged module does no harm.
 #[test]
 fn damaged_modules_do_no_harm() {
     let words = stage(&[&LOADS[..], &[FETCH, READ, CHAIN, ADD, STORE, write(&[42, 24, 43])]].concat());

@@ -1,4 +1,4 @@
-//! Outputs of shaders, and the stage that divides, on modules that are put together by hand.
+//! Outputs of shaders, and the stage that divides, with handmade modules.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
@@ -8,13 +8,13 @@ use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
 
-/// Types of [`interface`]: four floats, an unsigned number, two floats.
+/// Types of [`interface`]: four floats, an unsigned integer, two floats.
 const VECTOR: u32 = 3;
 const NUMBER: u32 = 4;
 const PAIR: u32 = 5;
 
-/// A stage with the entry point "go", put together by hand, which has variables of these types at
-/// these locations and components; the last says whether they are flat.
+/// A handmade stage with the entry point "go". Its variables have these types, locations and
+/// components; the last item is true for a flat variable.
 fn interface(model: ExecutionModel, variables: &[(u32, u32, u32, bool)]) -> Vec<u32> {
     let vertex = model == ExecutionModel::Vertex;
     let class = if vertex { StorageClass::Output } else { StorageClass::Input } as u32;
@@ -63,25 +63,26 @@ fn interface(model: ExecutionModel, variables: &[(u32, u32, u32, bool)]) -> Vec<
     module(40, &all)
 }
 
-/// A vertex shader, and a fragment shader that reads all of it, what is at location 2 flat.
+/// A vertex shader, and a fragment shader that reads all of its outputs. The output at location 2
+/// is flat.
 fn pair() -> [Vec<u32>; 2] {
     let variables = |flat| [(VECTOR, 0, 0, false), (NUMBER, 1, 3, flat), (PAIR, 2, 1, flat)];
     [interface(ExecutionModel::Vertex, &variables(false)), interface(ExecutionModel::Fragment, &variables(true))]
 }
 
-/// Division between the two, by a device.
+/// Returns the dividing stage between the two, for a device with these limits.
 fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, &'static str> {
     counting(input, limits, true)
 }
 
-/// Division that counts, or does not.
+/// Returns the dividing stage, with or without the counter.
 fn counting(input: Input, limits: &Limits, counts: bool) -> Result<Vec<u32>, &'static str> {
     let [vertex, fragment] = pair();
     let fragment = (&fragment[..], ExecutionModel::Fragment, "go");
     divide(input, &stage_outputs((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, 4, counts, limits)
 }
 
-/// A device that allows the least that Vulkan demands.
+/// A device with the smallest limits that Vulkan allows.
 const LEAST: Limits = Limits { vertices: 256, all_components: 1024, components: [64, 64], runs: 32 };
 
 #[test]
@@ -91,7 +92,7 @@ fn what_is_handed_on_is_what_is_read() {
     let all = stage_outputs(vertex, Some((&fragment, ExecutionModel::Fragment, "go"))).expect("it is followed");
     let flat: Vec<bool> = all.variables.iter().flat_map(|v| &v.leaves).map(|leaf| leaf.flat).collect();
     assert_eq!((all.components, all.locations, &flat[..]), (7, 3, &[false, true, true][..]));
-    // One of the two floats is enough.
+    // It is enough to read one of the two floats.
     let some = interface(ExecutionModel::Fragment, &[(PAIR, 2, 2, false)]);
     let some = stage_outputs(vertex, Some((&some, ExecutionModel::Fragment, "go"))).expect("it is followed");
     assert_eq!((some.variables.len(), some.components, some.variables[0].leaves[0].flat), (1, 2, false));
@@ -119,7 +120,7 @@ fn a_stage_that_divides_declares_nothing_twice() {
     }
 }
 
-/// The only thing that is written beside vertices is the counter, at its place, once.
+/// Apart from vertices, only the counter is written: once, at its binding.
 #[test]
 fn a_stage_counts_by_its_own_number_or_not_at_all() {
     for input in [Input::Triangles, Input::Lines] {
@@ -159,7 +160,7 @@ fn a_stage_is_as_large_as_the_device_allows() {
     assert!(divided(Input::Triangles, &Limits { components: [64, 8], ..LEAST }).is_err());
 }
 
-/// Any damage to the shaders is survived.
+/// Damaged shaders do no harm.
 #[test]
 fn damaged_shaders_are_divided_or_refused() {
     let [vertex, fragment] = pair();

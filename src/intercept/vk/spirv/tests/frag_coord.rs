@@ -1,4 +1,4 @@
-//! Window coordinates of fragments, on modules put together by hand.
+//! Window coordinates of fragments, in handmade modules.
 
 use super::module;
 use crate::intercept::vk::spirv::frag_coord;
@@ -6,7 +6,7 @@ use crate::intercept::vk::spirv::module::instructions;
 use crate::testing::random::Random;
 use spirv::{BuiltIn, Decoration, ExecutionModel, Op, StorageClass};
 
-/// A fragment stage whose function does `body`; its FragCoord is 5, a pointer to input floats 9, a
+/// A fragment stage whose function does `body`. Ids: FragCoord 5, a pointer to input floats 9, a
 /// number 10.
 fn stage(body: &[(u32, &[u32])]) -> Vec<u32> {
     let input = StorageClass::Input as u32;
@@ -78,12 +78,12 @@ fn pointers_that_are_handed_on_are_refused() {
     for body in [&[LOAD, call][..], &[CHAIN, call_with_part], &[interpolated], &[copied]] {
         assert!(frag_coord(&stage(body), "go", 3, 64).is_err());
     }
-    // A number that looks like the variable is none.
+    // A literal number with the value of the variable's id is not the variable.
     let number: (u32, &[u32]) = (Op::Constant as u32, &[11, 26, 5]);
     assert!(frag_coord(&stage(&[LOAD, number]), "go", 3, 64).is_ok());
 }
 
-/// Any damage to a module is survived.
+/// A damaged module does no harm.
 #[test]
 fn damaged_modules_do_no_harm() {
     let words = stage(&[LOAD, CHAIN, LOAD_PART]);

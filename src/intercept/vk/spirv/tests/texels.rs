@@ -1,4 +1,4 @@
-//! Fetches and sizes of images, on modules put together by hand.
+//! Fetches and sizes of images, in handmade modules.
 
 use super::module;
 use crate::intercept::vk::spirv::module::instructions;
@@ -6,8 +6,8 @@ use crate::intercept::vk::spirv::texels;
 use crate::testing::random::Random;
 use spirv::{BuiltIn, Decoration, Dim, ExecutionModel, ImageOperands, Op, StorageClass};
 
-/// A fragment stage whose function does `body`. Its FragCoord is 5, an image in set 1 at binding 6
-/// is 16, a pair of numbers 13, of unsigned ones 18, a constant pair 14.
+/// A fragment stage whose function does `body`. Ids: FragCoord 5; an image in set 1 at binding 6:
+/// 16; type of two integers 13, of two unsigned ones 18; a constant pair 14.
 fn stage(body: &[(u32, &[u32])], fetched_from: Dim) -> Vec<u32> {
     let (input, constant) = (StorageClass::Input as u32, StorageClass::UniformConstant as u32);
     let builtin = [5, Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];
@@ -59,7 +59,7 @@ fn coordinates_and_sizes_go_through_functions_of_ours() {
     let fetch = all.iter().find(|i| i.is(Op::ImageFetch)).expect("it stays");
     let call = all.iter().find(|i| i.is(Op::FunctionCall) && i.operand(1) == fetch.operand(3)).expect("a call");
     assert_eq!((call.operand(0), call.operand(3)), (13, 14), "of the program's coordinates");
-    // What the program uses is the result of Cupola, in its own type.
+    // The program uses the result of Cupola, in the program's type.
     let cast = all.iter().find(|i| i.is(Op::Bitcast) && i.operand(1) == 22).expect("the size");
     assert!(all.iter().any(|i| i.is(Op::FunctionCall) && i.operand(1) == cast.operand(2)));
     let queries: Vec<_> = all.iter().filter(|i| i.is(Op::ImageQuerySizeLod)).map(|i| i.operand(1)).collect();
@@ -74,7 +74,7 @@ fn what_reads_by_texture_coordinates_is_left() {
     }
 }
 
-/// The operands of the fetch, and those of the addition that its coordinates come from.
+/// Returns the operands of the fetch, and those of the addition that computes its coordinates.
 fn fetched_at(fetch: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let words = stage(&[LOAD, (Op::ImageFetch as u32, fetch)], Dim::Dim2D);
     let followed = texels(&words, "go", 3, 64).expect("followed").expect("it fetches");
@@ -105,7 +105,7 @@ fn images_that_are_not_known_are_refused() {
     assert!(texels(&stage(&[unknown], Dim::Dim2D), "go", 3, 64).is_err(), "no other is known");
 }
 
-/// Any damage to a module is survived.
+/// A damaged module does no harm.
 #[test]
 fn damaged_modules_do_no_harm() {
     let words = stage(&[LOAD, FETCH, SIZE], Dim::Dim2D);
