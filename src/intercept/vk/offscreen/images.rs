@@ -277,7 +277,7 @@ hooks! {
         let mut narrowed = vk::ImageViewUsageCreateInfo::default().usage(declared.unwrap_or_default());
         narrowed.p_next = info.p_next;
         let mut changed = *info;
-        // A driver that compares usages knows this structure.
+        // A driver with imageless framebuffers, which compare usages, knows this structure.
         if declared.is_some() && said.is_none() && state.next.compares_usage() {
             changed.p_next = std::ptr::from_ref(&narrowed).cast();
         }

@@ -1,4 +1,4 @@
-//! Devices: what Cupola knows of each, in parts.
+//! Devices: the state that Cupola has of each, in parts.
 
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::Descriptors;
@@ -24,15 +24,15 @@ use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, RwLock};
 
-/// A device of the program. Each part has its owner: the room that changes it.
+/// A device of the program. Each part has its owner: the module that changes it.
 pub struct Device {
     /// The driver's side; set once.
     pub(in crate::intercept::vk) driver: Driver,
     /// The next layer's functions that hooks call.
     pub(in crate::intercept::vk) next: NextLayer,
-    /// Tasks of Cupola on this device; decided when it is made.
+    /// Tasks of Cupola on this device, decided when it is created.
     pub(in crate::intercept::vk) role: Role,
-    /// Reasons for which draws are not issued for each view.
+    /// Reasons why draws are not issued for each view.
     pub(in crate::intercept::vk) flatness: Flatness,
     /// Command buffers (`commands`).
     pub(in crate::intercept::vk) recordings: Recordings,
@@ -58,7 +58,7 @@ pub struct Device {
     pub(in crate::intercept::vk) queries: Queries,
     /// Swapchains (`swapchain`).
     pub(in crate::intercept::vk) swapchains: Swapchains,
-    /// The family of each queue that the program asked for (`layer`).
+    /// The family of each queue that the program requested (`layer`).
     pub(in crate::intercept::vk) queues: Mutex<HashMap<vk::Queue, u32>>,
     /// Frames that were presented, and the report of the last one (`swapchain`).
     pub(in crate::intercept::vk) presented: Presented,
@@ -66,30 +66,30 @@ pub struct Device {
 
 /// Tasks of Cupola on a device.
 pub struct Role {
-    /// Cupola has something to do here.
+    /// True if Cupola has anything to do here.
     pub(in crate::intercept::vk) active: bool,
-    /// It corrects pictures, and does not only count and capture.
+    /// True if it corrects pictures, and does not only count and capture.
     pub(in crate::intercept::vk) corrects: bool,
-    /// Work on vertices.
+    /// How shaders process vertices.
     pub(in crate::intercept::vk) vertices: VertexDecision,
-    /// Commands may change the class of what a pipeline draws.
+    /// True if commands may change the class of the primitives of a pipeline.
     pub(in crate::intercept::vk) topologies_change: bool,
 }
 
 /// Frames that were presented.
 #[derive(Default)]
 pub struct Presented {
-    /// Their number.
+    /// Number of presented frames.
     pub(in crate::intercept::vk) frames: AtomicU64,
     /// Number of the last report.
     pub(in crate::intercept::vk) report: AtomicU64,
-    /// Their times, if statistics are asked for.
+    /// Times of the frames, if statistics are needed.
     pub(in crate::intercept::vk) times: Arc<Mutex<FrameTimes>>,
 }
 
 pub(in crate::intercept::vk) static DEVICES: RwLock<Option<HashMap<usize, Arc<Device>>>> = RwLock::new(None);
 
-/// The device that a device, queue or command buffer belongs to.
+/// Returns the device that a device, queue or command buffer belongs to.
 pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
     let object = handle.as_raw();
     if object == 0 {
@@ -101,14 +101,14 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
 }
 
 impl Role {
-    /// True if primitives are divided where the rig says so.
+    /// True if this device divides primitives for outputs that request it.
     pub fn divides(&self) -> bool {
         self.vertices.vertices == VertexProcessing::Divided
     }
 }
 
 impl Device {
-    /// From one slot of view constants to the next, bytes.
+    /// Returns the distance of two slots of view constants, in bytes.
     pub fn slot_stride(&self, parts: SlotParts) -> u32 {
         let alignment = self.driver.limits.min_uniform_buffer_offset_alignment.clamp(1, 1 << 12) as u32;
         self.view_constants.slot(parts).next_multiple_of(alignment)
@@ -119,17 +119,18 @@ impl Device {
         self.flatness.draws_views()
     }
 
-    /// From now on the program's picture is shown flat; the log says why.
+    /// Shows the program's picture flat from now on. The log gives the reason.
     pub fn show_flat(&self, why: impl Into<Obstacle>) {
         self.flatness.show_flat(&why.into());
     }
 
-    /// The atlas copies of an image, which follow it while draws are issued for each view.
+    /// Returns the atlas copies of an image that follow its layout, while draws are issued for each
+    /// view.
     pub fn atlas_copies(&self, image: vk::Image) -> Vec<vk::Image> {
         if self.draws_views() { self.images.atlas_copies(image) } else { Vec::new() }
     }
 
-    /// A queue with its family.
+    /// Returns a queue with its family.
     pub fn queue(&self, handle: vk::Queue) -> Queue {
         let queues = self.queues.locked();
         Queue { handle, family: queues.get(&handle).copied().unwrap_or(0) }

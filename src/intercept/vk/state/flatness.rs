@@ -1,16 +1,15 @@
-//! Decision whether draws are issued for each view, with the reason if they are not.
+//! Decision whether draws are issued for each view, and the reason if they are not.
 
 use crate::intercept::log;
 use crate::intercept::scene::obstacle::Obstacle;
 use std::sync::OnceLock;
 
-/// The reasons for which a device's draws are not issued for each view.
+/// The reasons why a device's draws are not issued for each view.
 #[derive(Default)]
 pub struct Flatness {
-    /// Text for the log and the statistics, where the program's picture is not made of views; empty
-    /// where it is.
+    /// Text for the log and the statistics, if the program's picture is not made from views.
     note: OnceLock<String>,
-    /// Reason why some pipeline has no variants.
+    /// Reason why a pipeline has no variants.
     pipeline: OnceLock<Obstacle>,
 }
 
@@ -20,7 +19,7 @@ impl Flatness {
         self.note.get().is_none()
     }
 
-    /// From now on the program's picture is shown flat; the log says why.
+    /// Shows the program's picture flat from now on. The log gives the reason.
     pub fn show_flat(&self, why: &Obstacle) {
         let Some(reason) = why.reason() else { return };
         let note = format!(
@@ -31,7 +30,7 @@ impl Flatness {
         }
     }
 
-    /// From now on windows have the program's own picture; the log says why.
+    /// Shows the program's own picture in windows from now on. The log gives the reason.
     pub fn show_own(&self, why: &str) {
         let note = format!("Vulkan: the window has the program's own picture from now on: {why}");
         log::once(&note);
@@ -43,12 +42,12 @@ impl Flatness {
         self.note.get().cloned()
     }
 
-    /// Notes why a pipeline has no variants; that matters when it draws to a window.
+    /// Notes why a pipeline has no variants. This matters when it draws to a window.
     pub fn note_pipeline(&self, why: &Obstacle) {
         let _ = self.pipeline.set(why.clone());
     }
 
-    /// Returns the reason why some pipeline has no variants.
+    /// Returns the reason why a pipeline has no variants.
     pub fn pipeline_obstacle(&self) -> Obstacle {
         self.pipeline.get().cloned().unwrap_or_else(|| "a pipeline that is not known".into())
     }

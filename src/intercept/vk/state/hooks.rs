@@ -4,16 +4,16 @@ use std::ffi::CStr;
 
 /// A function of Vulkan and the function of Cupola that answers it.
 pub struct Hook {
-    /// The names that it goes by.
+    /// The names of the Vulkan function.
     pub names: &'static [&'static CStr],
-    /// Our function, with the signature that Vulkan gives it.
+    /// Cupola's function, with the signature of the Vulkan function.
     pub address: *const (),
 }
 
-// SAFETY: an address of a function never changes and may be read from any thread.
+// SAFETY: the address of a function never changes and may be read from any thread.
 unsafe impl Sync for Hook {}
 
-/// Defines hooks, and the table `HOOKS` of them. Each has the name of an entry of
+/// Defines hooks, and the table `HOOKS` of them. Each hook has the name of an entry of
 /// [`entry_points`](crate::intercept::vk::state::driver::entry_points).
 ///
 /// Each body gets the device (`$device`) and the next layer's function (`$next`). After a panic the
@@ -21,13 +21,13 @@ unsafe impl Sync for Hook {}
 macro_rules! hooks {
     ($( $method:ident = ($first:ident : $ft:ty $(, $p:ident : $t:ty)*) $(-> $r:ty)? { |$device:ident, $next:ident| $body:expr } )*) => {
         $(
-            // Some bodies need no unsafe call; the block below serves them all.
+            // Some bodies need no unsafe call. The unsafe block below is for all of them.
             #[allow(unused_unsafe)]
             unsafe extern "system" fn $method($first: $ft $(, $p: $t)*) $(-> $r)? {
                 let Some($device) = $crate::intercept::vk::state::device::get($first) else { return Default::default() };
                 let Some($next) = $device.next.$method else { return Default::default() };
-                // SAFETY: what the bodies call are the next layer's functions, with the program's
-                // arguments or with our own objects.
+                // SAFETY: the bodies call functions of the next layer, with the program's arguments
+                // or with objects of Cupola.
                 match $crate::fence::guard(|| unsafe { $body }) {
                     Some(answer) => answer,
                     None => {

@@ -1,4 +1,4 @@
-//! Content of the program's buffers, as far as the host can know it.
+//! Content of the program's buffers, as far as it is known on the host.
 
 use crate::lock::Lock;
 use ash::vk;
@@ -10,16 +10,16 @@ pub(in crate::intercept::vk) struct KnownBuffer {
     pub(in crate::intercept::vk) memory: vk::DeviceMemory,
     pub(in crate::intercept::vk) offset: u64,
     pub(in crate::intercept::vk) size: u64,
-    /// Ranges that commands wrote: what they wrote there last.
+    /// Ranges that commands wrote, with the bytes that were written last.
     pub(in crate::intercept::vk) written: Vec<(u64, Vec<u8>)>,
 }
 
-/// The program's mapping of memory, kept by us.
+/// The mapping of the program's memory, which Cupola keeps.
 pub(in crate::intercept::vk) struct Mapping {
     pub(in crate::intercept::vk) address: usize,
 }
 
-/// More bytes than this of one buffer are not kept.
+/// Greatest number of bytes that are stored for one buffer.
 pub(in crate::intercept::vk) const MOST_KEPT: u64 = 1 << 16;
 
 /// Buffers and mapped memory.
@@ -30,7 +30,7 @@ pub struct HostMemory {
 }
 
 impl HostMemory {
-    /// Reads what a buffer holds at `offset`; `false` if that is not known.
+    /// Reads the content of a buffer at `offset`. Returns `false` if it is unknown.
     pub fn read(&self, buffer: vk::Buffer, offset: u64, to: &mut [u8]) -> bool {
         let buffers = self.buffers.locked();
         let Some(state) = buffers.get(&buffer) else { return false };
@@ -49,7 +49,7 @@ impl HostMemory {
         true
     }
 
-    /// Keeps what a command writes into a buffer.
+    /// Stores the bytes that a command writes to a buffer.
     pub fn written(&self, buffer: vk::Buffer, offset: u64, bytes: Vec<u8>) {
         let mut buffers = self.buffers.locked();
         let Some(state) = buffers.get_mut(&buffer) else { return };
@@ -65,7 +65,7 @@ impl HostMemory {
         state.written.drain(..surplus);
     }
 
-    /// Keeps what a copy brings into a buffer, if both are known.
+    /// Stores the bytes that a copy writes to a buffer, if both buffers are known.
     pub fn copied(&self, from: vk::Buffer, to: vk::Buffer, region: &vk::BufferCopy) {
         let wanted = self.buffers.locked().contains_key(&to);
         if !wanted || region.size > MOST_KEPT {
@@ -83,12 +83,12 @@ impl HostMemory {
         }
     }
 
-    /// The address of memory that is mapped already.
+    /// Returns the address of memory that is already mapped.
     pub(in crate::intercept::vk) fn address(&self, memory: vk::DeviceMemory) -> Option<usize> {
         self.mapped.locked().get(&memory).map(|mapping| mapping.address)
     }
 
-    /// Memory is mapped from its beginning from now on.
+    /// Notes that memory is mapped completely from now on.
     pub(in crate::intercept::vk) fn map(&self, memory: vk::DeviceMemory, address: usize) {
         self.mapped.locked().insert(memory, Mapping { address });
     }

@@ -1,9 +1,9 @@
 //! State of a device: the data of each feature, below the code that works on it.
 //!
-//! A folder or file for each part of a device, with the part's struct in its `mod.rs`: types,
-//! look-ups, and methods that keep the data valid. No file here calls another room. The rooms above
-//! add the behaviour, as functions that take the parts that they need. [`device`] puts the parts
-//! together; [`hooks`] defines hooks.
+//! There is a folder or file for each part of a device, with the part's struct in its `mod.rs`:
+//! types, look-ups, and methods that keep the data valid. No file here calls another module. The
+//! modules above add the behaviour, as functions that take the parts that they need. [`device`]
+//! combines the parts; [`hooks`] defines hooks.
 //!
 //! ```text
 //! device ─ recording ─ queries, pipelines

@@ -1,4 +1,4 @@
-//! Pipelines of the program and their layouts, with what is drawn by in their place.
+//! Pipelines of the program and their layouts, and the pipelines that draw instead of them.
 
 use crate::intercept::log;
 use crate::intercept::vk::spirv::{ComputeUse, DescriptorPlace, Matrix};
@@ -8,14 +8,14 @@ use ash::vk;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// A pipeline layout. The driver's object lives as long as a pipeline needs it, though the program
-/// may destroy it before.
+/// A pipeline layout. The driver's object lives as long as a pipeline needs it, even if the program
+/// destroys it earlier.
 pub struct PipelineLayout {
     /// The driver's object.
     pub(in crate::intercept::vk) handle: vk::PipelineLayout,
     /// Number of the set of Cupola.
     pub(in crate::intercept::vk) ours: u32,
-    /// The set has the counter, too.
+    /// True if the set also has the counter.
     pub(in crate::intercept::vk) counts: bool,
     pub(in crate::intercept::vk) destroy: (vk::PFN_vkDestroyPipelineLayout, vk::Device),
 }
@@ -23,7 +23,8 @@ pub struct PipelineLayout {
 impl Drop for PipelineLayout {
     fn drop(&mut self) {
         let (destroy, device) = self.destroy;
-        // SAFETY: made by us, without callbacks; the device outlives what is kept of it.
+        // SAFETY: made by Cupola, without callbacks; the device outlives the objects that are
+        // stored for it.
         unsafe { destroy(device, self.handle, std::ptr::null()) };
     }
 }
@@ -36,67 +37,68 @@ pub struct PipelineLayouts {
 }
 
 impl PipelineLayouts {
-    /// A shader's words.
+    /// Returns a shader's words.
     pub fn shader(&self, module: vk::ShaderModule) -> Option<Arc<[u32]>> {
         self.shaders.locked().get(&module).cloned()
     }
 
-    /// A pipeline layout.
+    /// Returns a pipeline layout.
     pub fn layout(&self, handle: vk::PipelineLayout) -> Option<Arc<PipelineLayout>> {
         self.layouts.locked().get(&handle).cloned()
     }
 
-    /// Forgets all, before the device is destroyed.
+    /// Removes everything, before the device is destroyed.
     pub fn clear(&self) {
         self.layouts.locked().clear();
     }
 }
 
-/// A graphics pipeline of the program, or a library of which some are linked.
+/// A graphics pipeline of the program, or a pipeline library.
 pub struct Pipeline {
-    /// The program's.
+    /// The program's pipeline.
     pub(in crate::intercept::vk) own: vk::Pipeline,
-    /// Its layout, if that has a set of Cupola.
+    /// Its layout, if the layout has a set of Cupola.
     pub(in crate::intercept::vk) layout: Option<Arc<PipelineLayout>>,
-    /// Number of viewports and scissors is set by commands, too.
+    /// True if commands also set the number of viewports and scissors.
     pub(in crate::intercept::vk) with_count: bool,
-    /// Pipelines that draw in its place.
+    /// Pipelines that draw instead of it.
     pub(in crate::intercept::vk) variants: Option<Variants>,
     /// The program's viewport, unless it is set by commands.
     pub(in crate::intercept::vk) viewport: Option<vk::Viewport>,
-    /// Its scissor, likewise.
+    /// The program's scissor, unless it is set by commands.
     pub(in crate::intercept::vk) scissor: Option<vk::Rect2D>,
-    /// Its vertices have no attributes.
+    /// True if its vertices have no attributes.
     pub(in crate::intercept::vk) without_attributes: bool,
 }
 
 /// The pipelines for the views. Their viewport and scissor are set by commands.
 pub struct Variants {
-    /// Draws into a view, and wherever the program's own picture is drawn.
+    /// Draws into a view, and into the primary view.
     pub(in crate::intercept::vk) view: vk::Pipeline,
-    /// Its shader re-projects; where it could not be followed, what is drawn is flat.
+    /// True if its shader reprojects. If the shader cannot be followed, the draws are flat.
     pub(in crate::intercept::vk) follows: bool,
     /// Draws onto the panel.
     pub(in crate::intercept::vk) panel: vk::Pipeline,
-    /// Places of the matrices that its shaders read.
+    /// Locations of the matrices that its shaders read.
     pub(in crate::intercept::vk) matrices: Vec<Matrix>,
-    /// Its fragment shader gets coordinates of the program's window, and the texels of the
+    /// True if its fragment shader gets coordinates of the program's window, and the texels of the
     /// program's images.
     pub(in crate::intercept::vk) moves_place: bool,
-    /// It should be, and cannot.
+    /// True if its fragment shader needs these, but cannot get them.
     pub(in crate::intercept::vk) loses_place: bool,
-    /// Descriptors of the images that it reads by texels, or asks for their size.
+    /// Descriptors of the images that it reads by texel coordinates, or whose size it queries.
     pub(in crate::intercept::vk) pictures: Vec<DescriptorPlace>,
-    /// Matrices of its shaders that may be functions of the camera, each with its place among ours.
+    /// Matrices of its shaders that may be functions of the camera, in the order of Cupola's
+    /// matrices.
     pub(in crate::intercept::vk) cameras: Vec<CameraMatrix>,
-    /// It tests depth.
+    /// True if it tests depth.
     pub(in crate::intercept::vk) deep: bool,
 }
 
-/// A stage whose matrices are chosen.
+/// A stage in which Cupola chooses matrices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixStage {
-    /// The vertex shader, where it computes what does not become a position.
+    /// The vertex shader, in computations that do not make the position.
     Vertex,
     /// The fragment shader, or a compute shader.
     Fragment,
@@ -106,10 +108,11 @@ pub enum MatrixStage {
 #[derive(Clone, Copy, Debug)]
 pub struct CameraMatrix {
     pub(in crate::intercept::vk) matrix: Matrix,
-    /// Kind of view matrix that its name suggests, if it turns and moves.
+    /// Kind of view matrix that its name suggests. The matrix itself must only rotate and
+    /// translate.
     pub(in crate::intercept::vk) called: Option<ViewMatrix>,
     pub(in crate::intercept::vk) stage: MatrixStage,
-    /// The shader computes inverses.
+    /// True if the shader computes inverses.
     pub(in crate::intercept::vk) inverted: bool,
 }
 
@@ -117,13 +120,14 @@ pub struct CameraMatrix {
 pub struct ComputePipeline {
     /// Images and buffers that its shader reads and writes.
     pub(in crate::intercept::vk) uses: ComputeUse,
-    /// Its shader has matrices that may be the camera's: the pipeline with those of a view.
+    /// The pipeline with the matrices of a view, if its shader has matrices that may be the
+    /// camera's.
     pub(in crate::intercept::vk) variant: Option<ComputeVariant>,
-    /// There should be one, and cannot be.
+    /// True if such a pipeline is needed, but cannot be made.
     pub(in crate::intercept::vk) loses_cameras: bool,
 }
 
-/// A compute pipeline with the camera's matrices of a view.
+/// A compute pipeline with the camera matrices of a view.
 pub struct ComputeVariant {
     pub(in crate::intercept::vk) pipeline: vk::Pipeline,
     /// Its layout, with the set of Cupola.
@@ -137,7 +141,7 @@ pub struct ComputeVariant {
 pub struct Pipelines {
     pub(in crate::intercept::vk) computing: Mutex<HashMap<vk::Pipeline, Arc<ComputePipeline>>>,
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
-    /// Statistics of pipelines that are divided, or should be.
+    /// Statistics of pipelines that divide primitives, or should.
     pub(in crate::intercept::vk) divided: DivisionStatistics,
 }
 
@@ -149,18 +153,18 @@ pub struct DivisionStatistics {
 }
 
 impl DivisionStatistics {
-    /// Notes a pipeline whose primitives are not divided; the log says why, once.
+    /// Notes a pipeline whose primitives are not divided. The log gives the reason once.
     pub fn note_undivided(&self, why: &str) {
         log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
         *self.undivided.locked().entry(why.to_owned()).or_default() += 1;
     }
 
-    /// Number of pipelines that are not divided, by reason.
+    /// Returns the number of pipelines that are not divided, by reason.
     pub fn undivided(&self) -> BTreeMap<String, u64> {
         self.undivided.locked().clone()
     }
 
-    /// Returns the reason why some pipeline that is divided does not count primitives that are not
+    /// Returns the reason why some pipeline that divides does not count primitives that are not
     /// fine enough.
     pub fn uncounted(&self) -> Option<&'static str> {
         self.uncounted.get().copied()
@@ -168,12 +172,12 @@ impl DivisionStatistics {
 }
 
 impl Pipelines {
-    /// A compute pipeline.
+    /// Returns a compute pipeline.
     pub fn computing(&self, handle: vk::Pipeline) -> Option<Arc<ComputePipeline>> {
         self.computing.locked().get(&handle).cloned()
     }
 
-    /// A graphics pipeline.
+    /// Returns a graphics pipeline.
     pub fn get(&self, handle: vk::Pipeline) -> Option<Arc<Pipeline>> {
         self.all.locked().get(&handle).cloned()
     }

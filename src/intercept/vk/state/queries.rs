@@ -9,15 +9,15 @@ use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// A factor of one: factors have 32 fractional bits.
+/// The factor 1. Factors have 32 fractional bits.
 pub(in crate::intercept::vk) const ONE: u64 = 1 << 32;
 
-/// A factor with 32 fractional bits.
+/// Returns a factor with 32 fractional bits.
 pub(in crate::intercept::vk) fn fixed(factor: f64) -> u64 {
     if factor.is_finite() && factor > 0.0 { (factor * ONE as f64).round() as u64 } else { ONE }
 }
 
-/// `count` × `factor`, rounded; at least 1 if `count` is at least 1.
+/// Returns `count` × `factor`, rounded; at least 1 if `count` is at least 1.
 pub(in crate::intercept::vk) fn scaled(count: u64, factor: u64) -> u64 {
     let product = (u128::from(count) * u128::from(factor) + u128::from(ONE / 2)) >> 32;
     u64::try_from(product).unwrap_or(u64::MAX).max(u64::from(count > 0))
@@ -26,21 +26,21 @@ pub(in crate::intercept::vk) fn scaled(count: u64, factor: u64) -> u64 {
 /// A pool of queries that count.
 pub struct Pool {
     pub(in crate::intercept::vk) quantities: Vec<Quantity>,
-    /// The queries' factors, as of their last submission.
+    /// Factors of the queries at their last submission.
     pub(in crate::intercept::vk) factors: Mutex<Vec<QueryScaling>>,
-    /// Buffers for copies of its results, once there is one.
+    /// Buffers for copies of its results, made for the first copy.
     pub(in crate::intercept::vk) scratch: Mutex<Option<Scratch>>,
 }
 
 impl Pool {
-    /// The factor of each number of a query's result.
+    /// Returns the factor of each number of a query's result.
     pub(in crate::intercept::vk) fn factors(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
         let all = self.factors.locked();
         let factors = all.get(query as usize).copied().unwrap_or(QueryScaling::ONCE);
         self.quantities.iter().map(move |quantity| fixed(factors.of(*quantity)))
     }
 
-    /// A query that is submitted will count with these factors.
+    /// Sets the factors of a submitted query.
     pub(in crate::intercept::vk) fn set_factors(&self, driver: &Driver, query: u32, new: QueryScaling) {
         match self.factors.locked().get_mut(query as usize) {
             Some(factors) if *factors != new => *factors = new,
@@ -73,7 +73,7 @@ pub struct QueryScaler {
 
 /// Buffers for the copies of a pool's results.
 pub struct Scratch {
-    /// The results of the driver.
+    /// The driver's results.
     pub(in crate::intercept::vk) counted: Buffer,
     pub(in crate::intercept::vk) factors: Buffer,
     /// The scaled results.
@@ -85,16 +85,16 @@ pub struct Scratch {
 }
 
 impl Queries {
-    /// A pool, if its queries are scaled.
+    /// Returns a pool, if its queries are scaled.
     pub fn get(&self, handle: vk::QueryPool) -> Option<Arc<Pool>> {
         self.pools.locked().get(&handle).cloned()
     }
 }
 
 impl Scratch {
-    /// A query's numbers will have these factors. A copy of an earlier submission that still runs
-    /// may see them, too: what a query counts seldom becomes something else from one frame to the
-    /// next.
+    /// Sets the factors of a query's numbers. A copy of an earlier submission that still runs may
+    /// use them, too. This is harmless, since the draws that a query counts seldom change from one
+    /// frame to the next.
     pub fn set_factors(&self, driver: &Driver, query: u32, factors: &[u64]) {
         let bytes: Vec<u8> = factors.iter().flat_map(|factor| factor.to_ne_bytes()).collect();
         let offset = 8 + query as usize * bytes.len();

@@ -1,7 +1,7 @@
 //! Descriptor sets of the program, their layouts and update templates.
 //!
-//! [`set_contents`] is what the program wrote to a set, from which the copies of the set for each
-//! view are made.
+//! [`set_contents`] holds the descriptors that the program wrote to a set. The per-view copies of
+//! the set are made from it.
 
 pub mod set_contents;
 
@@ -17,13 +17,13 @@ use std::sync::{Arc, Mutex};
 pub struct SetLayout {
     /// Type and number of each binding.
     pub(in crate::intercept::vk) bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
-    /// Its descriptors lie in buffers: no set of Cupola can be bound beside them.
+    /// True if its descriptors lie in buffers. No set of Cupola can be bound beside such a set.
     pub(in crate::intercept::vk) apart: bool,
-    /// Descriptors may change while they are bound.
+    /// True if descriptors may change while they are bound.
     pub(in crate::intercept::vk) changes_later: bool,
 }
 
-/// Buffers whose offset is given when they are bound.
+/// True for buffers whose offset is given when they are bound.
 pub fn is_dynamic(kind: vk::DescriptorType) -> bool {
     [vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, vk::DescriptorType::STORAGE_BUFFER_DYNAMIC].contains(&kind)
 }
@@ -33,8 +33,8 @@ pub(in crate::intercept::vk) fn is_buffer(kind: vk::DescriptorType) -> bool {
 }
 
 impl SetLayout {
-    /// Returns the descriptor at a binding and element: updates of more elements than a binding has
-    /// go on in the next one.
+    /// Returns the descriptor at a binding and element. If an update has more elements than the
+    /// binding, it continues in the next binding.
     fn slot(&self, (binding, element): DescriptorSlot) -> DescriptorSlot {
         let mut rest = element;
         for (binding, (_, count)) in self.bindings.range(binding..) {
@@ -46,7 +46,7 @@ impl SetLayout {
         (binding, element)
     }
 
-    /// Number of dynamic offsets that are given when such a set is bound.
+    /// Returns the number of dynamic offsets that are given when such a set is bound.
     pub fn dynamic_offsets(&self) -> u32 {
         self.bindings.values().filter(|(kind, _)| is_dynamic(*kind)).map(|(_, count)| count).sum()
     }
@@ -67,7 +67,7 @@ pub(in crate::intercept::vk) struct Set {
     pub(in crate::intercept::vk) layout: Arc<SetLayout>,
     pub(in crate::intercept::vk) contents: Contents,
     pub(in crate::intercept::vk) copies: Option<Copies>,
-    /// The first buffer of each binding, and where it begins.
+    /// The first buffer of each binding, and its offset.
     pub(in crate::intercept::vk) buffers: HashMap<u32, (vk::Buffer, u64)>,
 }
 
@@ -75,15 +75,15 @@ pub(in crate::intercept::vk) struct Set {
 pub struct TemplateEntry {
     /// The binding that it describes.
     pub(in crate::intercept::vk) binding: u32,
-    /// The first element there.
+    /// The first element in the binding.
     pub(in crate::intercept::vk) first: u32,
     /// Kind of the descriptors.
     pub(in crate::intercept::vk) kind: vk::DescriptorType,
-    /// Their number.
+    /// Number of descriptors.
     pub(in crate::intercept::vk) count: u32,
-    /// Offset of the first in the program's data, bytes.
+    /// Offset of the first descriptor in the program's data, in bytes.
     pub(in crate::intercept::vk) offset: usize,
-    /// From one to the next, bytes.
+    /// Distance of two descriptors, in bytes.
     pub(in crate::intercept::vk) stride: usize,
 }
 
@@ -91,7 +91,7 @@ pub struct TemplateEntry {
 pub struct Template {
     /// Its entries.
     pub(in crate::intercept::vk) entries: Vec<TemplateEntry>,
-    /// True if descriptors that are pushed by it are for graphics.
+    /// True if descriptors that are pushed with it are for graphics.
     pub(in crate::intercept::vk) graphics: bool,
 }
 
@@ -101,28 +101,29 @@ pub struct Descriptors {
     pub(in crate::intercept::vk) layouts: Mutex<HashMap<vk::DescriptorSetLayout, Arc<SetLayout>>>,
     pub(in crate::intercept::vk) sets: Mutex<HashMap<vk::DescriptorSet, Set>>,
     pub(in crate::intercept::vk) templates: Mutex<HashMap<vk::DescriptorUpdateTemplate, Arc<Template>>>,
-    /// Some set has had attachments that shaders can read.
+    /// True if any set has had attachments that shaders can read.
     pub(in crate::intercept::vk) attachments: AtomicBool,
 }
 
 impl Descriptors {
-    /// A layout.
+    /// Returns a layout.
     pub fn layout(&self, handle: vk::DescriptorSetLayout) -> Option<Arc<SetLayout>> {
         self.layouts.locked().get(&handle).cloned()
     }
 
-    /// A template.
+    /// Returns a template.
     pub fn template(&self, handle: vk::DescriptorUpdateTemplate) -> Option<Arc<Template>> {
         self.templates.locked().get(&handle).cloned()
     }
 
-    /// Number of dynamic offsets that are given when a set is bound.
+    /// Returns the number of dynamic offsets that are given when a set is bound.
     pub fn dynamic_offsets(&self, set: vk::DescriptorSet) -> u32 {
         let sets = self.sets.locked();
         sets.get(&set).map_or(0, |set| set.layout.dynamic_offsets())
     }
 
-    /// The buffer of a binding of a set that is bound with `dynamic` offsets, and where it begins.
+    /// Returns the buffer of a binding of a set that is bound with `dynamic` offsets, and its
+    /// offset.
     pub fn buffer(&self, set: vk::DescriptorSet, dynamic: &[u32], binding: u32) -> Option<(vk::Buffer, u64)> {
         let sets = self.sets.locked();
         let state = sets.get(&set)?;
@@ -144,19 +145,19 @@ impl Descriptors {
         }
     }
 
-    /// Views of the images that shaders can read by a set.
+    /// Returns the views of the images that shaders can read through a set.
     pub fn pictures(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
         let sets = self.sets.locked();
         sets.get(&set).map_or(Vec::new(), |set| set.contents.views().collect())
     }
 
-    /// Views of the images that shaders can write by a set.
+    /// Returns the views of the images that shaders can write through a set.
     pub fn stored(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
         let sets = self.sets.locked();
         sets.get(&set).map_or(Vec::new(), |set| set.contents.stored().collect())
     }
 
-    /// Views of the images of a binding.
+    /// Returns the views of the images of a binding.
     pub fn pictures_of(&self, set: vk::DescriptorSet, binding: u32) -> Vec<vk::ImageView> {
         let sets = self.sets.locked();
         let of_binding = |set: &Set| {
@@ -166,20 +167,20 @@ impl Descriptors {
         sets.get(&set).map_or(Vec::new(), of_binding)
     }
 
-    /// The view of the image that shaders can sample by a descriptor.
+    /// Returns the view of the image that shaders can sample through a descriptor.
     pub fn picture(&self, set: vk::DescriptorSet, place: DescriptorSlot) -> Option<vk::ImageView> {
         let sets = self.sets.locked();
         let picture = sets.get(&set)?.contents.pictures.get(&place)?;
         (picture.attachment.is_none() && !picture.stored).then_some(picture.view)
     }
 
-    /// True if shaders can read attachments by a set.
+    /// True if shaders can read attachments through a set.
     pub fn reads_attachments(&self, set: vk::DescriptorSet) -> bool {
         let sets = self.sets.locked();
         sets.get(&set).is_some_and(|set| set.contents.reads_attachments())
     }
 
-    /// True if any set was written by which shaders can read attachments.
+    /// True if any written set lets shaders read attachments.
     pub fn any_attachments(&self) -> bool {
         self.attachments.load(Ordering::Relaxed)
     }
@@ -196,7 +197,7 @@ impl Descriptors {
 
     pub(in crate::intercept::vk) fn copy(&self, copy: &vk::CopyDescriptorSet<'_>) {
         let mut sets = self.sets.locked();
-        // Out and in again: both may be one.
+        // The contents are taken out and put back, because both sets may be the same.
         let mut contents = sets.get_mut(&copy.dst_set).map(|set| std::mem::take(&mut set.contents)).unwrap_or_default();
         let layout = sets.get(&copy.dst_set).map(|set| Arc::clone(&set.layout)).unwrap_or_default();
         if let Some(from) = sets.get(&copy.src_set).filter(|_| copy.src_set != copy.dst_set) {
@@ -219,19 +220,19 @@ impl Descriptors {
     }
 }
 
-/// True if shaders read images by descriptors of this kind.
+/// True if shaders access images through descriptors of this type.
 pub fn is_picture(kind: vk::DescriptorType) -> bool {
     use vk::DescriptorType as T;
     [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)
 }
 
-/// Those of them that pictures of the scene can be exchanged in.
+/// True for descriptor types in which a picture of the scene can be replaced.
 pub fn is_sampled(kind: vk::DescriptorType) -> bool {
     [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
 }
 
-/// Returns the picture that a descriptor of this kind shows; `None` for those whose picture cannot
-/// be exchanged.
+/// Returns the picture of a descriptor of this type; `None` for types in which it cannot be
+/// replaced.
 pub(in crate::intercept::vk) fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
     let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
     let stored = kind == vk::DescriptorType::STORAGE_IMAGE;

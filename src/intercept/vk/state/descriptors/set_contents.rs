@@ -13,11 +13,11 @@ pub type DescriptorSlot = (u32, u32);
 pub struct Picture {
     /// The view of its image.
     pub(in crate::intercept::vk) view: vk::ImageView,
-    /// The sampler, where the layout has none.
+    /// The sampler, if the layout has none.
     pub(in crate::intercept::vk) sampler: vk::Sampler,
-    /// Of an attachment that is read at the pixel that is drawn: the layout that it is in then.
+    /// Layout of the image, if it is an attachment that is read at the pixel that is drawn.
     pub(in crate::intercept::vk) attachment: Option<vk::ImageLayout>,
-    /// Shaders may write it.
+    /// True if shaders may write it.
     pub(in crate::intercept::vk) stored: bool,
 }
 
@@ -26,12 +26,12 @@ pub struct Picture {
 pub struct Contents {
     pub(in crate::intercept::vk) written: BTreeSet<DescriptorSlot>,
     pub(in crate::intercept::vk) pictures: BTreeMap<DescriptorSlot, Picture>,
-    /// Grows with each change.
+    /// Increases with each change.
     pub(in crate::intercept::vk) version: u64,
 }
 
 impl Contents {
-    /// A descriptor is written; with a picture, or with something else.
+    /// Notes a written descriptor, with its picture if it has one.
     pub fn write(&mut self, place: DescriptorSlot, picture: Option<Picture>) {
         self.version += 1;
         self.written.insert(place);
@@ -41,20 +41,20 @@ impl Contents {
         };
     }
 
-    /// The descriptor of another set is copied to one of this.
+    /// Copies a descriptor of another set to a descriptor of this one.
     pub fn copy(&mut self, from: &Self, source: DescriptorSlot, target: DescriptorSlot) {
         if from.written.contains(&source) {
             self.write(target, from.pictures.get(&source).copied());
         }
     }
 
-    /// Views of the images that shaders can sample.
+    /// Returns the views of the images that shaders can sample.
     pub fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
         let sampled = |picture: &&Picture| picture.attachment.is_none() && !picture.stored;
         self.pictures.values().filter(sampled).map(|picture| picture.view)
     }
 
-    /// Views of the images that shaders can write.
+    /// Returns the views of the images that shaders can write.
     pub fn stored(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
         self.pictures.values().filter(|picture| picture.stored).map(|picture| picture.view)
     }
@@ -75,7 +75,7 @@ pub struct Copies {
     pub(in crate::intercept::vk) retired: Vec<vk::DescriptorPool>,
 }
 
-/// A descriptor that shows the scene, and what each view sees in its place.
+/// A descriptor of an image of the scene, and the images that replace it in the views.
 pub(in crate::intercept::vk) type CopiedDescriptor = (DescriptorSlot, Picture, ViewCopies);
 
 #[cfg(test)]

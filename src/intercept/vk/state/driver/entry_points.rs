@@ -1,7 +1,7 @@
-//! Entry points of a device for which there are hooks: their names, and the next layer's functions.
+//! Entry points of a device that have hooks: their names, and the next layer's functions.
 //!
-//! The hooks themselves are in the rooms; each [`hooks!`](crate::intercept::vk::state::hooks) names
-//! the entries of this table that it answers.
+//! The hooks themselves are in the other modules. Each
+//! [`hooks!`](crate::intercept::vk::state::hooks) names the entries of this table that it answers.
 
 use ash::vk;
 use std::ffi::CStr;
@@ -9,21 +9,21 @@ use std::ffi::CStr;
 /// Defines [`NextLayer`] and [`names`].
 macro_rules! entry_points {
     ($( $method:ident: $pfn:ident [$($name:literal),+] )*) => {
-        /// The next layer's functions, as far as it has them.
+        /// The next layer's functions; `None` if it does not have one.
         pub struct NextLayer { $( pub(in crate::intercept::vk) $method: Option<vk::$pfn>, )* }
 
         impl NextLayer {
             /// # Safety
             /// `find` must return a device's functions.
             pub unsafe fn load(find: &dyn Fn(&CStr) -> vk::PFN_vkVoidFunction) -> Self {
-                // SAFETY: as promised; a function has the type that Vulkan gives to its name.
+                // SAFETY: as promised; a function has the type that belongs to its name in Vulkan.
                 unsafe {
                     Self { $( $method: [$($name),+].into_iter().find_map(find).map(|f| std::mem::transmute::<unsafe extern "system" fn(), vk::$pfn>(f)), )* }
                 }
             }
         }
 
-        /// The names of each entry point: its own and those of the extensions that it is from.
+        /// The names of each entry point: its own, and those from extensions.
         #[allow(non_upper_case_globals, missing_docs)]
         pub mod names {
             use std::ffi::CStr;
@@ -119,7 +119,7 @@ entry_points! {
     cmd_begin_conditional_rendering: PFN_vkCmdBeginConditionalRenderingEXT [c"vkCmdBeginConditionalRenderingEXT"]
     cmd_end_conditional_rendering: PFN_vkCmdEndConditionalRenderingEXT [c"vkCmdEndConditionalRenderingEXT"]
 
-    // Commands that are not followed.
+    // Commands that cannot be followed.
     cmd_bind_descriptor_sets2: PFN_vkCmdBindDescriptorSets2KHR [c"vkCmdBindDescriptorSets2KHR", c"vkCmdBindDescriptorSets2"]
     cmd_push_constants2: PFN_vkCmdPushConstants2KHR [c"vkCmdPushConstants2KHR", c"vkCmdPushConstants2"]
     cmd_push_descriptor_set2: PFN_vkCmdPushDescriptorSet2KHR [c"vkCmdPushDescriptorSet2KHR", c"vkCmdPushDescriptorSet2"]
@@ -204,7 +204,7 @@ entry_points! {
 }
 
 impl NextLayer {
-    /// True if there may be framebuffers without images, which tell how their images may be used.
+    /// True if there may be imageless framebuffers, which state how their images may be used.
     pub fn compares_usage(&self) -> bool {
         self.create_render_pass2.is_some()
     }

@@ -12,22 +12,22 @@ pub struct Instance {
     pub(in crate::intercept::vk) get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     /// The next layer's functions.
     pub(in crate::intercept::vk) functions: ash::Instance,
-    /// Those of `VK_KHR_surface`; they may be called only where the program enabled it.
+    /// The functions of `VK_KHR_surface`. They may be called only if the program enabled it.
     pub(in crate::intercept::vk) surface: ash::khr::surface::InstanceFn,
 }
 
 pub(in crate::intercept::vk) static INSTANCES: RwLock<Option<HashMap<usize, Arc<Instance>>>> = RwLock::new(None);
 
-/// Address of the dispatch table, which all objects of an instance or a device share.
+/// Returns the address of the dispatch table, which all objects of an instance or a device share.
 ///
 /// # Safety
 /// `object` must be a live dispatchable Vulkan object.
 pub unsafe fn dispatch_key(object: u64) -> usize {
-    // SAFETY: the loader keeps its table's address in the first word of each such object.
+    // SAFETY: the loader stores the address of its table in the first word of each such object.
     unsafe { *(object as *const usize) }
 }
 
-/// The instance that an instance or a physical device belongs to.
+/// Returns the instance that an instance or a physical device belongs to.
 pub fn get(handle: impl vk::Handle) -> Option<Arc<Instance>> {
     let object = handle.as_raw();
     if object == 0 {
@@ -38,7 +38,7 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Instance>> {
     INSTANCES.reading().as_ref()?.get(&key).cloned()
 }
 
-/// A function's address in the form in which tables are filled.
+/// Returns a function's address in the form for tables of functions.
 pub fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
     function.map_or(std::ptr::null(), |function| function as *const c_void)
 }

@@ -1,8 +1,8 @@
-//! A device as the driver has it: its functions, limits, memory and queues.
+//! The driver's side of a device: its functions, limits, memory and queues.
 //!
-//! [`instance`] holds the next layer's functions for an instance, [`entry_points`] those of a
-//! device that hooks call. [`structures`] reads the structures that the program passes to Vulkan;
-//! [`own_image`] makes images of Cupola. Nothing here knows of views.
+//! [`instance`] holds the next layer's functions for an instance. [`entry_points`] holds the
+//! functions of a device that hooks call. [`structures`] reads the structures that the program
+//! passes to Vulkan. [`own_image`] makes images of Cupola. Nothing here depends on views.
 
 pub mod entry_points;
 pub mod instance;
@@ -16,7 +16,7 @@ use ash::{khr, vk};
 use std::ffi::c_void;
 use std::sync::Arc;
 
-/// `PFN_vkSetDeviceLoaderData`: makes an object of a layer one that can be dispatched.
+/// `PFN_vkSetDeviceLoaderData`: prepares an object that a layer made for the loader's dispatch.
 pub type SetDeviceLoaderData = unsafe extern "system" fn(vk::Device, *mut c_void) -> vk::Result;
 
 /// A queue and its family.
@@ -32,11 +32,11 @@ pub struct Driver {
     pub(in crate::intercept::vk) get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
     /// The next layer's functions.
     pub(in crate::intercept::vk) functions: ash::Device,
-    /// Those of `VK_KHR_swapchain`; they may be called only where the program enabled it.
+    /// The functions of `VK_KHR_swapchain`. They may be called only if the program enabled it.
     pub(in crate::intercept::vk) swapchain: khr::swapchain::DeviceFn,
-    /// The same for the correction.
+    /// The same device for the correction.
     pub(in crate::intercept::vk) api: Api,
-    /// The instance, for questions about surfaces.
+    /// The instance, for queries about surfaces.
     pub(in crate::intercept::vk) instance: Arc<Instance>,
     /// The device that it was made from.
     pub(in crate::intercept::vk) physical: vk::PhysicalDevice,
@@ -51,7 +51,7 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// A primary command buffer of Cupola, one that layers below can dispatch.
+    /// Makes a primary command buffer of Cupola that the layers below can dispatch.
     ///
     /// # Errors
     /// The driver's.
@@ -63,7 +63,7 @@ impl Driver {
         unsafe { self.allocate(pool, vk::CommandBufferLevel::PRIMARY) }
     }
 
-    /// A secondary one.
+    /// Makes a secondary command buffer.
     ///
     /// # Errors
     /// The driver's.
@@ -94,7 +94,7 @@ impl Driver {
         limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height)
     }
 
-    /// The kind of memory among `allowed` with all of `wanted`.
+    /// Returns the memory type among `allowed` with all properties of `wanted`.
     pub fn memory_type(&self, allowed: u32, wanted: vk::MemoryPropertyFlags) -> Option<u32> {
         let kinds = self.memory.memory_types_as_slice().iter().enumerate();
         let mut fitting =

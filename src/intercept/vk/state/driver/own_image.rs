@@ -5,7 +5,7 @@ use crate::intercept::vk::state::driver::Driver;
 use ash::prelude::VkResult;
 use ash::vk;
 
-/// An image with memory of its own.
+/// An image with its own memory.
 #[derive(Clone, Copy)]
 pub struct OwnImage {
     /// The image.
@@ -23,7 +23,7 @@ impl OwnImage {
     /// The device must be live, `info` valid.
     pub unsafe fn new(driver: &Driver, info: &vk::ImageCreateInfo<'_>) -> VkResult<Self> {
         let functions = &driver.functions;
-        // SAFETY: makes objects of Cupola; what was made before a failure is destroyed.
+        // SAFETY: makes objects of Cupola; after a failure, the objects made so far are destroyed.
         unsafe {
             let image = functions.create_image(info, None)?;
             let needs = functions.get_image_memory_requirements(image);
@@ -37,13 +37,13 @@ impl OwnImage {
         }
     }
 
-    /// A view of its colour.
+    /// Makes a view of its colour.
     ///
     /// # Errors
     /// The driver's.
     ///
     /// # Safety
-    /// The device must be live, the format one that the image can be seen with.
+    /// The device must be live, the format compatible with the image.
     pub unsafe fn view(
         &self,
         driver: &Driver,
@@ -57,7 +57,7 @@ impl OwnImage {
     /// # Safety
     /// The device must have finished with it.
     pub unsafe fn destroy(&self, driver: &Driver) {
-        // SAFETY: as promised; both are ours.
+        // SAFETY: as promised; both are objects of Cupola.
         unsafe {
             driver.functions.destroy_image(self.image, None);
             driver.functions.free_memory(self.memory, None);
@@ -65,7 +65,7 @@ impl OwnImage {
     }
 }
 
-/// A view of the colour of any image.
+/// Makes a view of the colour of any image.
 ///
 /// # Errors
 /// The driver's.
@@ -101,27 +101,27 @@ const fn at_any_time(layout: vk::ImageLayout, access: vk::AccessFlags) -> Use {
     Use { layout, stages: vk::PipelineStageFlags::ALL_COMMANDS, access }
 }
 
-/// Any former content; it is lost.
+/// Any earlier content, which is lost.
 pub const ANYTHING: Use = at_any_time(vk::ImageLayout::UNDEFINED, vk::AccessFlags::empty());
-/// As an image is that will be presented, after whatever wrote it.
+/// Layout for presentation, after any writes.
 pub const PRESENTED: Use = left_in(vk::ImageLayout::PRESENT_SRC_KHR);
-/// A copy reads it.
+/// Read by a copy.
 pub const COPIED_FROM: Use = at_any_time(vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::AccessFlags::TRANSFER_READ);
-/// A copy or a clear writes it.
+/// Written by a copy or a clear.
 pub const COPIED_TO: Use = at_any_time(vk::ImageLayout::TRANSFER_DST_OPTIMAL, vk::AccessFlags::TRANSFER_WRITE);
 
-/// Whatever wrote it left it in this layout.
+/// Returns the use after any writes that left the image in this layout.
 pub const fn left_in(layout: vk::ImageLayout) -> Use {
     at_any_time(layout, vk::AccessFlags::MEMORY_WRITE)
 }
 
-/// Whatever reads or writes it next finds it in this layout.
+/// Returns the use before any reads or writes that expect this layout.
 pub const fn ready_in(layout: vk::ImageLayout) -> Use {
     let access = vk::AccessFlags::MEMORY_READ.as_raw() | vk::AccessFlags::MEMORY_WRITE.as_raw();
     at_any_time(layout, vk::AccessFlags::from_raw(access))
 }
 
-/// Takes these aspects of an image from a use to another.
+/// Changes these aspects of an image from one use to another.
 ///
 /// # Safety
 /// As for [`barrier`].
@@ -146,10 +146,11 @@ pub unsafe fn barrier_of(
     unsafe { driver.functions.cmd_pipeline_barrier(buffer, from.stages, to.stages, flags, &[], &[], &[change]) };
 }
 
-/// Takes an image's colour from a use to another.
+/// Changes an image's colour from one use to another.
 ///
 /// # Safety
-/// The image must be in that layout, the command buffer being recorded outside a render pass.
+/// The image must be in the layout of `from`; the command buffer is being recorded, outside of a
+/// render pass.
 pub unsafe fn barrier(driver: &Driver, buffer: vk::CommandBuffer, image: vk::Image, from: Use, to: Use) {
     // SAFETY: as promised.
     unsafe { crate::backend::vk::barrier(&driver.functions, buffer, (image, 1), from, to) };

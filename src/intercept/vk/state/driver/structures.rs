@@ -1,10 +1,9 @@
-//! Structures of the program: their arrays and chains, and copies of chains in which something is
-//! changed.
+//! Structures of the program: their arrays and chains, and copies of chains with changes.
 
 use ash::vk;
 use std::ffi::c_void;
 
-/// An array of a program's structure; an empty one may be null.
+/// Returns an array of a program's structure. The pointer of an empty array may be null.
 ///
 /// # Safety
 /// `pointer` must point at `count` elements, or be null.
@@ -16,14 +15,14 @@ pub unsafe fn slice<'a, T>(pointer: *const T, count: u32) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(pointer, count as usize) }
 }
 
-/// A structure in a chain, by its kind.
+/// Returns a structure in a chain, by its type.
 ///
 /// # Safety
-/// `chain` must be a chain of Vulkan structures, `T` the one of that kind.
+/// `chain` must be a chain of Vulkan structures, `T` the structure of the type `kind`.
 pub unsafe fn in_chain<'a, T>(chain: *const c_void, kind: vk::StructureType) -> Option<&'a T> {
     let mut at = chain.cast::<vk::BaseInStructure<'_>>();
     while !at.is_null() {
-        // SAFETY: each structure begins with its kind and the next one.
+        // SAFETY: each structure begins with its type and a pointer to the next.
         unsafe {
             if (*at).s_type == kind {
                 return Some(&*at.cast::<T>());
@@ -34,13 +33,13 @@ pub unsafe fn in_chain<'a, T>(chain: *const c_void, kind: vk::StructureType) -> 
     None
 }
 
-/// A chain like the program's: copies of the structures up to one of a certain kind, of which
-/// something may be changed. What follows is the program's.
+/// A copy of the program's chain up to a structure of a certain type. The copies may be changed.
+/// The structures after them are the program's.
 pub struct Copied(Vec<Box<[u64]>>);
 
 impl Copied {
-    /// `None` where there is no structure of the kind `last`, or one before it whose length, bytes,
-    /// is not known.
+    /// `None` if there is no structure of the type `last`, or if the length in bytes of one before
+    /// it is unknown.
     ///
     /// # Safety
     /// `chain` must be the program's.
@@ -52,8 +51,8 @@ impl Copied {
         let mut copies: Vec<Box<[u64]>> = Vec::new();
         let mut at = chain.cast::<vk::BaseInStructure<'_>>();
         loop {
-            // SAFETY: as promised; a structure of a known kind is as long as that, and begins with
-            // kind and next one.
+            // SAFETY: as promised; a structure of a known type has that length, and begins with its
+            // type and a pointer to the next.
             unsafe {
                 let given = at.as_ref()?;
                 let bytes = length(given.s_type)?;
@@ -76,13 +75,14 @@ impl Copied {
         self.0.first().map_or(std::ptr::null(), |copy| copy.as_ptr().cast())
     }
 
-    /// The last one that is a copy.
+    /// Returns the last copied structure.
     ///
     /// # Safety
-    /// `T` must be the structure of the kind up to which was copied.
+    /// `T` must be the structure of the type that was passed as `last`.
     pub unsafe fn last<T>(&mut self) -> Option<&mut T> {
         let last = self.0.last_mut().filter(|copy| 8 * copy.len() >= size_of::<T>())?;
-        // SAFETY: as promised; the copy is aligned as the pointers and numbers of such structures.
+        // SAFETY: as promised; the alignment of the copy is sufficient for the pointers and numbers
+        // of such structures.
         Some(unsafe { &mut *last.as_mut_ptr().cast::<T>() })
     }
 }

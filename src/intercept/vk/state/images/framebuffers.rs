@@ -9,17 +9,18 @@ use std::sync::{Arc, Mutex};
 
 /// A render pass.
 pub struct RenderPass {
-    /// Colour attachments of each subpass, as far as they are used: number there, attachment.
+    /// Colour attachments that each subpass uses: number in the subpass, and attachment.
     pub(in crate::intercept::vk) colors: Vec<Vec<(u32, u32)>>,
-    /// Attachments whose former content is not kept.
+    /// For each attachment, true if its old content is not needed.
     pub(in crate::intercept::vk) begins_anew: Vec<bool>,
-    /// Outside of a part that is drawn nothing has to be kept, or everything is.
+    /// True if drawing may extend beyond the area of the pass: either all content outside is kept,
+    /// or none.
     pub(in crate::intercept::vk) may_grow: bool,
     /// The attachments' formats.
     pub(in crate::intercept::vk) formats: Vec<vk::Format>,
-    /// The layouts in which it finds its attachments.
+    /// Layouts of the attachments before the pass.
     pub(in crate::intercept::vk) finds: Vec<vk::ImageLayout>,
-    /// The layouts in which it leaves its attachments.
+    /// Layouts of the attachments after the pass.
     pub(in crate::intercept::vk) leaves: Vec<vk::ImageLayout>,
     /// Reason why it cannot be drawn for each view; `None` if it can.
     pub(in crate::intercept::vk) obstacle: Option<&'static str>,
@@ -31,13 +32,14 @@ pub struct Framebuffer {
     pub(in crate::intercept::vk) pass: vk::RenderPass,
     /// Its size.
     pub(in crate::intercept::vk) size: (u32, u32),
-    /// More than one layer.
+    /// True if it has more than one layer.
     pub(in crate::intercept::vk) layered: bool,
     /// Its attachments, unless they are given when a pass begins.
     pub(in crate::intercept::vk) attachments: Option<Vec<vk::ImageView>>,
     /// Properties of attachments that are given later.
     pub(in crate::intercept::vk) given_later: Vec<LaterAttachment>,
-    /// Copies with the atlas attached, by the atlas' size; with given attachments there is one.
+    /// Copies with the atlas attached, by the size of the atlas. If attachments are given later,
+    /// there is only one copy.
     pub(in crate::intercept::vk) atlas_copies: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
 }
 
@@ -56,8 +58,8 @@ pub struct Framebuffers {
 }
 
 impl RenderPass {
-    /// Colour attachments of a subpass, by their number there, that begin with it and without what
-    /// they held before.
+    /// Returns the colour attachments of a subpass, by their number in it, whose use begins there
+    /// without old content.
     pub fn begin_in(&self, subpass: usize) -> Vec<u32> {
         let (earlier, colors) = self.colors.split_at(subpass.min(self.colors.len()));
         let drawn = |attachment: u32| earlier.iter().flatten().any(|(_, known)| *known == attachment);
@@ -66,7 +68,7 @@ impl RenderPass {
         colors.first().into_iter().flatten().filter(begin).map(|(number, _)| *number).collect()
     }
 
-    /// Those of the first subpass, and its attachments that are `filled`.
+    /// Returns those of the first subpass, and its attachments that are `filled`.
     pub fn begin_with(&self, filled: &[bool]) -> Vec<u32> {
         let mut begin = self.begin_in(0);
         for (number, attachment) in self.colors.iter().take(1).flatten() {
@@ -80,19 +82,20 @@ impl RenderPass {
 }
 
 impl Framebuffers {
-    /// A render pass.
+    /// Returns a render pass.
     pub fn pass(&self, handle: vk::RenderPass) -> Option<Arc<RenderPass>> {
         self.passes.locked().get(&handle).cloned()
     }
 
-    /// A framebuffer.
+    /// Returns a framebuffer.
     pub fn get(&self, handle: vk::Framebuffer) -> Option<Arc<Framebuffer>> {
         self.all.locked().get(&handle).cloned()
     }
 }
 
 impl Framebuffer {
-    /// The swapchain's image among the attachments, or one that holds a scene by now.
+    /// Returns the target of the first attachment that is a window's image, or holds a scene by
+    /// now.
     pub fn target_now(&self, images: &Images) -> Option<Arc<ViewTarget>> {
         self.attachments.iter().flatten().find_map(|view| images.target(*view))
     }

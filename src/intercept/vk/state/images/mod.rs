@@ -1,7 +1,7 @@
-//! Images of the program, and what stands for them while views are drawn.
+//! Images of the program, and the images that replace them while views are drawn.
 //!
-//! [`scene_graph`] notes which of them hold a scene on its way to the window, [`framebuffers`]
-//! which of them a render pass draws to.
+//! [`scene_graph`] notes which images hold a scene on its way to the window. [`framebuffers`] notes
+//! which images a render pass draws to.
 
 pub mod framebuffers;
 pub mod scene_graph;
@@ -28,21 +28,20 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) layers: u32,
     pub(in crate::intercept::vk) samples: vk::SampleCountFlags,
     pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
-    /// The layout that was recorded last.
+    /// Layout after the last recorded command.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
-    /// That in which the commands leave it that were submitted last: they need not have been
-    /// recorded last.
+    /// Layout after the last submitted commands, which need not be those that were recorded last.
     pub(in crate::intercept::vk) submitted_layout: vk::ImageLayout,
-    /// Shaders read it.
+    /// True if shaders can read it.
     pub(in crate::intercept::vk) described: bool,
-    /// A pass with depth only drew to its atlas copy in its place.
+    /// True if a pass with depth only drew to its atlas copy instead.
     pub(in crate::intercept::vk) drawn_alone: bool,
-    /// A pass had it as an attachment.
+    /// True if a pass had it as an attachment.
     pub(in crate::intercept::vk) attached: bool,
-    /// So did a pass that drew to the window or to a scene.
+    /// True if a pass that drew to the window or to a scene had it as an attachment.
     pub(in crate::intercept::vk) drawn_together: bool,
-    /// Layout of the last of these passes, if no pass of the program's own and no copy to the image
-    /// came later.
+    /// Layout of the last of these passes, if neither a pass of the program's own nor a copy to the
+    /// image came later.
     pub(in crate::intercept::vk) drawn_in: Weak<AtlasLayout>,
     pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
     pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
@@ -57,22 +56,23 @@ pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
     /// Its usage, if that is less than its image's.
     pub(in crate::intercept::vk) usage: Option<vk::ImageUsageFlags>,
-    /// Atlas copies, by the image that they are views of.
+    /// Atlas copies of the view, by the image that they belong to.
     pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,
 }
 
-/// An image of Cupola that has to be brought into a layout before anything is submitted.
+/// An image of Cupola that must be changed to a layout before the next submission.
 #[derive(Clone, Copy)]
 pub struct PendingLayout {
     /// The image.
     pub(in crate::intercept::vk) image: vk::Image,
-    /// The layout that the program believes it to be in.
+    /// The layout that the program expects it to have.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
     /// Its aspects.
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
-    /// Its colour is cleared first.
+    /// True if its colour is cleared first.
     pub(in crate::intercept::vk) cleared: bool,
-    /// The image of the program whose content it gets, in the same layout, and the place for that.
+    /// The image of the program whose content is copied to it, in the same layout, and the
+    /// rectangle for the copy.
     pub(in crate::intercept::vk) filled: Option<(vk::Image, AtlasRect)>,
 }
 
@@ -84,14 +84,14 @@ pub type ImageKind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
 pub struct KnownScene {
     pub(in crate::intercept::vk) kind: ImageKind,
     pub(in crate::intercept::vk) size: (u32, u32),
-    /// Size of the window at that time.
+    /// Size of the window when the image was found.
     pub(in crate::intercept::vk) window: (u32, u32),
 }
 
 impl KnownScene {
-    /// True if an image of this kind and size is its counterpart for a window of another size.
+    /// True if an image of this kind and size corresponds to it in a window of another size.
     pub(in crate::intercept::vk) fn is_like(&self, kind: ImageKind, size: (u32, u32), window: (u32, u32)) -> bool {
-        // Up to rounding to whole texels.
+        // Equal up to rounding to whole texels.
         let near = |size: u32, window: u32, own: u32, own_window: u32| {
             let [size, scaled] = [(size, own_window), (window, own)].map(|(a, b)| u64::from(a) * u64::from(b));
             size.abs_diff(scaled) <= u64::from(own_window)
@@ -108,32 +108,33 @@ pub struct Images {
     pub(in crate::intercept::vk) images: Mutex<HashMap<vk::Image, Image>>,
     pub(in crate::intercept::vk) views: Mutex<HashMap<vk::ImageView, View>>,
     pub(in crate::intercept::vk) pending: Mutex<Vec<PendingLayout>>,
-    /// Usage that the program asked for, of images that can be used for more.
+    /// Usage that the program requested, for images that have more.
     pub(in crate::intercept::vk) declared: Mutex<HashMap<vk::Image, vk::ImageUsageFlags>>,
-    /// Some image may hold a scene.
+    /// True if any image may hold a scene.
     pub(in crate::intercept::vk) candidates: AtomicBool,
     /// The size of the latest window.
     pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
-    /// Images that were found to hold a scene: after a change of size, others like these are known
-    /// at once.
+    /// Images that were found to hold a scene. After a change of size, similar images are
+    /// recognised at once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<KnownScene>>,
-    /// Former targets of scenes, as long as recorded commands use them.
+    /// Former targets of scenes, which are kept while recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
-    /// Target that compute shaders write in the place of a window's images.
+    /// Target that compute shaders write instead of a window's images.
     pub(in crate::intercept::vk) of_window: Mutex<Option<Arc<ViewTarget>>>,
-    /// Compute shaders make pictures of a scene: each view of an off-screen scene is as large as
-    /// the program's image.
+    /// True if compute shaders make pictures of a scene. Each view of an off-screen scene is then
+    /// as large as the program's image.
     pub(in crate::intercept::vk) even: AtomicBool,
-    /// They make numbers of it, too: there is the program's own picture of an off-screen scene.
+    /// True if they also make numbers from it. Off-screen scenes then also have the program's own
+    /// picture.
     pub(in crate::intercept::vk) own_read: AtomicBool,
 }
 
-/// True if an image has the shape of a window, in any size.
+/// True if an image has the shape of a window, at any size.
 fn has_shape((width, height): (u32, u32), window: (u32, u32)) -> bool {
     viewport::has_shape(width.into(), height.into(), window)
 }
 
-/// Aspects of a format.
+/// Returns the aspects of a format.
 pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
     use vk::{Format as F, ImageAspectFlags as A};
     match format {
@@ -144,14 +145,14 @@ pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
     }
 }
 
-/// An image of the program that has to be brought into a layout.
+/// An image of the program whose layout must be changed.
 #[derive(Clone, Copy, Debug)]
 pub struct LayoutChange {
     /// The image.
     pub(in crate::intercept::vk) image: vk::Image,
     /// Its aspects.
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
-    /// The layout.
+    /// The new layout.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
 }
 
@@ -167,18 +168,19 @@ impl Image {
             && self.target.as_ref().is_none_or(|target| !target.window)
     }
 
-    /// True if passes may draw to it. What only compute shaders write may have several levels.
+    /// True if passes may draw to it. Images that only compute shaders write may have several
+    /// levels.
     pub(in crate::intercept::vk) fn may_be_attached(&self) -> bool {
         use vk::ImageUsageFlags as U;
         self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
     }
 
-    /// Usage of a copy of it that passes draw to in its place.
+    /// Returns the usage of its atlas copy.
     pub(in crate::intercept::vk) fn atlas_copy_usage(&self) -> vk::ImageUsageFlags {
         if self.may_hold_scene() { self.usage | ATLAS_COPY_USAGE } else { self.usage }
     }
 
-    /// True if it has one sample in each pixel: pictures with more cannot be copied into view
+    /// True if it has one sample per pixel. Images with more samples cannot be copied to view
     /// copies.
     pub(in crate::intercept::vk) fn is_single(&self) -> bool {
         self.samples == vk::SampleCountFlags::TYPE_1
@@ -190,19 +192,19 @@ impl Image {
 }
 
 impl Images {
-    /// The swapchain's image that is seen through a view.
+    /// Returns the target that the image of a view belongs to.
     pub fn target(&self, view: vk::ImageView) -> Option<Arc<ViewTarget>> {
         let image = self.views.locked().get(&view)?.image;
         self.target_of_image(image)
     }
 
-    /// The swapchain's image.
+    /// Returns the target that an image belongs to.
     pub fn target_of_image(&self, image: vk::Image) -> Option<Arc<ViewTarget>> {
         self.images.locked().get(&image)?.target.clone()
     }
 
-    /// The program has `image` in the place of a swapchain's. It is brought into the layout in
-    /// which passes leave it: those that draw to the atlas do not change it.
+    /// Notes that the program has `image` in place of a swapchain's. Its layout is changed to the
+    /// one in which passes leave it, because passes to the atlas do not change it.
     pub fn show(&self, image: vk::Image, format: vk::Format, target: Arc<ViewTarget>) {
         let new = Image {
             flags: vk::ImageCreateFlags::empty(),
@@ -231,20 +233,20 @@ impl Images {
         self.pending.locked().push(pending);
     }
 
-    /// The program asked for `usage` only; its views of the image are for no more, as those who
-    /// compare it expect.
+    /// Notes that the program requested only `usage`. Its views of the image get no more usage,
+    /// since imageless framebuffers are compared with it.
     pub fn declare(&self, image: vk::Image, usage: vk::ImageUsageFlags) {
         self.declared.locked().insert(image, usage);
     }
 
-    /// An image of a swapchain is gone.
+    /// Forgets a destroyed image of a swapchain.
     pub fn forget_swapchain_image(&self, image: vk::Image) {
         self.declared.locked().remove(&image);
         self.images.locked().remove(&image);
         self.pending.locked().retain(|pending| pending.image != image);
     }
 
-    /// Format and samples of what a view shows.
+    /// Returns format and samples of a view.
     pub fn kind(&self, view: vk::ImageView) -> Option<(vk::Format, vk::SampleCountFlags)> {
         let (image, format) = {
             let views = self.views.locked();
@@ -253,7 +255,7 @@ impl Images {
         self.images.locked().get(&image).map(|image| (format, image.samples))
     }
 
-    /// The atlas copies of an image, whose layouts follow the image's.
+    /// Returns the atlas copies of an image. Their layouts follow the image's.
     pub fn atlas_copies(&self, image: vk::Image) -> Vec<vk::Image> {
         let images = self.images.locked();
         let Some(state) = images.get(&image) else { return Vec::new() };
@@ -263,22 +265,22 @@ impl Images {
         window.map(|target| target.atlas).chain(atlas_copies).collect()
     }
 
-    /// The program recorded that an image changes its layout. Whether the image is known.
+    /// Notes a recorded change of an image's layout. Returns whether the image is known.
     pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) -> bool {
         let mut images = self.images.locked();
         let state = images.get_mut(&image);
         state.map(|state| state.layout = layout).is_some()
     }
 
-    /// Commands that take an image to a layout were submitted.
+    /// Notes that commands that change an image to a layout were submitted.
     pub fn submitted(&self, image: vk::Image, layout: vk::ImageLayout) {
         if let Some(state) = self.images.locked().get_mut(&image) {
             state.submitted_layout = layout;
         }
     }
 
-    /// A pass would have brought an image into a layout, but draws to its atlas copy. What has to
-    /// be brought there in its place.
+    /// Notes that a pass would have changed an image to a layout, but draws to its atlas copy.
+    /// Returns the change that has to be done instead.
     pub fn change_layout(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<LayoutChange> {
         let mut images = self.images.locked();
         let state = images.get_mut(&image).filter(|state| state.layout != layout)?;
@@ -286,19 +288,18 @@ impl Images {
         Some(LayoutChange { image, aspects: aspects(state.format), layout })
     }
 
-    /// The image of a view.
+    /// Returns the image of a view.
     pub fn of(&self, view: vk::ImageView) -> Option<vk::Image> {
         self.views.locked().get(&view).map(|view| view.image)
     }
 
-    /// Takes the layouts that images have to be brought into before the next submission.
+    /// Takes the layout changes that have to be done before the next submission.
     pub fn take_pending(&self) -> Vec<PendingLayout> {
         std::mem::take(&mut self.pending.locked())
     }
 
-    /// An image of Cupola that was to be brought into a layout before the next submission will be
-    /// in the layout `found` then. Returns the image, its aspects, and the layout that it was to
-    /// have.
+    /// Notes that an image of Cupola with a pending change of its layout will have the layout
+    /// `found` instead. Returns the image, its aspects, and the layout of the pending change.
     pub fn begins_in(
         &self,
         image: vk::Image,
@@ -314,13 +315,13 @@ impl Images {
         Some((image, aspects, layout))
     }
 
-    /// True if some image may hold a scene.
+    /// True if any image may hold a scene.
     pub fn has_candidates(&self) -> bool {
         self.candidates.load(Ordering::Relaxed)
     }
 
     /// True if an image may hold a scene on its way to the window: it has the window's shape, and
-    /// can be shown. Depths are shown by shaders that read them.
+    /// can be displayed. A depth image can be displayed if shaders read it.
     pub fn is_candidate(&self, image: vk::Image) -> bool {
         let window = *self.window.locked();
         let images = self.images.locked();
@@ -331,8 +332,8 @@ impl Images {
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
-    /// True if an image is as large as perspective draws for the window need it, not one of a chain
-    /// for light around what is bright.
+    /// True if an image is large enough for perspective draws for the window. Small images of a
+    /// blur around bright parts are not.
     pub fn is_large(&self, image: vk::Image) -> bool {
         let (size, window) = (self.size(image), *self.window.locked());
         let wide = |((width, height), window)| viewport::has_shape_of_window(width, height, window);
@@ -340,7 +341,7 @@ impl Images {
         of_images.zip(window).is_some_and(wide)
     }
 
-    /// A pass has this image as an attachment.
+    /// Notes that a pass has this image as an attachment.
     pub fn attached(&self, image: vk::Image) {
         if let Some(state) = self.images.locked().get_mut(&image) {
             state.attached = true;
@@ -348,14 +349,14 @@ impl Images {
         }
     }
 
-    /// A copy to the image was recorded: its content is the program's own.
+    /// Notes a recorded copy to the image. Its content is the program's own from then on.
     pub(in crate::intercept::vk) fn overwritten(&self, image: vk::Image) {
         if let Some(state) = self.images.locked().get_mut(&image) {
             state.drawn_in = Weak::new();
         }
     }
 
-    /// Layout and atlas copy of an image that is drawn together with the window or a scene.
+    /// Returns layout and atlas copy of an image that is drawn together with the window or a scene.
     pub(in crate::intercept::vk) fn drawn_in(&self, image: vk::Image) -> Option<(Arc<AtlasLayout>, vk::Image)> {
         let images = self.images.locked();
         let state = images.get(&image).filter(|state| state.target.is_none())?;
@@ -364,7 +365,7 @@ impl Images {
         Some((layout, atlas_copy.image))
     }
 
-    /// True if passes draw to this image, and the program's own picture cannot be copied from their
+    /// True if passes draw to this image, but the program's own picture cannot be copied from their
     /// atlas.
     pub fn lacks_own_picture(&self, image: vk::Image) -> bool {
         let to = vk::ImageUsageFlags::TRANSFER_DST;
@@ -376,7 +377,7 @@ impl Images {
         self.images.locked().get(&image).is_some_and(|state| state.attached)
     }
 
-    /// The format of an image.
+    /// Returns the format of an image.
     pub fn format(&self, image: vk::Image) -> Option<vk::Format> {
         self.images.locked().get(&image).map(|state| state.format)
     }
@@ -386,18 +387,18 @@ impl Images {
         self.size(image) == *self.window.locked()
     }
 
-    /// The image of a view, if it may hold a scene.
+    /// Returns the image of a view, if it may hold a scene.
     pub fn candidate_of(&self, view: vk::ImageView) -> Option<vk::Image> {
         let image = self.views.locked().get(&view)?.image;
         self.is_candidate(image).then_some(image)
     }
 
-    /// The size of an image.
+    /// Returns the size of an image.
     pub fn size(&self, image: vk::Image) -> Option<(u32, u32)> {
         self.images.locked().get(&image).map(|state| state.size)
     }
 
-    /// Usage of what passes draw to in the place of a view's image.
+    /// Returns the usage of the atlas copy of a view's image.
     pub fn atlas_copy_usage(&self, view: vk::ImageView) -> Option<vk::ImageUsageFlags> {
         let image = self.of(view)?;
         self.images.locked().get(&image).map(Image::atlas_copy_usage)
@@ -415,13 +416,13 @@ impl Images {
         images.get(&image).is_some_and(|state| state.described && state.drawn_together && state.target.is_none())
     }
 
-    /// An image's atlas copy of this size, if it has one.
+    /// Returns an image's atlas copy of this size, if it has one.
     pub fn atlas_copy_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
         let images = self.images.locked();
         images.get(&image)?.atlas_copies.iter().find(|(of, _)| *of == size).map(|(_, atlas_copy)| atlas_copy.image)
     }
 
-    /// The images that hold a scene and are drawn for each view.
+    /// Returns the images that hold a scene and are drawn for each view.
     pub fn duplicated(&self) -> impl Iterator<Item = vk::Image> {
         let images = self.images.locked();
         let of_scene = |target: &Arc<ViewTarget>| !target.window;
@@ -433,12 +434,12 @@ impl Images {
         all.into_iter()
     }
 
-    /// The scene that an image holds, if it is drawn for each view.
+    /// Returns the scene that an image holds, if it is drawn for each view.
     pub fn scene(&self, image: vk::Image) -> Option<Arc<ViewTarget>> {
         self.target_of_image(image).filter(|target| !target.window)
     }
 
-    /// True if a scene's image is drawn by another layout by now.
+    /// True if a scene's image has another target by now.
     pub fn is_retired(&self, target: &Arc<ViewTarget>) -> bool {
         !target.window && self.scene(target.given).is_some_and(|now| !Arc::ptr_eq(&now, target))
     }
@@ -446,16 +447,16 @@ impl Images {
 
 /// Views of the view copies of a scene.
 pub struct ViewCopies {
-    /// The scene; what has its place may get the same handles later.
+    /// The scene. It is compared, because new objects may get the same handles later.
     pub(in crate::intercept::vk) of: Weak<ViewTarget>,
-    /// One for each view of the rig.
+    /// One image view for each view of the rig.
     pub(in crate::intercept::vk) views: Vec<vk::ImageView>,
-    /// The layout that shaders find them in.
+    /// The layout in which shaders read them.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
 }
 
 impl ViewCopies {
-    /// The same image for each of `count` views.
+    /// Returns the same image for each of `count` views.
     pub fn same(view: vk::ImageView, count: usize) -> Self {
         Self { of: Weak::new(), views: vec![view; count], layout: vk::ImageLayout::UNDEFINED }
     }

@@ -1,4 +1,5 @@
-//! Images of the program that hold a scene on its way to the window, as far as this was seen.
+//! Images of the program that hold a scene on its way to the window, as far as they have been
+//! found.
 
 use crate::intercept::scene::image_graph::{self, ImageGraph};
 use crate::lock::Lock;
@@ -8,107 +9,108 @@ use std::collections::{BTreeMap, HashSet};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A draw of as many vertices covers a viewport: one triangle, or a square.
+/// Greatest number of vertices of a draw that covers a viewport: one triangle, or a square.
 pub const COVERING_VERTICES: u32 = 6;
 
 /// Use of an image of the program.
 pub type Made = image_graph::Made<vk::Image>;
 
-/// Uses of the program's images so far.
+/// Uses of the program's images, found so far.
 #[derive(Default)]
 pub(in crate::intercept::vk) struct Seen {
     pub(in crate::intercept::vk) graph: ImageGraph<vk::Image>,
-    /// Images that compute shaders make of others, or make others of.
+    /// Images that compute shaders read or write.
     pub(in crate::intercept::vk) computed: HashSet<vk::Image>,
-    /// Images that they make numbers of that all views share.
+    /// Images from which compute shaders make numbers that all views share.
     pub(in crate::intercept::vk) measured: HashSet<vk::Image>,
-    /// Images that the program copies to memory, as it does to find what lies at a place.
+    /// Images that the program copies to memory, for example to find the object at a position.
     pub(in crate::intercept::vk) copied: HashSet<vk::Image>,
-    /// Something was seen for the first time.
+    /// True if something new was found.
     pub(in crate::intercept::vk) news: bool,
 }
 
-/// Times that the window may get a picture that is not followed before it is taken for one that
-/// will never be: in the first frames nothing is.
+/// Number of times that the window may get a picture that is not followed, before Cupola decides
+/// that it never will be. In the first frames no picture is followed.
 const PATIENCE: u32 = 60;
 
-/// See the module.
+/// Uses of the program's images.
 #[derive(Default)]
 pub struct SceneGraph {
     pub(in crate::intercept::vk) seen: Mutex<Seen>,
-    /// Times that compute shaders made a picture for the window that was not followed.
+    /// Number of times that compute shaders made a picture for the window that was not followed.
     unfollowed: AtomicU32,
 }
 
 impl SceneGraph {
-    /// The window gets a picture of compute shaders that is not followed. Returns whether that may
-    /// still change.
+    /// Counts a picture of compute shaders for the window that is not followed. Returns whether it
+    /// may be followed later.
     pub(in crate::intercept::vk) fn may_be_followed(&self) -> bool {
         self.unfollowed.fetch_add(1, Ordering::Relaxed) < PATIENCE
     }
 
-    /// Something is made of `image`.
+    /// Notes that something is made from `image`.
     pub fn note_made(&self, image: vk::Image, to: Made) {
         let mut seen = self.seen.locked();
         let news = seen.graph.note_made(image, to);
         seen.news |= news;
     }
 
-    /// Compute shaders make `image`, or something of it.
+    /// Notes that compute shaders make `image`, or make something from it.
     pub fn note_computed(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
         let news = seen.computed.insert(image);
         seen.news |= news;
     }
 
-    /// Compute shaders make numbers of `image` that all views share.
+    /// Notes that compute shaders make numbers from `image` that all views share.
     pub fn note_measured(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
         let news = seen.measured.insert(image);
         seen.news |= news;
     }
 
-    /// Tests whether compute shaders make, or make something of, one of these images. The second
-    /// value is true if the results are numbers that all views share.
+    /// Returns whether compute shaders make one of these images or make something from it. The
+    /// second value is true if the results are numbers that all views share.
     pub(in crate::intercept::vk) fn is_computed(&self, images: &HashSet<vk::Image>) -> (bool, bool) {
         let seen = self.seen.locked();
         (!seen.computed.is_disjoint(images), !seen.measured.is_disjoint(images))
     }
 
-    /// The program copies `image` to memory.
+    /// Notes that the program copies `image` to memory.
     pub fn note_copied(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
         let news = seen.copied.insert(image);
         seen.news |= news;
     }
 
-    /// True if the program copies a picture of its scene to memory, or what is drawn with it.
+    /// True if the program copies a picture of its scene to memory, or an image that is drawn with
+    /// it.
     pub(in crate::intercept::vk) fn is_copied(&self) -> bool {
         let seen = self.seen.locked();
         let copied = &seen.copied;
         seen.graph.scenes().any(|image| copied.contains(&image))
     }
 
-    /// Perspective draws reach `image`.
+    /// Notes that perspective draws reach `image`.
     pub fn note_scene(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
         let news = seen.graph.note_scene(image);
         seen.news |= news;
     }
 
-    /// True if something is made of `image` that cannot be followed.
+    /// True if something that cannot be followed is made from `image`.
     pub(in crate::intercept::vk) fn is_lost(&self, image: vk::Image) -> bool {
         let seen = self.seen.locked();
         seen.graph.makes(image, Made::Elsewhere)
     }
 
-    /// The images of which something is made that cannot be followed.
+    /// Returns the images from which something is made that cannot be followed.
     pub(in crate::intercept::vk) fn lost(&self) -> Vec<vk::Image> {
         let seen = self.seen.locked();
         seen.graph.scenes().filter(|image| seen.graph.makes(*image, Made::Elsewhere)).collect()
     }
 
-    /// An image is gone.
+    /// Forgets a destroyed image.
     pub fn forget(&self, image: vk::Image) {
         let mut seen = self.seen.locked();
         seen.graph.forget(image);
@@ -117,15 +119,15 @@ impl SceneGraph {
         seen.copied.remove(&image);
     }
 
-    /// The images that have to be drawn for each view, if something new was seen since this was
-    /// asked last.
+    /// Returns the images that have to be drawn for each view, if something new was found since the
+    /// last call.
     pub(in crate::intercept::vk) fn news(&self, rule: Duplicate) -> Option<HashSet<vk::Image>> {
         let mut seen = self.seen.locked();
         std::mem::take(&mut seen.news).then(|| seen.chosen(rule))
     }
 
-    /// Returns the reasons why images that perspective draws reach are drawn once only, with the
-    /// number of these images.
+    /// Returns the reasons why images that perspective draws reach are drawn only once, with the
+    /// number of images for each reason.
     pub fn single(&self, rule: Duplicate) -> BTreeMap<String, u64> {
         let seen = self.seen.locked();
         let chosen = seen.chosen(rule);
@@ -145,8 +147,8 @@ impl SceneGraph {
 }
 
 impl Seen {
-    /// Those images between a scene and the window of which nothing is made that cannot be
-    /// followed.
+    /// Returns the images between a scene and the window from which only images and results are
+    /// made that can be followed.
     pub(in crate::intercept::vk) fn chosen(&self, rule: Duplicate) -> HashSet<vk::Image> {
         if rule == Duplicate::Never {
             return HashSet::new();

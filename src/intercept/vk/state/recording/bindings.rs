@@ -5,7 +5,7 @@ use crate::intercept::vk::state::driver::entry_points::NextLayer;
 use crate::intercept::vk::state::driver::structures::slice;
 use ash::vk;
 
-/// Bytes of push constants that are looked at; no device of today has more.
+/// Greatest number of bytes of push constants that are examined. No current device has more.
 pub const PUSH_BYTES: usize = 256;
 
 /// A descriptor set that the program bound.
@@ -15,12 +15,12 @@ pub struct BoundSet {
     pub(in crate::intercept::vk) set: vk::DescriptorSet,
     /// Its dynamic offsets.
     pub(in crate::intercept::vk) dynamic: Vec<u32>,
-    /// In its place: what was pushed.
+    /// Descriptors that were pushed instead of a set.
     pub(in crate::intercept::vk) pushed: Option<Pushed>,
 }
 
 impl BoundSet {
-    /// The buffer of a binding, and where it begins.
+    /// Returns the buffer of a binding, and its offset.
     pub fn buffer(&self, descriptors: &Descriptors, binding: u32) -> Option<(vk::Buffer, u64)> {
         match &self.pushed {
             Some(pushed) => pushed.buffer(binding),
@@ -57,7 +57,7 @@ impl Write {
     /// `write` must be the program's.
     pub(in crate::intercept::vk) unsafe fn of(write: &vk::WriteDescriptorSet<'_>) -> Option<Self> {
         let (kind, count) = (write.descriptor_type, write.descriptor_count);
-        // SAFETY: as promised; the kind says which array counts.
+        // SAFETY: as promised; the type determines which array is valid.
         let content = unsafe {
             match content_of(kind)? {
                 Content::Images(_) => Content::Images(slice(write.p_image_info, count).to_vec()),
@@ -68,10 +68,10 @@ impl Write {
         Some(Self { binding: write.dst_binding, element: write.dst_array_element, kind, content })
     }
 
-    /// As a template describes it.
+    /// Reads descriptors as a template describes them.
     ///
     /// # Safety
-    /// `data` must be what the program gives for the template of this entry.
+    /// `data` must be the data that the program gives for the template of this entry.
     pub(in crate::intercept::vk) unsafe fn described(entry: &TemplateEntry, data: *const u8) -> Option<Self> {
         /// # Safety
         /// `count` elements lie `stride` bytes from each other.
@@ -91,7 +91,7 @@ impl Write {
         Some(Self { binding: entry.binding, element: entry.first, kind: entry.kind, content })
     }
 
-    /// Views of the images that it shows, or of nothing.
+    /// Returns the views of its images; none if it has no images.
     pub(in crate::intercept::vk) fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
         let infos = match &self.content {
             Content::Images(infos) => &infos[..],
@@ -100,7 +100,7 @@ impl Write {
         infos.iter().map(|info| info.image_view)
     }
 
-    /// For the driver; it lives as long as this.
+    /// Returns the structure for the driver. It is valid as long as `self`.
     pub(in crate::intercept::vk) fn plain(&self) -> vk::WriteDescriptorSet<'_> {
         let write = vk::WriteDescriptorSet::default()
             .dst_binding(self.binding)
@@ -114,7 +114,7 @@ impl Write {
     }
 }
 
-/// An empty list of what descriptors of a kind show; `None` for kinds that are not known.
+/// Returns an empty content for descriptors of a type; `None` for unknown types.
 pub(in crate::intercept::vk) fn content_of(kind: vk::DescriptorType) -> Option<Content> {
     use vk::DescriptorType as T;
     match kind {
@@ -128,7 +128,7 @@ pub(in crate::intercept::vk) fn content_of(kind: vk::DescriptorType) -> Option<C
 }
 
 impl Pushed {
-    /// The first buffer of a binding, and where it begins.
+    /// Returns the first buffer of a binding, and its offset.
     pub fn buffer(&self, binding: u32) -> Option<(vk::Buffer, u64)> {
         let first = |write: &Write| match &write.content {
             Content::Buffers(buffers) if (write.binding, write.element) == (binding, 0) => buffers.first().copied(),
@@ -137,13 +137,13 @@ impl Pushed {
         self.writes.iter().find_map(first).map(|info| (info.buffer, info.offset))
     }
 
-    /// Descriptors are pushed; what has their place is what they replace.
+    /// Adds pushed descriptors. They replace earlier ones of the same binding and element.
     pub(in crate::intercept::vk) fn add(&mut self, write: Write) {
         self.writes.retain(|known| (known.binding, known.element) != (write.binding, write.element));
         self.writes.push(write);
     }
 
-    /// Content after more was pushed.
+    /// Returns the content after more descriptors were pushed.
     pub fn after(before: Option<Self>, writes: Vec<Write>) -> Self {
         let mut pushed = before.unwrap_or_default();
         writes.into_iter().for_each(|write| pushed.add(write));
@@ -153,8 +153,8 @@ impl Pushed {
     /// Pushes all of it again as set `number`.
     ///
     /// # Safety
-    /// The command buffer is being recorded; the layout is the program's, which pushed it for this
-    /// place.
+    /// The command buffer is being recorded; the layout is the program's, which pushed the
+    /// descriptors for this set number.
     pub unsafe fn repeat(
         &self,
         next: &NextLayer,
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(pushed.buffer(4), Some((vk::Buffer::from_raw(8), 0)));
         assert_eq!((pushed.buffer(5), pushed.writes.len()), (None, 2));
         let unknown = vk::WriteDescriptorSet::default().descriptor_type(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR);
-        // SAFETY: nothing is looked at.
+        // SAFETY: no pointer is read.
         assert!(unsafe { Write::of(&unknown) }.is_none());
     }
 }

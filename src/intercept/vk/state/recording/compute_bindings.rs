@@ -1,5 +1,5 @@
-//! Bindings of a program for compute shaders, so that they can be put back after a shader of
-//! Cupola.
+//! Bindings of the program for compute shaders. They are stored so that they can be restored after
+//! a shader of Cupola.
 
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::driver::entry_points::NextLayer;
@@ -11,9 +11,9 @@ pub struct ComputeBindings {
     pipeline: vk::Pipeline,
     /// Push constants.
     push: [u8; PUSH_BYTES],
-    /// Descriptor sets, by their number and with the layout that they were bound for, in the order
-    /// in which that happened: a set disturbs earlier ones whose layouts are not compatible with
-    /// its own.
+    /// Descriptor sets, by number and with the layout that they were bound for, in the order in
+    /// which they were bound. The order matters: a set invalidates earlier ones whose layouts are
+    /// not compatible with its own.
     sets: Vec<(u32, vk::PipelineLayout, BoundSet)>,
 }
 
@@ -24,29 +24,29 @@ impl Default for ComputeBindings {
 }
 
 impl ComputeBindings {
-    /// Push constants are set from byte `start` on.
+    /// Sets push constants from byte `start` on.
     pub fn push_constants(&mut self, start: usize, values: &[u8]) {
         let start = start.min(PUSH_BYTES);
         let end = (start + values.len()).min(PUSH_BYTES);
         self.push[start..end].copy_from_slice(&values[..end - start]);
     }
 
-    /// Push constants.
+    /// Returns the push constants.
     pub fn pushed(&self) -> &[u8] {
         &self.push
     }
 
-    /// A set by its number.
+    /// Returns a set by its number.
     pub fn set(&self, number: u32) -> Option<&BoundSet> {
         self.sets.iter().find(|(known, ..)| *known == number).map(|(.., bound)| bound)
     }
 
-    /// A pipeline is bound.
+    /// Notes a bound pipeline.
     pub fn bind(&mut self, pipeline: vk::Pipeline) {
         self.pipeline = pipeline;
     }
 
-    /// Sets are bound from the number `first` on.
+    /// Notes bound sets from the number `first` on.
     pub fn bind_sets(&mut self, layout: vk::PipelineLayout, first: u32, sets: Vec<BoundSet>) {
         for (number, bound) in (first..).zip(sets) {
             self.take(number);
@@ -54,19 +54,20 @@ impl ComputeBindings {
         }
     }
 
-    /// Descriptors are pushed.
+    /// Notes pushed descriptors.
     pub fn push(&mut self, layout: vk::PipelineLayout, number: u32, writes: Vec<Write>) {
         let before = self.take(number).and_then(|bound| bound.pushed);
         let bound = BoundSet { pushed: Some(Pushed::after(before, writes)), ..BoundSet::default() };
         self.sets.push((number, layout, bound));
     }
 
-    /// The pipeline.
+    /// Returns the pipeline.
     pub fn pipeline(&self) -> vk::Pipeline {
         self.pipeline
     }
 
-    /// The sets, with the layouts that they were bound for, in the order in which that happened.
+    /// Returns the sets, with the layouts that they were bound for, in the order in which they were
+    /// bound.
     pub fn sets(&self) -> &[(u32, vk::PipelineLayout, BoundSet)] {
         &self.sets
     }
@@ -76,13 +77,14 @@ impl ComputeBindings {
         Some(self.sets.remove(known).2)
     }
 
-    /// Binds all of it again.
+    /// Binds everything again.
     ///
     /// # Safety
     /// The command buffer is being recorded.
     pub unsafe fn restore(&self, driver: &Driver, next: &NextLayer, buffer: vk::CommandBuffer) {
         let (functions, point) = (&driver.functions, vk::PipelineBindPoint::COMPUTE);
-        // SAFETY: as promised; the program bound it in this command buffer, for these layouts.
+        // SAFETY: as promised; the program bound all of it in this command buffer, for these
+        // layouts.
         unsafe {
             if self.pipeline != vk::Pipeline::null() {
                 functions.cmd_bind_pipeline(buffer, point, self.pipeline);

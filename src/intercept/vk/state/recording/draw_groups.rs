@@ -1,4 +1,5 @@
-//! Draws of a pass that share one classification, and the frame that is submitted.
+//! Draws of a pass that share one classification, and the state of the frame that is being
+//! submitted.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::camera::Cameras;
@@ -17,10 +18,10 @@ use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A matrix, or its place in a buffer.
+/// The value of a matrix, or its location in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatrixValue {
-    /// Its numbers as they are in memory, column by column.
+    /// Its numbers in the order of memory, column by column.
     Known([f32; 16]),
     /// In a buffer, at an offset.
     Buffer(vk::Buffer, u64),
@@ -31,7 +32,7 @@ pub enum MatrixValue {
 pub struct MatrixSource {
     /// Its declaration in a shader.
     pub(in crate::intercept::vk) matrix: Matrix,
-    /// Its place or value.
+    /// Its value or location.
     pub(in crate::intercept::vk) value: MatrixValue,
 }
 
@@ -41,23 +42,24 @@ pub(in crate::intercept::vk) enum DrawClass {
     Scene(Intrinsics),
     Flat,
     Behind,
-    /// A picture of the scene over the whole of each view.
+    /// A picture of the scene that covers each view.
     Screen,
 }
 
 /// A matrix that may be a function of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSource {
-    /// `None`: it cannot be read.
+    /// The matrix; `None` if it cannot be read.
     pub(in crate::intercept::vk) source: Option<MatrixSource>,
-    /// Kind of view matrix that its name suggests, if it turns and moves.
+    /// Kind of view matrix that its name suggests. The matrix itself must only rotate and
+    /// translate.
     pub(in crate::intercept::vk) called: Option<ViewMatrix>,
     pub(in crate::intercept::vk) stage: MatrixStage,
     pub(in crate::intercept::vk) inverted: bool,
 }
 
 impl DrawFacts {
-    /// Parts of view constants that its shaders read.
+    /// Returns the parts of view constants that its shaders read.
     pub fn slot_parts(&self) -> SlotParts {
         match (self.cameras.is_empty(), self.pictures.is_empty()) {
             (false, _) => SlotParts::Cameras,
@@ -86,47 +88,49 @@ impl std::fmt::Debug for ShownLayout {
 /// Facts that draws of a group have in common.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawFacts {
-    /// Matrices that may have the lens, the likeliest first.
+    /// Matrices that may contain the lens, the likeliest first.
     pub(in crate::intercept::vk) sources: Vec<MatrixSource>,
-    /// Clip coordinates have y up (a viewport of negative height), not down.
+    /// True if y grows upwards in clip coordinates (viewport of negative height).
     pub(in crate::intercept::vk) y_up: bool,
-    /// They are issued to the views as well as onto the panel.
+    /// True if they are issued to the views, in addition to the panel.
     pub(in crate::intercept::vk) in_views: bool,
-    /// They draw to an image that holds a scene on its way to the window.
+    /// True if they draw to an image that holds a scene on its way to the window.
     pub(in crate::intercept::vk) off_screen: bool,
-    /// They are tested by their depth: without a matrix that can be read they may have the lens
-    /// that the rig gives.
+    /// True if they use the depth test. Without a readable matrix, they may have the lens that the
+    /// rig gives.
     pub(in crate::intercept::vk) deep: bool,
     /// Viewport of the program, if fragments get the coordinates of its window.
     pub(in crate::intercept::vk) viewport: Option<Area>,
-    /// Of the images that they read by texels: places of the views, where a view has its own.
+    /// Layouts of the images that they read by texel coordinates, if each view has its own image.
     pub(in crate::intercept::vk) pictures: Vec<Option<ShownLayout>>,
-    /// Matrices that may be functions of the camera, those of each stage in their order.
+    /// Matrices that may be functions of the camera, in the order of each stage.
     pub(in crate::intercept::vk) cameras: Vec<CameraSource>,
-    /// If they are flat and have the inverse of a camera's matrix, they compute all of the picture
-    /// from its pixels.
+    /// True for draws that compute the complete picture from its pixels, if they are flat and have
+    /// the inverse of a camera matrix.
     pub(in crate::intercept::vk) sky: bool,
-    /// If they are flat, they bring the scene from such an image to all of the picture.
+    /// True for draws that bring the scene from an off-screen image to the complete picture, if
+    /// they are flat.
     pub(in crate::intercept::vk) screen: bool,
-    /// They fill an image before the scene is drawn there: a background.
+    /// True for draws that fill an image before the scene is drawn there: a background.
     pub(in crate::intercept::vk) fills: bool,
 }
 
 /// Draws that share a lens.
 pub struct DrawGroup {
-    /// Place of their view constants.
+    /// Location of their view constants.
     pub(in crate::intercept::vk) constants: ChunkOffset,
-    /// Places of the views.
+    /// Positions of the views.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// Facts that they share.
     pub(in crate::intercept::vk) facts: DrawFacts,
     /// Number of its draws.
     pub(in crate::intercept::vk) draws: u64,
-    /// Those of them that are left out where they are out of sight.
+    /// Parameters in memory, for draws that are left out where they are out of sight.
     pub(in crate::intercept::vk) indirect: Vec<IndirectDraw>,
-    /// With which slots of view constants it is in sight, bit by bit; slots from 63 on always are.
+    /// Slots of view constants with which it is in sight, one bit for each. Slots from 63 on are
+    /// always in sight.
     pub(in crate::intercept::vk) in_sight: u64,
-    /// Class that was written last, with its matrices.
+    /// Draw class that was written last, with its lens.
     pub(in crate::intercept::vk) last: Option<DrawClass>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
     pub(in crate::intercept::vk) lens: Option<(Told, &'static str)>,
@@ -137,16 +141,17 @@ pub struct DrawGroup {
 /// Matrices of a group that are functions of the camera.
 #[derive(Default)]
 pub struct CameraFunctions {
-    /// Their values, and the number of changes of the cameras, when functions were last looked for.
+    /// Values of the matrices, and the number of changes of the cameras, at the last search for
+    /// functions.
     pub(in crate::intercept::vk) seen: Option<(Vec<Option<[f64; 16]>>, u64)>,
-    /// Dependence of each on a camera, and that camera.
+    /// Dependence of each matrix on a camera, and that camera.
     pub(in crate::intercept::vk) functions: Vec<Option<(CameraFunction, Intrinsics)>>,
-    /// Projection and view matrix, if they are apart.
+    /// Projection and view matrix, if they are separate.
     pub(in crate::intercept::vk) eye: Option<Eye>,
 }
 
 impl DrawGroup {
-    /// Draws that are recorded now.
+    /// Returns a group without draws.
     pub fn new(constants: ChunkOffset, layout: Arc<AtlasLayout>, facts: DrawFacts) -> Self {
         Self {
             constants,
@@ -162,23 +167,25 @@ impl DrawGroup {
         }
     }
 
-    /// Number of its slots of view constants: for the views, the panel and the primary view.
+    /// Returns the number of its slots of view constants: for the views, the panel and the primary
+    /// view.
     pub(in crate::intercept::vk) fn slots(&self) -> u32 {
         2 + if self.facts.in_views { self.layout.views.len() as u32 } else { 0 }
     }
 
-    /// True if something of it may be seen with a slot of view constants.
+    /// True if a part of it may be visible with a slot of view constants.
     pub(in crate::intercept::vk) fn is_in_sight(&self, slot: u32) -> bool {
         self.in_sight >> slot.min(63) & 1 == 1
     }
 
-    /// True if draws are issued onto the panel: where the program's own lens shows everything there
-    /// is none.
+    /// True if draws are issued onto the panel. They are not if all views have the program's own
+    /// lens.
     pub fn is_on_panel(&self) -> bool {
         !self.facts.off_screen && !self.layout.shows_own_lens()
     }
 
-    /// Number of slots that draws are issued with, and number of those in which they are in sight.
+    /// Returns the number of slots that draws are issued with, and the number of those in which
+    /// they are in sight.
     pub(in crate::intercept::vk) fn times(&self) -> [u32; 2] {
         let (panel, own) = (self.slots() - 2, self.slots() - 1);
         let panel = self.is_on_panel().then_some(panel);
@@ -186,7 +193,7 @@ impl DrawGroup {
         [issued.clone().count(), issued.filter(|slot| self.is_in_sight(*slot)).count()].map(|times| times as u32)
     }
 
-    /// True if a draw of this facts belongs to it.
+    /// True if a draw with these facts belongs to the group.
     pub fn takes(&self, layout: &Arc<AtlasLayout>, facts: &DrawFacts) -> bool {
         Arc::ptr_eq(&self.layout, layout) && self.facts == *facts
     }
@@ -197,20 +204,20 @@ impl DrawGroup {
 pub struct Counts {
     /// Draws of the program to its window.
     pub(in crate::intercept::vk) seen: u64,
-    /// Those that are flat.
+    /// Flat draws.
     pub(in crate::intercept::vk) flat: u64,
-    /// Those that were issued to each view.
+    /// Draws that were issued to each view.
     pub(in crate::intercept::vk) in_views: u64,
-    /// Those of them that went to pictures of the scene that are drawn off screen.
+    /// Draws of these that went to images of off-screen scenes.
     pub(in crate::intercept::vk) duplicated: u64,
-    /// Number of draws that were left out of a view or the panel, because they are out of sight
+    /// Number of times that a draw was left out of a view or the panel, because it is out of sight
     /// there.
     pub(in crate::intercept::vk) left_out: u64,
     /// Number of draws by the way in which their lens was found.
     pub(in crate::intercept::vk) found: BTreeMap<&'static str, u64>,
 }
 
-/// The frame that is being submitted.
+/// State of the frame that is being submitted.
 #[derive(Default)]
 pub struct Frame {
     pub(in crate::intercept::vk) cameras: Cameras,
@@ -220,7 +227,7 @@ pub struct Frame {
     /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,
-    /// Test whether nothing of the program is a scene.
+    /// Test whether none of the program's draws is recognised as a scene.
     pub(in crate::intercept::vk) flat_program: FlatProgram,
     /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,

@@ -5,24 +5,24 @@ use crate::intercept::vk::state::images::scene_graph::COVERING_VERTICES;
 use crate::intercept::vk::state::views::view_constants::{ChunkOffset, ConstantChunk};
 use ash::vk;
 
-/// Bytes of a draw's parameters, of either kind.
+/// Size of a draw's parameters in bytes, of both kinds.
 pub(in crate::intercept::vk) const BYTES: u32 = 20;
 
-/// Parameters of `vkCmdDraw` or `vkCmdDrawIndexed`, laid out as for their indirect kinds.
+/// Parameters of `vkCmdDraw` or `vkCmdDrawIndexed`, in the layout of the indirect commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawParameters {
-    /// Vertices or indices, instances, and what comes first.
+    /// Numbers of vertices or indices and of instances, and the first ones.
     pub(in crate::intercept::vk) numbers: [u32; 5],
     pub(in crate::intercept::vk) indexed: bool,
 }
 
 impl DrawParameters {
-    /// Of `vkCmdDraw`.
+    /// Returns the parameters of `vkCmdDraw`.
     pub fn of_vertices(vertices: u32, instances: u32, first_vertex: u32, first_instance: u32) -> Self {
         Self { numbers: [vertices, instances, first_vertex, first_instance, 0], indexed: false }
     }
 
-    /// Of `vkCmdDrawIndexed`.
+    /// Returns the parameters of `vkCmdDrawIndexed`.
     pub fn of_indices(indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32) -> Self {
         Self { numbers: [indices, instances, first_index, vertex_offset as u32, first_instance], indexed: true }
     }
@@ -32,12 +32,13 @@ impl DrawParameters {
         self.numbers[0].saturating_mul(self.numbers[1])
     }
 
-    /// Other instances than the first ones need a feature that the program may not have asked for.
+    /// Returns the first instance. A value other than 0 needs a feature that the program may not
+    /// have enabled.
     pub(in crate::intercept::vk) fn first_instance(&self) -> u32 {
         self.numbers[if self.indexed { 4 } else { 3 }]
     }
 
-    /// The same, or the same for no instances.
+    /// Returns the parameters, with no instances if the draw is not in sight.
     pub(in crate::intercept::vk) fn visible(&self, in_sight: bool) -> [u32; 5] {
         let [count, instances, rest @ ..] = self.numbers;
         let [a, b, c] = rest;
@@ -48,14 +49,14 @@ impl DrawParameters {
 /// Size of a draw.
 #[derive(Clone, Copy)]
 pub enum DrawSize {
-    /// The program says it.
+    /// The program gives it.
     Known(DrawParameters),
     /// Only the device knows it.
     Unknown,
 }
 
 impl DrawSize {
-    /// Number of vertices; the largest number where only the device knows it.
+    /// Returns the number of vertices, or the largest number if only the device knows it.
     pub fn vertices(&self) -> u32 {
         match self {
             Self::Known(parameters) => parameters.vertices(),
@@ -69,7 +70,7 @@ impl DrawSize {
     }
 }
 
-/// Parameters with their places in memory, one for each slot of view constants.
+/// Parameters with their locations in memory, one for each slot of view constants.
 #[derive(Clone, Copy, Debug)]
 pub struct IndirectDraw {
     pub(in crate::intercept::vk) at: ChunkOffset,

@@ -1,9 +1,9 @@
-//! Command buffers of the program: their state while they are recorded, and what has to be known of
-//! them when they are submitted.
+//! Command buffers of the program: their state while they are recorded, and the data that is needed
+//! when they are submitted.
 //!
-//! [`bindings`] and [`compute_bindings`] are what the program has bound, so that it can be bound
-//! again after commands of Cupola. [`draw_groups`] are the draws that are classified at submission;
-//! [`draw_parameters`] are those of their parameters that lie in memory.
+//! [`bindings`] and [`compute_bindings`] hold the state that the program has bound, so that it can
+//! be bound again after commands of Cupola. [`draw_groups`] are the draws that are classified at
+//! submission. [`draw_parameters`] are the parameters of draws that lie in memory.
 
 pub mod bindings;
 pub mod compute_bindings;
@@ -24,27 +24,27 @@ use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, RwLock};
 
-/// Event when a command buffer runs, as far as it matters on submission.
+/// Event that happens when a command buffer runs and matters at submission.
 pub enum Event {
-    /// Draws that share a lens, by their index.
+    /// Draws that share a lens, by the index of their group.
     DrawGroup(usize),
     /// A copy from buffer to buffer.
     Copy(vk::Buffer, vk::Buffer, vk::BufferCopy),
-    /// A buffer is written.
+    /// Bytes that are written to a buffer, at an offset.
     Update(vk::Buffer, u64, Vec<u8>),
-    /// An image is left in a layout.
+    /// A change of an image to a layout.
     Layout(vk::Image, vk::ImageLayout),
-    /// Another command buffer runs.
+    /// Execution of another command buffer.
     Execute(vk::CommandBuffer),
-    /// A swapchain's image is drawn: its atlas, or itself.
+    /// A draw to a view target. True: to its atlas; false: to the program's image.
     Drawn(Arc<ViewTarget>, bool),
     /// Draws to images that may hold a scene, and the matrices that they may use.
     Suspected(Vec<vk::Image>, Vec<MatrixSource>),
     /// Compute shaders write the program's own images, which may hold a scene.
     Computed(Vec<vk::Image>),
-    /// A query that is scaled begins, by its number in the pool.
+    /// Begin of a query that is scaled, by its number in the pool.
     BeginQuery(Arc<Pool>, u32),
-    /// It ends.
+    /// End of such a query.
     EndQuery(Arc<Pool>, u32),
     /// Draws that a query may count.
     Counted {
@@ -52,7 +52,8 @@ pub enum Event {
         group: Option<usize>,
         /// Number of their vertices.
         vertices: u64,
-        /// Number of times that each is issued; `None`: as often as the group is in sight.
+        /// Number of times that each draw is issued; `None`: the number of tiles in which the group
+        /// is in sight.
         times: Option<u32>,
     },
 }
@@ -61,46 +62,46 @@ pub enum Event {
 pub struct Pass {
     /// Target of its draws.
     pub(in crate::intercept::vk) target: Arc<ViewTarget>,
-    /// It draws to the target's image, not to depth only.
+    /// True if it draws to the target's image, not only to depth.
     pub(in crate::intercept::vk) colored: bool,
-    /// A draw of it may have belonged to the scene.
+    /// True if one of its draws may belong to the scene.
     pub(in crate::intercept::vk) scene: bool,
-    /// Colour attachments whose panel has to be cleared by the first commands.
+    /// Colour attachments whose panel must be cleared by the first commands.
     pub(in crate::intercept::vk) uncleared_panels: Vec<u32>,
     /// Kind of command that began the pass.
     pub(in crate::intercept::vk) within: Within,
-    /// Scenes that it draws, and the layouts that it leaves them in.
+    /// Scenes that it draws, and their layouts after the pass.
     pub(in crate::intercept::vk) scenes: Vec<(Arc<ViewTarget>, vk::ImageLayout)>,
-    /// Images of the program that this pass would have brought into a layout.
+    /// Images of the program whose layouts this pass would have changed.
     pub(in crate::intercept::vk) layout_changes: Vec<LayoutChange>,
 }
 
-/// Kind of command that began a pass, with what a secondary command buffer in it inherits.
+/// Kind of command that began a pass, with the data that a secondary command buffer inherits.
 pub enum Within {
-    /// By a render pass.
+    /// A render pass.
     Pass {
-        /// It.
+        /// The render pass.
         pass: vk::RenderPass,
-        /// The number of the subpass that is recorded.
+        /// Number of the current subpass.
         subpass: u32,
     },
-    /// By dynamic rendering, with attachments of these formats.
+    /// Dynamic rendering, with attachments of these formats.
     Rendering {
-        /// Colours.
+        /// Formats of the colours.
         colors: Vec<vk::Format>,
-        /// Depth.
+        /// Format of the depth.
         depth: vk::Format,
-        /// Stencil.
+        /// Format of the stencil.
         stencil: vk::Format,
-        /// Samples of a pixel.
+        /// Samples per pixel.
         samples: vk::SampleCountFlags,
     },
-    /// By the command buffer that executes this one.
+    /// The pass of the command buffer that executes this one.
     Inherited,
 }
 
 impl Pass {
-    /// A pass that begins.
+    /// Returns a pass that begins.
     pub fn new(target: Arc<ViewTarget>, within: Within, uncleared_panels: Vec<u32>) -> Self {
         Self {
             target,
@@ -118,11 +119,11 @@ impl Pass {
 pub struct GraphicsState {
     /// The bound pipeline.
     pub(in crate::intercept::vk) pipeline: Option<Arc<Pipeline>>,
-    /// The pipeline that is bound on the device: it, or a variant of it.
+    /// The pipeline that is bound on the device: `pipeline`, or a variant of it.
     pub(in crate::intercept::vk) current: vk::Pipeline,
     /// Descriptor sets.
     pub(in crate::intercept::vk) bound: Vec<Option<BoundSet>>,
-    /// From this number on, sets that the program bound are not bound on the device.
+    /// First number from which on the program's sets are not bound on the device.
     pub(in crate::intercept::vk) displaced: Option<u32>,
     /// Push constants.
     pub(in crate::intercept::vk) push: [u8; PUSH_BYTES],
@@ -130,12 +131,12 @@ pub struct GraphicsState {
     pub(in crate::intercept::vk) viewport: Option<vk::Viewport>,
     /// The scissor that the program set.
     pub(in crate::intercept::vk) scissor: Option<vk::Rect2D>,
-    /// The device's viewport and scissor are not the program's.
+    /// True if viewport and scissor on the device differ from the program's.
     pub(in crate::intercept::vk) disturbed: bool,
 }
 
 impl GraphicsState {
-    /// Sets of Cupola are bound from this number on, in the place of the program's.
+    /// Notes that sets of Cupola replace the program's from this number on.
     pub fn displace_from(&mut self, number: u32) {
         self.displaced = Some(self.displaced.map_or(number, |from| from.min(number)));
     }
@@ -166,27 +167,27 @@ pub struct Recording {
     pub(in crate::intercept::vk) compute: ComputeBindings,
     /// The pass, if it is drawn for each view.
     pub(in crate::intercept::vk) pass: Option<Pass>,
-    /// Within a pass that is not: its images that may hold a scene.
+    /// The images that may hold a scene, within a pass that is not drawn for each view.
     pub(in crate::intercept::vk) plain: Option<Vec<vk::Image>>,
-    /// Events when it runs.
+    /// Events that happen when it runs.
     pub(in crate::intercept::vk) events: Vec<Event>,
-    /// Images that the program's barriers move, with the layout in which the first barrier of each
-    /// finds it.
+    /// Images that barriers of the program change, with the layout in which the first barrier of
+    /// each finds it.
     pub(in crate::intercept::vk) found: HashMap<vk::Image, vk::ImageLayout>,
     /// Its groups of draws.
     pub(in crate::intercept::vk) draw_groups: Vec<DrawGroup>,
     /// Memory of their view constants.
     pub(in crate::intercept::vk) constants: ConstantChunks,
-    /// Command buffers of Cupola that clear the panel where the program's pass has only secondary
-    /// ones.
+    /// Command buffers of Cupola that clear the panel if the program's pass has only secondary
+    /// command buffers.
     pub(in crate::intercept::vk) clearers: Vec<vk::CommandBuffer>,
     /// Scenes whose view copies its draws sample.
     pub(in crate::intercept::vk) sampled: Vec<Arc<ViewTarget>>,
     /// The condition that the program has set outside of passes.
     pub(in crate::intercept::vk) condition: Option<Condition>,
-    /// The last draw that may have been one of the scene had y up.
+    /// True if the last draw that may belong to the scene had y up.
     pub(in crate::intercept::vk) y_up: bool,
-    /// Number of queries that may count what is drawn now.
+    /// Number of active queries, which may count draws.
     pub(in crate::intercept::vk) counting: u32,
 }
 
@@ -210,22 +211,23 @@ impl Recording {
         }
     }
 
-    /// Begins to record anew: nothing is bound, and no view constants are needed.
+    /// Begins a new recording: nothing is bound, and no view constants are needed.
     pub(in crate::intercept::vk) fn begin(&mut self, driver: &Driver, constants: &ConstantPool) {
         constants.give_back(&mut self.constants);
         if !self.clearers.is_empty() {
-            // SAFETY: of the pool that the program uses now; nothing runs that executes them.
+            // SAFETY: they are from the pool that the program uses now, and nothing that executes
+            // them is running.
             unsafe { driver.functions.free_command_buffers(self.pool, &self.clearers) };
         }
         *self = Self::new(self.pool);
     }
 
-    /// A barrier of the program moves an image that is in this layout.
+    /// Notes that a barrier of the program finds an image in this layout.
     pub(in crate::intercept::vk) fn finds(&mut self, image: vk::Image, layout: vk::ImageLayout) {
         self.found.entry(image).or_insert(layout);
     }
 
-    /// Draws with these matrices go to images that may hold a scene.
+    /// Notes draws with these matrices to images that may hold a scene.
     pub fn suspect(&mut self, targets: Vec<vk::Image>, sources: Vec<MatrixSource>) {
         let again = |event: &Event| matches!(event, Event::Suspected(t, s) if (t, s) == (&targets, &sources));
         if !sources.is_empty() && !self.events.last().is_some_and(again) {
@@ -233,14 +235,15 @@ impl Recording {
         }
     }
 
-    /// Draws sample the view copies of this scene, which have to stay as long as they are recorded.
+    /// Notes that draws sample the view copies of this scene. The copies must stay as long as the
+    /// draws are recorded.
     pub fn samples(&mut self, scene: Arc<ViewTarget>) {
         if !self.sampled.iter().any(|known| Arc::ptr_eq(known, &scene)) {
             self.sampled.push(scene);
         }
     }
 
-    /// Other commands than the recorded ones ran: nothing of the bound state is known any more.
+    /// Forgets the bound state, because other commands ran in between.
     pub fn forget_state(&mut self) {
         let push = self.graphics.push;
         self.graphics = GraphicsState { push, ..GraphicsState::default() };
@@ -255,12 +258,12 @@ pub struct Recordings {
 }
 
 impl Recordings {
-    /// A command buffer.
+    /// Returns the recording of a command buffer.
     pub fn get(&self, buffer: vk::CommandBuffer) -> Option<Arc<Mutex<Recording>>> {
         self.all.reading().get(&buffer).cloned()
     }
 
-    /// Calls `run` with the state of a command buffer; `None` where it is not known.
+    /// Calls `run` with the state of a command buffer; `None` if the command buffer is unknown.
     pub fn with<T>(&self, buffer: vk::CommandBuffer, run: impl FnOnce(&mut Recording) -> T) -> Option<T> {
         let recording = self.get(buffer)?;
         let mut recording = recording.locked();
@@ -276,12 +279,12 @@ pub struct Condition {
     pub(in crate::intercept::vk) flags: vk::ConditionalRenderingFlagsEXT,
 }
 
-/// Number of vertices that is assumed of a draw whose size only the device knows.
+/// Number of vertices that is assumed for a draw if only the device knows its size.
 const UNKNOWN_SIZE: u64 = 1 << 10;
 
-/// Notes a draw of `vertices` vertices that is issued `times` times, if a query may be active;
-/// `None`: as often as its group is in sight. `group`: index of its group, if it has view
-/// constants.
+/// Notes a draw of `vertices` vertices that is issued `times` times, if a query may be active.
+/// `None`: it is issued as often as its group is in sight. `group`: index of its group, if it has
+/// view constants.
 pub fn count_draw(recording: &mut Recording, group: Option<usize>, vertices: u32, times: Option<u32>) {
     if recording.counting == 0 {
         return;

@@ -11,14 +11,15 @@ pub enum TexelFormat {
     Bgra8,
     /// A word of 32 bits with 10 for each colour, red in the lowest.
     Rgb10,
-    /// The same with blue in the lowest.
+    /// As `Rgb10`, with blue in the lowest bits.
     Bgr10,
     /// Four floats of 16 bits, red first.
     Half,
 }
 
 impl TexelFormat {
-    /// Those of a format; `None`: such images keep the program's own picture.
+    /// Returns the layout for a format; `None`: windows with this format keep the program's own
+    /// picture.
     pub fn of(format: vk::Format) -> Option<Self> {
         match format {
             vk::Format::B8G8R8A8_UNORM | vk::Format::B8G8R8A8_SRGB => Some(Self::Bgra8),
@@ -33,12 +34,13 @@ impl TexelFormat {
         }
     }
 
-    /// Bytes of a texel.
+    /// Returns the bytes of a texel.
     pub fn size(self) -> usize {
         if self == Self::Half { 8 } else { 4 }
     }
 
-    /// Red, green and blue of a texel in 8 bits, rounded; `bytes` has [`size`](Self::size) bytes.
+    /// Returns red, green and blue of a texel in 8 bits, rounded; `bytes` has [`size`](Self::size)
+    /// bytes.
     pub fn color(self, bytes: &[u8]) -> [u8; 3] {
         let byte = |index: usize| bytes.get(index).copied().unwrap_or_default();
         let word = u32::from_ne_bytes([byte(0), byte(1), byte(2), byte(3)]);
@@ -54,8 +56,8 @@ impl TexelFormat {
     }
 }
 
-/// A 16-bit float (IEEE 754 binary16) of 0…1 as a byte; what lies outside is cut off, what is no
-/// number is 0.
+/// Converts a 16-bit float (IEEE 754 binary16) of 0…1 to a byte. Values outside are clamped, and
+/// NaN becomes 0.
 fn from_half(bits: u16) -> u8 {
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
     let value = match exponent {
@@ -68,8 +70,8 @@ fn from_half(bits: u16) -> u8 {
     (signed.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// True if a colour space has its values encoded as a display of the usual kind takes them, which
-/// the correction's light is computed for.
+/// True if the values of a colour space are encoded for a display of the usual kind. The correction
+/// computes light for this encoding.
 pub fn is_usual(space: vk::ColorSpaceKHR) -> bool {
     use vk::ColorSpaceKHR as C;
     [

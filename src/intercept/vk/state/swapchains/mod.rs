@@ -1,6 +1,6 @@
-//! Swapchains of the program and what stands in for their images.
+//! Swapchains of the program, and the stand-in images that replace their images.
 //!
-//! [`formats`] lists the formats that can be corrected, [`publishing`] reads pictures back for
+//! [`formats`] lists the formats that can be corrected. [`publishing`] reads pictures back for
 //! other processes.
 
 pub mod formats;
@@ -21,9 +21,9 @@ use std::sync::{Arc, Mutex};
 /// Source of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureSource {
-    /// The program's picture as it is.
+    /// The program's picture, unchanged.
     Own,
-    /// The tile of the program's own picture as it is; where there is none, the panel's.
+    /// The tile of the program's own picture, unchanged; if there is none, the panel.
     Tile,
     /// The program's picture on the panel.
     Panel,
@@ -33,37 +33,38 @@ pub enum PictureSource {
 
 /// Objects for one image of the swapchain.
 pub(in crate::intercept::vk) struct Slot {
-    /// The program's image in the place of the real one.
+    /// The program's image instead of the real one.
     pub(in crate::intercept::vk) given: OwnImage,
-    /// The views and the panel.
+    /// Image with the views and the panel.
     pub(in crate::intercept::vk) atlas: OwnImage,
     /// The program's image as a target of draws.
     pub(in crate::intercept::vk) target: Arc<ViewTarget>,
-    /// Views of the atlas: as it is, and with alpha 1.
+    /// Views of the atlas: unchanged, and with alpha 1.
     pub(in crate::intercept::vk) views: [vk::ImageView; 2],
     /// Signalled when the real image may be presented.
     pub(in crate::intercept::vk) ready: vk::Semaphore,
     /// Signalled when the commands of its last picture are done.
     pub(in crate::intercept::vk) done: vk::Fence,
-    /// For each [`PictureSource`]: recorded when first needed, then submitted again and again.
+    /// Commands for each [`PictureSource`], recorded when they are first needed and then submitted
+    /// again.
     pub(in crate::intercept::vk) commands: [vk::CommandBuffer; 4],
-    /// They were submitted, and that is not known yet.
+    /// True if they were submitted, and `done` was not waited for since.
     pub(in crate::intercept::vk) pending: bool,
-    /// The source of the correction among them, if it is timed.
+    /// The source of the correction in these commands, if it is timed.
     pub(in crate::intercept::vk) timed: Option<usize>,
 }
 
-/// See the module.
+/// Stand-in images of a swapchain, and everything that the correction needs.
 pub struct StandIn {
-    /// Places in the atlas and the window.
+    /// Positions in the atlas and the window.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
-    /// Views of the real images, or of the picture in between, which the correction draws into.
+    /// Views of the real images, or of the image in between. The correction draws to them.
     pub(in crate::intercept::vk) targets: Vec<vk::ImageView>,
-    /// Picture in between, if the real images encode the values that are written to them: the
-    /// correction is made here and copied.
+    /// Image in between, needed if the real images encode the values that are written to them. The
+    /// correction draws to it, and it is copied.
     pub(in crate::intercept::vk) between: Option<OwnImage>,
-    /// The outputs that are published beside the window, with views.
+    /// The outputs outside of the window that are published, with views.
     pub(in crate::intercept::vk) beside: Vec<(OwnImage, vk::ImageView)>,
     pub(in crate::intercept::vk) beside_images: Vec<vk::Image>,
     pub(in crate::intercept::vk) slots: Vec<Slot>,
@@ -72,9 +73,9 @@ pub struct StandIn {
     pub(in crate::intercept::vk) format: vk::Format,
     pub(in crate::intercept::vk) family: u32,
     pub(in crate::intercept::vk) pool: vk::CommandPool,
-    /// The masks are on the device.
+    /// True if the masks are on the device.
     pub(in crate::intercept::vk) uploaded: bool,
-    /// Corrections are timed.
+    /// True if corrections are timed.
     pub(in crate::intercept::vk) timed: bool,
 }
 
@@ -90,54 +91,54 @@ pub struct Swapchain {
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// Stand-in images; `None`: the program has the real images.
     pub(in crate::intercept::vk) stand_in: Option<StandIn>,
-    /// Read-back of what is published; `None` if nothing is.
+    /// Read-back of the published pictures; `None` if none are published.
     pub(in crate::intercept::vk) publishing: Option<Publishing>,
-    /// After a failure: the program's own picture.
+    /// True after a failure: the window shows the program's own picture.
     pub(in crate::intercept::vk) failed: bool,
-    /// Version of the rig's file that it follows.
+    /// Version of the rig's file that it uses.
     pub(in crate::intercept::vk) version: u64,
 }
 
-/// The swapchains that Cupola looks after.
+/// The swapchains that Cupola manages.
 #[derive(Default)]
 pub struct Swapchains {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
-    /// The image of a swapchain that was made last, with its format.
+    /// The image of the latest swapchain, with its format.
     latest: Mutex<Option<(vk::Format, Arc<ViewTarget>)>>,
-    /// Not even the program's own picture could be brought to a window: new swapchains are left
-    /// alone.
+    /// True if not even the program's own picture could be shown in a window. New swapchains are
+    /// then left alone.
     pub(in crate::intercept::vk) given_up: AtomicBool,
 }
 
 impl Swapchains {
-    /// The swapchain, if Cupola looks after it.
+    /// Returns the swapchain, if Cupola manages it.
     pub fn managed(&self, handle: vk::SwapchainKHR) -> Option<Arc<Mutex<Swapchain>>> {
         self.all.locked().get(&handle).cloned()
     }
 
-    /// The swapchain's image that was made last, if it has this format.
+    /// Returns the image of the latest swapchain, if it has this format.
     pub fn latest_target(&self, format: vk::Format) -> Option<Arc<ViewTarget>> {
         let latest = self.latest.locked();
         latest.as_ref().filter(|(known, _)| *known == format).map(|(_, target)| Arc::clone(target))
     }
 
-    /// The image of a swapchain that was made last.
+    /// Returns the image of the latest swapchain.
     pub fn latest_window(&self) -> Option<Arc<ViewTarget>> {
         self.latest.locked().as_ref().map(|(_, target)| Arc::clone(target))
     }
 
-    /// The layout of the latest swapchain.
+    /// Returns the layout of the latest swapchain.
     pub fn latest_layout(&self) -> Option<Arc<AtlasLayout>> {
         let latest = self.latest.locked();
         latest.as_ref().map(|(_, target)| Arc::clone(&target.layout))
     }
 
-    /// The layout of the latest swapchain, if it serves a window of this size.
+    /// Returns the layout of the latest swapchain, if it fits a window of this size.
     pub fn layout(&self, size: (u32, u32), read: bool) -> Option<Arc<AtlasLayout>> {
         self.latest_layout().filter(|layout| (layout.window, layout.read) == (size, read))
     }
 
-    /// An image of a swapchain is gone.
+    /// Forgets an image of a destroyed swapchain.
     pub fn forget_target(&self, gone: &Arc<ViewTarget>) {
         let mut latest = self.latest.locked();
         if latest.as_ref().is_some_and(|(_, target)| Arc::ptr_eq(target, gone)) {
@@ -145,7 +146,7 @@ impl Swapchains {
         }
     }
 
-    /// An image of a swapchain was made.
+    /// Notes a new image of a swapchain.
     pub fn note_target(&self, format: vk::Format, target: Arc<ViewTarget>) {
         *self.latest.locked() = Some((format, target));
     }

@@ -1,4 +1,4 @@
-//! Read-back of the pictures of a window that are published.
+//! Read-back of the published pictures of a window.
 
 use crate::intercept::publishing::{self, Stamp};
 use crate::intercept::vk::state::driver::Driver;
@@ -11,24 +11,24 @@ use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::Arc;
 
-/// Number of frames that are read back at the same time; more are left out.
+/// Greatest number of frames that are read back at the same time. Further frames are left out.
 const FRAMES: usize = 3;
 
-/// Nanoseconds that the device may take for a frame that the program waits for.
+/// Longest time of the device for a frame that the program waits for, in nanoseconds.
 const LONGEST_WAIT: u64 = 60_000_000_000;
 
-/// Pictures begin at places that any device can copy to.
+/// Alignment of the pictures in the buffer, which is enough for copies on any device.
 const ALIGNMENT: usize = 64;
 
-/// A picture that is published: where it comes from, and goes to in the buffer.
+/// A published picture: its source, and its region in the buffer.
 #[derive(Clone, Copy)]
 struct Region {
-    /// The image beside the window with this number; `None`: the window.
+    /// Index of the image outside of the window; `None`: the window.
     beside: Option<usize>,
     copy: vk::BufferImageCopy,
 }
 
-/// A frame on its way. Null until it is made.
+/// A frame that is read back. Objects are null until they are made.
 #[derive(Default)]
 struct Transfer {
     buffer: vk::Buffer,
@@ -43,7 +43,7 @@ struct Transfer {
 
 /// Source of the pictures of a window.
 pub(in crate::intercept::vk) struct Publishing {
-    /// The plan that it belongs to; `None`: the window is left alone.
+    /// The plan that it belongs to; `None` if the window is not corrected.
     pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
     /// The family of the queue that presents.
     pub(in crate::intercept::vk) family: u32,
@@ -54,14 +54,15 @@ pub(in crate::intercept::vk) struct Publishing {
     transfers: [Transfer; FRAMES],
     next: usize,
     oldest: usize,
-    /// For each image of the swapchain: signalled when it was copied.
+    /// Semaphores that are signalled when an image of the swapchain has been copied, one for each.
     copied: Vec<vk::Semaphore>,
-    /// A row of a picture in the other order of colours.
+    /// Row of a picture with the other order of colours.
     row: Vec<u8>,
 }
 
 impl Publishing {
-    /// For a window with `images` images. `pictures`: name, number beside the window, place.
+    /// Makes the read-back for a window with `images` images. `pictures`: name, index of an image
+    /// outside of the window, rectangle.
     ///
     /// # Errors
     /// The driver's.
@@ -102,7 +103,7 @@ impl Publishing {
             copied: Vec::new(),
             row: Vec::with_capacity(widest),
         };
-        // SAFETY: as promised; after a failure what was made is destroyed.
+        // SAFETY: as promised; after a failure, the objects made so far are destroyed.
         unsafe { new.make(driver, images).inspect_err(|_| new.destroy(driver))? };
         Ok(new)
     }
@@ -140,16 +141,17 @@ impl Publishing {
         Ok(())
     }
 
-    /// Copies the pictures of a frame, from image `index` of the swapchain and from those `beside`
-    /// it, after `waits`; they are published when the device has done so. Returns what the
-    /// presentation has to wait for; `None` if the device has not done the frames before.
+    /// Copies the pictures of a frame after `waits`, from image `index` of the swapchain and from
+    /// the images `beside` the window. They are published when the device has finished. Returns the
+    /// semaphore that the presentation has to wait for; `None` if the device has not finished the
+    /// earlier frames.
     ///
     /// # Errors
-    /// The driver's; nothing was submitted then.
+    /// The driver's errors; nothing was submitted then.
     ///
     /// # Safety
-    /// No other thread may use the queue; the image can be copied from, and what was submitted to
-    /// the queue before leaves it ready to be presented, and the others ready to be copied from.
+    /// No other thread may use the queue; the image can be copied from, and earlier submissions to
+    /// the queue leave it ready to be presented, and the others ready to be copied from.
     pub(in crate::intercept::vk) unsafe fn read(
         &mut self,
         driver: &Driver,
@@ -166,7 +168,7 @@ impl Publishing {
         let functions = &driver.functions;
         let transfer = &mut self.transfers[self.next % FRAMES];
         let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: as promised; the device has done what this transfer held before.
+        // SAFETY: as promised; the device has finished the earlier work of this transfer.
         unsafe {
             functions.begin_command_buffer(transfer.commands, &once)?;
             barrier(driver, transfer.commands, image, PRESENTED, COPIED_FROM);
@@ -200,7 +202,7 @@ impl Publishing {
         Ok(Some(copied))
     }
 
-    /// Publishes what the device has copied; `all`: waits for the rest.
+    /// Publishes the frames that the device has copied; `all`: also waits for the others.
     pub(in crate::intercept::vk) fn publish(&mut self, driver: &Driver, all: bool) {
         let functions = &driver.functions;
         while self.oldest < self.next {
@@ -215,8 +217,7 @@ impl Publishing {
             if !done {
                 return;
             }
-            // SAFETY: memory of that size that stays mapped; the device has written it, and writes
-            // no more.
+            // SAFETY: memory of that size that stays mapped; the device has finished writing it.
             let bytes = unsafe {
                 std::slice::from_raw_parts(std::ptr::with_exposed_provenance::<u8>(transfer.bytes), self.bytes)
             };

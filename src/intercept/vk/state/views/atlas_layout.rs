@@ -1,4 +1,4 @@
-//! Places in an atlas and in a window. The origin is the top left corner, as in Vulkan.
+//! Rectangles in an atlas and in a window. The origin is the top left corner, as in Vulkan.
 
 use crate::correct::projected::matrices::LensConstants;
 use crate::correct::single::pixels;
@@ -23,7 +23,8 @@ pub struct AtlasRect {
     pub(in crate::intercept::vk) height: i32,
 }
 
-/// A tile of the session: as many texels below the top here as above the bottom there.
+/// Converts a tile of the session. Its distance from the bottom there becomes its distance from the
+/// top here.
 impl From<LowerLeftRect> for AtlasRect {
     fn from(LowerLeftRect { x, y, width, height }: LowerLeftRect) -> Self {
         Self { x, y, width, height }
@@ -37,7 +38,7 @@ impl From<AtlasRect> for Area {
 }
 
 impl AtlasRect {
-    /// The same for Vulkan.
+    /// Returns the rectangle as a type of Vulkan.
     pub fn to_vk(self) -> vk::Rect2D {
         let extent = vk::Extent2D { width: self.width.max(0) as u32, height: self.height.max(0) as u32 };
         vk::Rect2D { offset: vk::Offset2D { x: self.x, y: self.y }, extent }
@@ -48,7 +49,7 @@ impl AtlasRect {
         vk::Offset3D { x: self.x, y: self.y, z: 0 }
     }
 
-    /// The middle of it, as wide and high as a half of it.
+    /// Returns the middle part, half as wide and half as high.
     pub fn middle(self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         Self { x: self.x + (self.width - width) / 2, y: self.y + (self.height - height) / 2, width, height }
@@ -59,7 +60,8 @@ impl AtlasRect {
         vk::Extent3D { width: self.width.max(0) as u32, height: self.height.max(0) as u32, depth: 1 }
     }
 
-    /// The same in texels of the atlas, which has none beside it.
+    /// Returns the rectangle as texels of the atlas. Negative values, which are not in the atlas,
+    /// become 0.
     fn to_pixels(self) -> PixelRect {
         let [x, y, width, height] = [self.x, self.y, self.width, self.height].map(|length| length.max(0) as u32);
         PixelRect { x, y, width, height }
@@ -74,9 +76,10 @@ impl AtlasRect {
 /// The tile of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ViewTile {
-    /// Its place in the atlas.
+    /// Its rectangle in the atlas.
     pub rect: AtlasRect,
-    /// The view is drawn with the program's own lens, and so in the program's window space.
+    /// True if the view is drawn with the program's own lens, and therefore in the program's window
+    /// space.
     pub own_lens: bool,
 }
 
@@ -86,53 +89,52 @@ impl ViewTile {
         Self { rect: rect.into(), own_lens }
     }
 
-    /// True if it is drawn with the program's own lens and as large as its window.
+    /// True if the view has the program's own lens and the size of its window.
     fn is_window(&self, (width, height): (u32, u32)) -> bool {
         self.own_lens && (self.rect.width, self.rect.height) == (width as i32, height as i32)
     }
 }
 
-/// A rig at work in a window, or in an image of another size that leads there.
+/// Layout of a rig in a window, or in an image of another size on its way to the window.
 pub struct AtlasLayout {
-    /// The rig at work.
+    /// The running rig.
     pub session: Arc<Session>,
-    /// Its plan, with the tiles where they are in this atlas.
+    /// Its plan, with the tiles at their positions in this atlas.
     pub plan: Plan,
-    /// Version of the rig's file from which it is made; 0 = the first.
+    /// Version of the rig's file that it was made from; 0: the version at the start.
     pub version: u64,
-    /// Size of the program's picture: of the window, or of the image.
+    /// Size of the program's picture: the size of the window, or of the image.
     pub window: (u32, u32),
-    /// Number of its pixels for each of the window's.
+    /// Number of its pixels divided by the number of the window's.
     pub pixels: f64,
-    /// All tiles are as large as the program's picture.
+    /// True if all tiles are as large as the program's picture.
     pub even: bool,
-    /// Layouts of images of other sizes, for this window, and even ones.
+    /// Layouts for this window for images of other sizes, and even layouts.
     pub(in crate::intercept::vk) of_images: Mutex<Vec<Arc<Self>>>,
     /// Size of the atlas.
     pub atlas: (u32, u32),
     /// The panel, as large as the window.
     pub panel: AtlasRect,
-    /// A tile with the program's own picture beside the views, where the program may read its
-    /// window.
+    /// A tile with the program's own picture, beside the views, if the program may read its window.
     pub primary: Option<AtlasRect>,
-    /// The program may read its own picture.
+    /// True if the program may read its own picture.
     pub read: bool,
     /// The tiles of the views.
     pub views: Vec<ViewTile>,
-    /// For each view the lens of its picture, as shaders take it; empty where all views are
-    /// perspective ones.
+    /// For each view, the lens of its output's picture, in the form for shaders; empty if all views
+    /// are perspective ones.
     pub lenses: Vec<LensConstants>,
-    /// Places of the outputs in the window.
+    /// Rectangles of the outputs in the window.
     pub outputs: Vec<UpperLeftRect>,
 }
 
 impl AtlasLayout {
-    /// Plans `rig` in a window of `size` pixels, on a device whose images are up to `max_atlas`
-    /// wide and high. `read`: the program may read its own picture. `vertices`: what shaders do
-    /// with vertices where the rig says so.
+    /// Plans `rig` in a window of `size` pixels, on a device with images of up to `max_atlas`
+    /// texels in width and height. `read`: the program may read its own picture. `vertices`: how
+    /// shaders can process vertices if the rig requests it.
     ///
     /// # Errors
-    /// Those of the planner.
+    /// The errors of the planner.
     pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool, vertices: VertexProcessing) -> Result<Self> {
         let plan = match vertices {
             VertexProcessing::Views => Session::new,
@@ -172,8 +174,9 @@ impl AtlasLayout {
         })
     }
 
-    /// The layout for an image of `size` on its way to this window. Tiles are as much larger or
-    /// smaller, as far as images of `most` texels across and down have room for them.
+    /// Returns the layout for an image of `size` on its way to this window. Its tiles are scaled by
+    /// the same ratio, but only as far as an image of `most` texels in width and height has room
+    /// for them.
     pub fn of_image(self: &Arc<Self>, size: (u32, u32), most: u32) -> Arc<Self> {
         if size == self.window {
             return Arc::clone(self);
@@ -187,13 +190,13 @@ impl AtlasLayout {
         made
     }
 
-    /// Number of pixels of an image of `size` for each of this window's.
+    /// Returns the number of pixels of an image of `size` divided by the number of this window's.
     pub(super) fn pixels_of(&self, size: (u32, u32)) -> f64 {
         f64::from(size.0) * f64::from(size.1) / (f64::from(self.window.0) * f64::from(self.window.1))
     }
 
     fn scaled(&self, size: (u32, u32), most: u32) -> Self {
-        // What shows the program's own pixels is as large as these.
+        // A tile with the program's own pixels has exactly the size of the program's picture.
         let exact = self.own().is_some() || self.views.iter().any(|view| view.own_lens);
         let scale = |own: u32, window: u32, atlas: u32| {
             let ideal = f64::from(own) / f64::from(window.max(1));
@@ -232,12 +235,12 @@ impl AtlasLayout {
         }
     }
 
-    /// True if this and another are for the same window, and show the same views.
+    /// True if both layouts are for the same window and have the same views.
     pub fn has_views_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.session, &other.session)
     }
 
-    /// Places of all that belongs to the program's picture.
+    /// Returns the rectangles of all parts of the program's picture.
     pub fn pictures(&self) -> impl Iterator<Item = AtlasRect> {
         self.views.iter().map(|view| view.rect).chain(self.primary).chain([self.panel])
     }
@@ -247,7 +250,7 @@ impl AtlasLayout {
         self.views.iter().all(|view| view.own_lens)
     }
 
-    /// Returns the rectangle of the program's own picture, texel by texel, if it is drawn.
+    /// Returns the rectangle of the program's own picture, pixel by pixel, if it is drawn.
     pub fn own(&self) -> Option<AtlasRect> {
         let own = self.views.iter().find(|view| view.is_window(self.window)).map(|view| view.rect);
         self.primary.or(own)
@@ -259,7 +262,7 @@ impl AtlasLayout {
         self.own().filter(|_| self.shows_own_lens()).unwrap_or(self.panel)
     }
 
-    /// The panel and the texels around it, which the filter reaches at its border.
+    /// Returns the panel and the texels around it, which the filter reads at its border.
     pub fn panel_with_border(&self) -> AtlasRect {
         let AtlasRect { x, y, width, height } = self.panel;
         let (left, top) = ((x - 1).max(0), (y - 1).max(0));
@@ -268,7 +271,7 @@ impl AtlasLayout {
         AtlasRect { x: left, y: top, width, height }
     }
 
-    /// Names of the views and the panel, and where they are in the atlas.
+    /// Returns the names of the views and the panel, and their rectangles in the atlas.
     pub fn tiles(&self) -> impl Iterator<Item = (&str, PixelRect)> {
         let names = self.session.views().iter().map(|view| view.name.as_str()).chain(["panel"]);
         let rects = self.views.iter().map(|view| view.rect).chain([self.panel]);
@@ -276,9 +279,9 @@ impl AtlasLayout {
     }
 }
 
-/// The plan whose tiles begin as many rows below the atlas' top as those of `plan` begin above its
-/// bottom. So what is drawn with the program's own lens can be at the origin, and is rasterised as
-/// the program rasterises it, to the byte: elsewhere coordinates are larger, and rounded otherwise.
+/// Returns the plan with its tiles mirrored: their distance from the bottom of the atlas becomes
+/// the distance from the top. So the tile with the program's own lens can be at the origin, where
+/// it is rasterised exactly as in the program. At larger coordinates, rounding differs.
 fn upside_down(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
     let views = &mut plan.views;
@@ -309,7 +312,7 @@ mod tests {
         }
     }
 
-    /// Tiles of another size are apart, within the atlas, and have the same parts of it.
+    /// Tiles of another size do not overlap, lie within the atlas, and take the same parts of it.
     #[test]
     fn images_of_other_sizes_have_the_same_tiles() {
         let rig = crate::rig::load("fisheye").expect("a preset");

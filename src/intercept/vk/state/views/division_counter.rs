@@ -1,13 +1,13 @@
-//! Counter of primitives that the dividing stage did not divide enough, for the statistics.
+//! Counter of primitives that the dividing stage did not divide enough. The statistics use it.
 
 use crate::intercept::vk::state::driver::Driver;
 use ash::prelude::VkResult;
 use ash::vk;
 
-/// Bytes of a number.
+/// Length of the counter in bytes.
 const LENGTH: u64 = size_of::<u32>() as u64;
 
-/// A number in a buffer of Cupola, to which stages add.
+/// A counter in a buffer of Cupola that shader stages increment.
 pub struct Counter {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
@@ -15,7 +15,7 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// A counter at 0.
+    /// Makes a counter at 0.
     ///
     /// # Errors
     /// The driver's.
@@ -29,8 +29,8 @@ impl Counter {
         let functions = &driver.functions;
         let info = vk::BufferCreateInfo::default().size(LENGTH).usage(vk::BufferUsageFlags::STORAGE_BUFFER);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        // SAFETY: makes objects of Cupola on a live device; they are kept in `self` as soon as they
-        // are made. The memory is as long as the number, and nothing uses it yet.
+        // SAFETY: makes objects of Cupola on a live device; they are stored in `self` as soon as
+        // they are made. The memory has the length of the counter, and nothing uses it yet.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);
@@ -47,12 +47,12 @@ impl Counter {
         Ok(())
     }
 
-    /// The number, for a descriptor.
+    /// Returns the counter for a descriptor.
     pub fn descriptor(&self) -> vk::DescriptorBufferInfo {
         vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: LENGTH }
     }
 
-    /// Lets the host see what was counted before, once the commands are done.
+    /// Makes earlier counts visible to the host, once the commands are done.
     ///
     /// # Safety
     /// The command buffer is being recorded, outside of render passes, for queues that draw.
@@ -68,15 +68,15 @@ impl Counter {
         }
     }
 
-    /// The count so far, of all commands that are done.
+    /// Returns the count of all commands that are done.
     pub fn read(&self) -> u32 {
-        // SAFETY: the memory stays mapped; the device changes the number as a whole.
+        // SAFETY: the memory stays mapped; the device changes the counter atomically.
         unsafe { (self.address as *const u32).read_volatile() }
     }
 
-    /// Destroys it.
+    /// Destroys the counter.
     pub fn destroy(&self, driver: &Driver) {
-        // SAFETY: ours or null; the device has finished with them.
+        // SAFETY: objects of Cupola or null; the device has finished with them.
         unsafe {
             driver.functions.destroy_buffer(self.buffer, None);
             driver.functions.free_memory(self.memory, None);

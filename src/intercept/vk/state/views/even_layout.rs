@@ -1,5 +1,5 @@
-//! Layouts whose tiles are all as large as the program's picture, for images that compute shaders
-//! read or write.
+//! Layouts in which all tiles are as large as the program's picture, for images that compute
+//! shaders read or write.
 
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::lock::Lock;
@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex};
 const GAP: u32 = 1;
 
 impl AtlasLayout {
-    /// The layout for an image of `size` on its way to this window in which each view is as large
-    /// as the image. `own_picture`: the program's own picture is there in any case.
+    /// Returns the layout for an image of `size` on its way to this window in which each view is as
+    /// large as the image. `own_picture`: the layout must contain the program's own picture.
     pub fn even(self: &Arc<Self>, size: (u32, u32), own_picture: bool) -> Arc<Self> {
         let mut known = self.of_images.locked();
         let fits = |known: &&Arc<Self>| known.window == size && known.even && (!own_picture || known.own().is_some());
@@ -25,7 +25,8 @@ impl AtlasLayout {
     fn with_even_tiles(&self, size: (u32, u32), own_picture: bool) -> Self {
         let own_view = self.views.iter().position(|view| view.own_lens);
         let primary = self.primary.is_some() || own_picture && own_view.is_none();
-        // What shows the program's own pixels is at the origin, so that it is rasterised alike.
+        // The tile with the program's own pixels is at the origin, so that it is rasterised in the
+        // same way.
         let before = u32::from(primary);
         let count = before + self.views.len() as u32 + 1;
         let (width, height) = (size.0.max(1) + GAP, size.1.max(1) + GAP);

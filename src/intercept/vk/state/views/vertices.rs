@@ -1,23 +1,23 @@
-//! Work of a device's shaders on vertices.
+//! How the shaders of a device process vertices.
 
-/// Kind of work of a device's shaders on vertices.
+/// Kind of vertex processing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexProcessing {
-    /// They re-project them to views.
+    /// Vertices are reprojected to views.
     Views,
-    /// They can project them to outputs' pictures, too.
+    /// Vertices can also be projected to the pictures of outputs.
     Projected,
-    /// And divide what lies between them.
+    /// In addition, primitives between the vertices can be divided.
     Divided,
 }
 
-/// Work of a device's shaders on vertices.
+/// Vertex processing of a device's shaders, with reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VertexDecision {
-    /// The work.
+    /// Kind of vertex processing.
     pub vertices: VertexProcessing,
-    /// Reason why it does not divide, for messages.
+    /// Reason why primitives are not divided, for messages.
     pub undivided: &'static str,
-    /// The dividing stage can count primitives that it does not divide enough.
+    /// True if the dividing stage can count primitives that it does not divide enough.
     pub counts: bool,
 }

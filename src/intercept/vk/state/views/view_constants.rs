@@ -1,9 +1,9 @@
 //! Memory for view constants: one slot for each view, for the panel and for the primary view.
 //!
 //! Shaders read it when a recorded command buffer runs, so that command buffers stay valid when the
-//! program's lens changes. A slot holds the reprojection matrix, the lens constants where vertices
-//! are projected to outputs, what takes fragments to the program's window, and the factors of
-//! images that they read by numbers; a counter of the dividing stage may lie beside it. The
+//! program's lens changes. A slot holds the reprojection matrix, the lens constants if vertices are
+//! projected to outputs, the conversion of fragments to the program's window, and factors of images
+//! that are read by texel coordinates. A counter of the dividing stage may lie beside it. The
 //! parameters of large draws lie in the same chunks.
 
 use crate::intercept::scene::to_window::ToWindow;
@@ -15,10 +15,11 @@ use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::{Mutex, OnceLock};
 
-/// Number of floats of a reprojection matrix, and of the lens constants that may follow it.
+/// Number of floats of a reprojection matrix. The lens constants that may follow have the same
+/// number.
 const FLOATS: usize = 16;
 
-/// Bytes of a chunk of memory.
+/// Size of a chunk of memory in bytes.
 const CHUNK_BYTES: u64 = 1 << 16;
 
 /// A chunk of memory with its descriptor.
@@ -26,52 +27,52 @@ pub struct ConstantChunk {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
     pool: vk::DescriptorPool,
-    /// Its descriptor sets, whose offset is given when one is bound: without the counter, and with
-    /// it.
+    /// Its descriptor sets, without and with the counter. Their offset is given when they are
+    /// bound.
     sets: [vk::DescriptorSet; 2],
     address: usize,
 }
 
-/// Place of a draw group's view constants.
+/// Location of a draw group's view constants.
 #[derive(Clone, Copy, Debug)]
 pub struct ChunkOffset {
     /// Index of the chunk among those of the command buffer.
     pub chunk: usize,
-    /// Offset in it, bytes.
+    /// Offset in the chunk, in bytes.
     pub offset: u32,
-    /// From one slot to the next, bytes.
+    /// Distance of two slots, in bytes.
     pub stride: u32,
 }
 
 impl ChunkOffset {
-    /// Returns the offset of a slot in the chunk, bytes.
+    /// Returns the offset of a slot in the chunk, in bytes.
     pub fn slot(&self, index: u32) -> u32 {
         self.offset + index * self.stride
     }
 }
 
-/// Parts of a slot behind the matrices that re-project.
+/// Parts of a slot after the matrices that reproject. Each value includes the ones before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotParts {
-    /// Offset and scale that take fragments to the program's window.
+    /// Conversion of fragments to the program's window: offset and scale.
     Place,
-    /// And factors of images that they read by texels.
+    /// Factors of images that fragments read by texel coordinates.
     Factors,
-    /// And matrices of the camera.
+    /// Camera matrices.
     Cameras,
 }
 
-/// The device's chunks that no command buffer has.
+/// Chunks of the device that no command buffer uses.
 pub struct ConstantPool {
     lenses: bool,
     counts: bool,
     counter: OnceLock<Option<Counter>>,
-    /// Without the counter, and with it.
+    /// Layouts without and with the counter.
     set_layouts: [OnceLock<Option<vk::DescriptorSetLayout>>; 2],
     free: Mutex<Vec<ConstantChunk>>,
 }
 
-/// Those of a command buffer.
+/// Chunks of a command buffer.
 #[derive(Default)]
 pub struct ConstantChunks {
     /// The chunks.
@@ -80,7 +81,7 @@ pub struct ConstantChunks {
 }
 
 impl ConstantPool {
-    /// No memory yet. `lenses`: for slots with lenses; `counts`: what divides may count.
+    /// Makes an empty pool. `lenses`: slots have lenses; `counts`: the dividing stage may count.
     pub fn new(lenses: bool, counts: bool) -> Self {
         Self { lenses, counts, counter: OnceLock::new(), set_layouts: Default::default(), free: Mutex::default() }
     }
@@ -90,19 +91,19 @@ impl ConstantPool {
         self.lenses
     }
 
-    /// Returns the offset in a slot of the values that take fragments to the program's window,
-    /// bytes: an offset and a scale.
+    /// Returns the offset in a slot of the conversion of fragments to the program's window (offset
+    /// and scale), in bytes.
     pub fn to_window_offset(&self) -> u32 {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u32
     }
 
-    /// Returns the offset in a slot of the matrices of the camera, bytes: those of fragments,
-    /// behind them those of vertices.
+    /// Returns the offset in a slot of the camera matrices, in bytes. Those of the vertex stage
+    /// follow those of the fragment stage.
     pub fn cameras_offset(&self) -> u32 {
         self.to_window_offset() + ((1 + MOST_PICTURES) * size_of::<[f32; 4]>()) as u32
     }
 
-    /// Bytes of a slot with these parts.
+    /// Returns the size of a slot with these parts, in bytes.
     pub fn slot(&self, parts: SlotParts) -> u32 {
         match parts {
             SlotParts::Place => self.to_window_offset() + size_of::<[f32; 4]>() as u32,
@@ -111,18 +112,18 @@ impl ConstantPool {
         }
     }
 
-    /// The counter, if this driver can count.
+    /// Returns the counter, if this driver can count.
     pub fn counter(&self, driver: &Driver) -> Option<&Counter> {
         self.counter.get_or_init(|| self.counts.then(|| Counter::new(driver).ok()).flatten()).as_ref()
     }
 
-    /// The count, if there is a counter.
+    /// Returns the count, if there is a counter.
     pub fn counted(&self) -> Option<u32> {
         self.counter.get()?.as_ref().map(Counter::read)
     }
 
-    /// The layout of the set that shaders read the view constants by, and count by with `counts`;
-    /// `None` where the driver refuses it.
+    /// Returns the layout of the set with the view constants, and with the counter if `counts`;
+    /// `None` if the driver refuses it.
     pub fn set_layout(&self, driver: &Driver, counts: bool) -> Option<vk::DescriptorSetLayout> {
         *self.set_layouts[usize::from(counts)].get_or_init(|| {
             let rows = vk::DescriptorSetLayoutBinding::default()
@@ -141,7 +142,7 @@ impl ConstantPool {
         })
     }
 
-    /// Room for `slots` slots, each `stride` bytes from the last.
+    /// Takes memory for `slots` slots at a distance of `stride` bytes.
     ///
     /// # Errors
     /// The driver's.
@@ -170,7 +171,7 @@ impl ConstantPool {
         Ok(place)
     }
 
-    /// A command buffer needs its chunks no more.
+    /// Takes back the chunks that a command buffer no longer needs.
     pub fn give_back(&self, taken: &mut ConstantChunks) {
         taken.used = 0;
         self.free.locked().append(&mut taken.chunks);
@@ -200,13 +201,13 @@ impl ConstantPool {
         }
     }
 
-    /// Destroys what is left, before the device is destroyed.
+    /// Destroys all free chunks and the layouts, before the device is destroyed.
     pub fn destroy(&self, driver: &Driver) {
         for chunk in self.free.locked().drain(..) {
             chunk.destroy(driver);
         }
         for layout in self.set_layouts.iter().filter_map(|layout| layout.get().copied().flatten()) {
-            // SAFETY: ours; nothing uses it any more.
+            // SAFETY: a layout of Cupola; nothing uses it any more.
             unsafe { driver.functions.destroy_descriptor_set_layout(layout, None) };
         }
         if let Some(Some(counter)) = self.counter.get() {
@@ -216,12 +217,12 @@ impl ConstantPool {
 }
 
 impl ConstantChunk {
-    /// Its descriptor set, with the counter or without.
+    /// Returns its descriptor set, with or without the counter.
     pub fn set(&self, counts: bool) -> vk::DescriptorSet {
         self.sets[usize::from(counts)]
     }
 
-    /// With a set for each of the `layouts`.
+    /// Makes its objects, with a set for each of the `layouts`.
     fn fill(
         &mut self,
         driver: &Driver,
@@ -231,7 +232,7 @@ impl ConstantChunk {
     ) -> VkResult<()> {
         let functions = &driver.functions;
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
-        // The descriptor of the last slot reaches farther than some slots.
+        // The descriptor of the last slot may reach beyond the slot's end.
         let info = vk::BufferCreateInfo::default().size(CHUNK_BYTES + slot).usage(usage);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let count = layouts.len() as u32;
@@ -240,8 +241,8 @@ impl ConstantChunk {
             vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 1 },
         ];
         let pool = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes[..layouts.len()]);
-        // SAFETY: makes objects of Cupola on a live device; they are kept in `self` as soon as they
-        // are made.
+        // SAFETY: makes objects of Cupola on a live device; they are stored in `self` as soon as
+        // they are made.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);
@@ -276,7 +277,7 @@ impl ConstantChunk {
         self.buffer
     }
 
-    /// Writes a slot, with its lens if it has one; nothing where it would not lie in the chunk.
+    /// Writes a slot, with its lens if it has one. Writes nothing beyond the chunk.
     pub fn write(&self, offset: u32, rows: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
         self.write_words(offset, &rows.map(f32::to_bits));
         if let Some(lens) = lens {
@@ -284,19 +285,19 @@ impl ConstantChunk {
         }
     }
 
-    /// Writes what takes fragments to the program's window, at this place.
+    /// Writes the conversion of fragments to the program's window, at this offset.
     pub fn write_to_window(&self, offset: u32, to_window: &ToWindow) {
         self.write_words(offset, &to_window.vector(false).map(f32::to_bits));
     }
 
-    /// Writes the factors of images that fragments read by numbers, behind what takes them to the
-    /// program's window.
+    /// Writes the factors of images that fragments read by texel coordinates. They come after the
+    /// conversion to the program's window, which is at `offset`.
     pub fn write_factors(&self, offset: u32, factors: &[[f32; 4]]) {
         let place = offset + size_of::<[f32; 4]>() as u32;
         self.write_words(place, &factors.as_flattened().iter().map(|factor| factor.to_bits()).collect::<Vec<_>>());
     }
 
-    /// Writes the matrices of a stage that are in the place of the program's, at this place.
+    /// Writes the matrices that replace those of the program in a stage, at this offset.
     pub fn write_cameras(&self, offset: u32, matrices: &[Option<[f32; FLOATS]>]) {
         let mut chosen = [0.0f32; MOST_CAMERAS];
         for ((number, matrix), chosen) in (0..).zip(matrices).zip(&mut chosen) {
@@ -309,19 +310,19 @@ impl ConstantChunk {
         self.write_words(offset + behind, &chosen.map(f32::to_bits));
     }
 
-    /// Writes numbers; nothing where they would not lie in the chunk.
+    /// Writes words. Writes nothing if they would not lie in the chunk.
     pub fn write_words(&self, offset: u32, words: &[u32]) {
         if u64::from(offset) + size_of_val(words) as u64 > CHUNK_BYTES {
             return;
         }
         let to = (self.address + offset as usize) as *mut u32;
-        // SAFETY: the chunk stays mapped, and the numbers lie in it; what reads them is not
-        // running, since its command buffer is being submitted.
+        // SAFETY: the chunk stays mapped, and the words lie in it; the commands that read them are
+        // not running, since their command buffer is being submitted.
         unsafe { std::ptr::copy_nonoverlapping(words.as_ptr(), to, words.len()) };
     }
 
     fn destroy(&self, driver: &Driver) {
-        // SAFETY: ours or null; the device has finished with them.
+        // SAFETY: objects of Cupola or null; the device has finished with them.
         unsafe {
             driver.functions.destroy_descriptor_pool(self.pool, None);
             driver.functions.destroy_buffer(self.buffer, None);

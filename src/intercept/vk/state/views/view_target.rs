@@ -17,18 +17,18 @@ pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
         | vk::ImageUsageFlags::TRANSFER_SRC.as_raw(),
 );
 
-/// Usage of a scene's atlas beside that of the program's image.
+/// Usage of a scene's atlas, in addition to that of the program's image.
 pub const ATLAS_COPY_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// Number of passes into the program's own image, recorded before it became a target, after which
-/// it is given up.
+/// Number of passes to the program's own image that were recorded before it became a target and run
+/// afterwards. After more, the image is given up.
 pub const PATIENCE: u32 = 8;
 
 /// An image of a swapchain, or one that holds a scene on its way to the window.
 pub struct ViewTarget {
-    /// Places in the atlas.
+    /// Positions in the atlas.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// The program's image.
     pub(in crate::intercept::vk) given: vk::Image,
@@ -36,28 +36,28 @@ pub struct ViewTarget {
     pub(in crate::intercept::vk) atlas: vk::Image,
     /// Aspects of the image.
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
-    /// It is a swapchain's.
+    /// True if the image is a window's.
     pub(in crate::intercept::vk) window: bool,
-    /// The program's image can be copied to.
+    /// True if the program's image can be copied to.
     pub(in crate::intercept::vk) copied_to: bool,
-    /// The latest frame is in the atlas, not in the program's picture.
+    /// True if the latest frame is in the atlas, not in the program's own image.
     pub(in crate::intercept::vk) in_views: AtomicBool,
-    /// Of a scene that shaders sample: an image for each view.
+    /// An image for each view, if the target is a scene that shaders sample.
     pub(in crate::intercept::vk) view_copies: Vec<OwnImage>,
-    /// The layout in which these are kept.
+    /// Layout of the view copies between commands.
     pub(in crate::intercept::vk) kept: vk::ImageLayout,
-    /// Compute shaders may write the view copies: they are newer than the atlas. With a texel that
-    /// is clear, for the panel.
+    /// Clear texel for the panel. If it exists, compute shaders may write the view copies, which
+    /// are then newer than the atlas.
     pub(in crate::intercept::vk) nothing: Option<OwnImage>,
-    /// Number of times that the program's own image was drawn to since the views are.
+    /// Number of times that the program's own image was drawn to since the views exist.
     pub(in crate::intercept::vk) missed: AtomicU32,
-    /// A command outside of passes was recorded that clears all of the atlas, and with it the panel,
-    /// which would cover what passes draw to the views from here on.
+    /// True if a recorded command outside of passes clears the complete atlas, including the panel.
+    /// The filled panel would cover the draws of later passes to the views.
     pub(in crate::intercept::vk) panel_is_filled: AtomicBool,
 }
 
 impl ViewTarget {
-    /// A swapchain's image, with its atlas.
+    /// Makes the target for a window's image and its atlas.
     pub fn of_window(layout: Arc<AtlasLayout>, given: vk::Image, atlas: vk::Image) -> Self {
         Self {
             layout,
@@ -75,7 +75,8 @@ impl ViewTarget {
         }
     }
 
-    /// A pass begins; whether it has to clear the panel, which a command outside of passes filled.
+    /// Returns, when a pass begins, whether it has to clear the panel that a command outside of
+    /// passes filled.
     pub fn takes_filled_panel(&self) -> bool {
         self.panel_is_filled.swap(false, Ordering::Relaxed)
     }
@@ -85,13 +86,14 @@ impl ViewTarget {
         self.nothing.is_some()
     }
 
-    /// Commands for the program's own image ran; whether that is so again and again.
+    /// Notes that commands for the program's own image ran. Returns whether this happens again and
+    /// again.
     pub fn was_missed(&self) -> bool {
         !self.window && self.missed.fetch_add(1, Ordering::Relaxed) > PATIENCE
     }
 }
 
-/// Marks what the next picture of a swapchain's image is made of.
+/// Notes whether the next picture of a window's image is made from its views.
 pub fn drawn(target: &ViewTarget, in_views: bool) {
     target.in_views.store(in_views, Ordering::Relaxed);
 }
