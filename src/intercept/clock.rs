@@ -1,4 +1,4 @@
-//! The virtual clock, where this process has one: `libcupola_clock.so`, which `cupola run --clock`
+//! The virtual clock, if this process has one: `libcupola_clock.so`, which `cupola run --clock`
 //! preloads.
 //!
 //! It gets a call for each frame. Cupola itself runs in real time.

@@ -2,7 +2,6 @@
 //! gone already.
 //!
 //! Handlers of `atexit` and destructors of libraries run in the reverse order of their
-//! Handlers of `atexit` and destructors of libraries run in the reverse order of their
 //! registration. Drivers register some when they are loaded and others when they first compile a
 //! shader. A handler of the program may therefore run while the driver can no longer compile. The
 //! program's calls there (making no context current, for example) work without Cupola and have to

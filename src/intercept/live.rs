@@ -77,7 +77,7 @@ fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
     watch.looked = Instant::now();
     let found = FileStamp::of(path);
     watch.pause = INTERVAL.max(watch.looked.elapsed() * PAUSE);
-    // A missing file is being replaced.
+    // A file that is missing for a moment is being replaced.
     if found.is_none() || found == watch.seen {
         return;
     }

@@ -191,7 +191,7 @@ impl Settings {
         self.needs_statistics() || self.capture.is_some() || self.capture_views.is_some()
     }
 
-    /// True if statistics are kept: for `--stats` or for `cupola inspect`.
+    /// True if statistics are needed: for `--stats` or for `cupola inspect`.
     pub fn needs_statistics(&self) -> bool {
         self.stats.is_some() || self.inspect.is_some()
     }
@@ -257,7 +257,7 @@ fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
     )
 }
 
-/// Returns the end of this number of seconds, which must be above 0, from now on.
+/// Reads a number of seconds above 0. Returns the time at which they are over.
 fn parse_seconds(text: &str) -> Option<Instant> {
     Instant::now().checked_add(parse_length(text)?)
 }

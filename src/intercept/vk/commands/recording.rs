@@ -148,7 +148,7 @@ hooks! {
         if let Some(Some(views)) = in_pass
             && kinds.iter().flatten().any(|kind| *kind != views)
         {
-            state.show_flat("its secondary command buffers do not say what they draw to");
+            state.show_flat("its secondary command buffers do not name their targets");
         }
         next(buffer, count, others)
     } }

@@ -24,7 +24,7 @@ fn by_host(device: &Device, images: &[vk::Image]) {
 const WINDOW_SPACE: &str = "its drawing is cut or scaled at positions in the window";
 
 /// Reason of commands that bind descriptors or constants in a way that is not followed.
-const BINDINGS: &str = "it binds descriptors or constants by commands that are not followed";
+const BINDINGS: &str = "it binds descriptors or constants by commands that cannot be followed";
 
 /// Reason of commands by which the device decides what is drawn.
 const GENERATED: &str = "the device generates its commands";

@@ -157,7 +157,9 @@ unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
     }
     let Some(settings) = settings::settings() else { return false };
     if settings.offscreen {
-        log::once("Vulkan: outputs have the resolution of their place in the window; CUPOLA_OFFSCREEN is for OpenGL");
+        log::once(
+            "Vulkan: outputs have the resolution of their rectangle in the window; CUPOLA_OFFSCREEN is for OpenGL",
+        );
     }
     let is_counted = settings.frames.is_some() || clock::is_there();
     !settings.rig.passthrough || is_counted || settings.capture.is_some() || settings.stats.is_some()

@@ -61,7 +61,7 @@ pub unsafe fn enable<'a>(
         // Only the statistics use the count.
         let wanted = settings.is_some_and(|settings| settings.stats.is_some());
         let counts = wanted && has.vertex_pipeline_stores_and_atomics == vk::TRUE;
-        // If the program enables geometry shaders itself, nothing has to be changed.
+        // If the program enables geometry shaders itself, only the counter may need a change.
         let ways = [counts, false].into_iter();
         // SAFETY: as promised.
         let mut ways = ways.filter_map(|counts| unsafe { with_geometry(&mut info, counts) }.zip(Some(counts)));
@@ -162,7 +162,7 @@ mod tests {
                 assert_eq!(made.wide_lines, given.p_enabled_features.as_ref().map_or(vk::FALSE, |own| own.wide_lines));
             }
         }
-        assert_eq!(own.geometry_shader, vk::FALSE, "the program's own stays");
+        assert_eq!(own.geometry_shader, vk::FALSE, "the program's own structure is unchanged");
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
             assert_eq!(made.features.vertex_pipeline_stores_and_atomics, vk::TRUE);
             assert_eq!(made.p_next.cast_const(), behind_at, "the rest is the program's");
             let program: &vk::PhysicalDeviceFeatures2<'_> = in_chain(given.p_next, kind).expect("it is there");
-            assert_eq!(program.features.geometry_shader, vk::FALSE, "the program's own stays");
+            assert_eq!(program.features.geometry_shader, vk::FALSE, "the program's own structure is unchanged");
             // A structure with an unknown type.
             let mut unknown = vk::BaseInStructure { p_next: given.p_next.cast(), ..Default::default() };
             unknown.s_type = vk::StructureType::from_raw(77);

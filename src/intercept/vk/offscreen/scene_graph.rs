@@ -165,6 +165,6 @@ pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
 pub fn computed(device: &Device, images: &[vk::Image]) {
     let missed = |image: &vk::Image| device.images.target_of_image(*image).is_some_and(|target| target.was_missed());
     if images.iter().filter(|image| missed(image)).count() > 0 {
-        device.show_flat("the commands that draw its scene were recorded before it was seen on the window");
+        device.show_flat("the commands that draw its scene were recorded before it was found in the window");
     }
 }

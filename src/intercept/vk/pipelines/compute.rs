@@ -28,7 +28,9 @@ impl ComputePipeline {
                 Err(why) => {
                     made.loses_cameras = true;
                     let why = why.reason().unwrap_or_default();
-                    log::once(&format!("Vulkan: matrices of a compute shader are not those of a view: {why}"));
+                    log::once(&format!(
+                        "Vulkan: a compute shader keeps the matrices of the program in all views: {why}"
+                    ));
                 }
             }
             Some(made)

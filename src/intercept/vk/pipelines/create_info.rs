@@ -231,6 +231,6 @@ mod tests {
         assert_eq!(parts.libraries, [library(8), library(9)]);
         assert_eq!(kept.map(|rendering| rendering.view_mask), Some(7));
         // SAFETY: as above.
-        assert_eq!(unsafe { Parts::of(&info) }.libraries, libraries, "the program's own is as it was");
+        assert_eq!(unsafe { Parts::of(&info) }.libraries, libraries, "the program's own chain is unchanged");
     }
 }

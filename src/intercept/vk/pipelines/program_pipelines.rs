@@ -41,7 +41,7 @@ hooks! {
         let made = slice(pipelines, count);
         for (info, &own) in slice(infos, count).iter().zip(made).filter(|(_, own)| **own != vk::Pipeline::null()) {
             let parts = Parts::of(info);
-            let made = if parts.is_seen() && state.draws_views() { variants::make(&state, cache, &parts) } else { Err("it is not seen".into()) };
+            let made = if parts.is_seen() && state.draws_views() { variants::make(&state, cache, &parts) } else { Err("its drawing is not visible".into()) };
             let new = variants::pipeline(&state, own, &parts, made.inspect_err(|why| state.flatness.note_pipeline(why)).ok());
             state.pipelines.all.locked().insert(own, Arc::new(new));
         }

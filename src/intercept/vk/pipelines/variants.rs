@@ -343,8 +343,7 @@ unsafe fn create_both(
         // SAFETY: as promised; the structures differ only in the fields that are set here.
         unsafe {
             let chain = Some(info.p_next).filter(|_| !libraries.is_empty());
-            let chain =
-                chain.map(|chain| Relinked::new(chain, libraries).ok_or("structures in a chain that are not known"));
+            let chain = chain.map(|chain| Relinked::new(chain, libraries).ok_or("unknown structures in a chain"));
             let chain = chain.transpose()?;
             info.p_next = chain.as_ref().map_or(info.p_next, Relinked::first);
             let mut made = vk::Pipeline::null();

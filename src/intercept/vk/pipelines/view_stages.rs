@@ -43,10 +43,10 @@ pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInf
         true => spirv::frag_coord(&words, &entry, ours, offset),
         false => Ok(None),
     };
-    let moved = moved.inspect_err(|why| lost("FragCoord is the place in a view, not in the window", why));
+    let moved = moved.inspect_err(|why| lost("FragCoord is the position in a view, not in the window", why));
     let moved = moved.ok().flatten();
     let followed = spirv::texels(moved.as_deref().unwrap_or(&words), &entry, ours, offset);
-    let followed = followed.inspect_err(|why| lost("texels of a scene are those of a view's image", why));
+    let followed = followed.inspect_err(|why| lost("texel coordinates of a scene are those of a view's image", why));
     made.moves_place = moved.is_some();
     made.words = moved;
     if let Ok(Some(followed)) = followed {

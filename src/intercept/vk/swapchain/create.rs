@@ -105,13 +105,13 @@ fn obstacle(info: &vk::SwapchainCreateInfoKHR<'_>) -> Option<String> {
         return Some(format!("images of {:?}; {kinds}", info.image_format));
     }
     if !is_usual(info.image_color_space) {
-        return Some(format!("colours in the space {:?}, which are not encoded as sRGB's are", info.image_color_space));
+        return Some(format!("colours in the space {:?}, which are not encoded like sRGB", info.image_color_space));
     }
     if info.image_array_layers != 1 || info.flags.contains(vk::SwapchainCreateFlagsKHR::PROTECTED) {
         return Some("layered or protected images".to_owned());
     }
     let shared = [vk::PresentModeKHR::SHARED_DEMAND_REFRESH, vk::PresentModeKHR::SHARED_CONTINUOUS_REFRESH];
-    shared.contains(&info.present_mode).then(|| "images that are shown while they are drawn".to_owned())
+    shared.contains(&info.present_mode).then(|| "images that are displayed while they are drawn".to_owned())
 }
 
 /// `vkCreateSwapchainKHR`.

@@ -56,7 +56,6 @@ pub(super) unsafe fn program_image(
 
 /// Makes an image for the views. The program's render passes can draw into it, and the correction
 /// reads it.
-/// it.
 ///
 /// # Safety
 /// The device must be live.

@@ -12,7 +12,7 @@ use crate::intercept::vk::state::recording::draw_parameters::{DrawParameters, Dr
 use crate::intercept::vk::state::recording::{Recording, count_draw};
 use ash::vk;
 
-/// Issues a draw of the program by `issue`.
+/// Issues a draw of the program with `issue`.
 ///
 /// # Safety
 /// The command buffer is being recorded; `issue` records the program's own draw, with this `size`.

@@ -27,7 +27,7 @@ pub fn place(
     if covers_viewport || parameters.first_instance() != 0 {
         return None;
     }
-    // Matrices that come behind lie where descriptors may point.
+    // A multiple of the slot size, so that later slots lie at offsets that descriptors allow.
     let stride = device.slot_stride(SlotParts::Place);
     let strides = (slots * BYTES).div_ceil(stride);
     let place = device.view_constants.take(&device.driver, &mut recording.constants, strides as usize, stride).ok()?;

@@ -149,7 +149,7 @@ unsafe fn begin(
         let first = unsafe { info.p_next.cast::<vk::BaseInStructure<'_>>().as_ref() };
         let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
         let Some(first) = first else {
-            device.show_flat("structures in a chain that are not known");
+            device.show_flat("unknown structures in a chain");
             plain(device, buffer, Some(replaced.pass.target), &[]);
             return next(info);
         };

@@ -255,6 +255,6 @@ mod tests {
         assert_eq!(layout.dynamic_index(5), Some(2));
         assert_eq!(layout.dynamic_index(3), None);
         let places = [(1, 0), (1, 1), (1, 2), (1, 3), (1, 4)].map(|place| layout.slot(place));
-        assert_eq!(places, [(1, 0), (1, 1), (3, 0), (5, 0), (1, 4)], "updates go on in the next binding");
+        assert_eq!(places, [(1, 0), (1, 1), (3, 0), (5, 0), (1, 4)], "updates continue in the next binding");
     }
 }

@@ -138,7 +138,7 @@ impl SceneGraph {
                 _ if seen.graph.makes(image, Made::Elsewhere) => {
                     "it is read by compute shaders that cannot be followed, in parts, or by passes of another shape"
                 }
-                _ => "it was not seen on the window",
+                _ => "it was not found on its way to the window",
             };
             *reasons.entry(reason.to_owned()).or_default() += 1;
         }
