@@ -8,8 +8,8 @@ pub fn is_main(width: f64, height: f64, picture_area: f64) -> bool {
 }
 
 /// True if a picture has the window's shape, up to rounding to whole pixels, and at least a quarter
-/// of its width. Such a picture holds the scene as the window would. Pictures from a lamp or a
-/// mirror rarely have this shape.
+/// of its width. Such a picture is assumed to hold the scene as the window would, and not the view
+/// of a lamp or a mirror.
 pub fn has_shape_of_window(width: i64, height: i64, window: (u32, u32)) -> bool {
     4 * width >= i64::from(window.0) && has_shape(width, height, window)
 }
