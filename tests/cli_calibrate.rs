@@ -293,3 +293,21 @@ fn photographs_lead_back_to_the_rig_that_they_show() {
     }
     CUPOLA.refused(&["calibrate", &file, "--photos", &photos, "-o", &out, "--force"], "with --cell 4 are");
 }
+
+#[test]
+fn patterns_fill_their_place_in_a_window_of_any_size() {
+    let [file, folder] = ["resized.toml", "resized"].map(|name| CUPOLA.file(name).to_str().unwrap().to_owned());
+    std::fs::write(&file, TWO_OUTPUTS).unwrap();
+    CUPOLA.answer(&["calibrate", &file, "--patterns", &folder, "--cell", "64", "--size", "640x400"]);
+    // The output has 1280 × 800 pixels, and half of the window. Of 20 cells in its width the last
+    // four have the highest bit, of 13 in its height the last five.
+    for (name, is_white) in [
+        ("0003-left-x4.png", (|x, _| (256..320).contains(&x)) as fn(u32, u32) -> bool),
+        ("0013-left-y3.png", |x, y| x < 320 && y >= 256),
+    ] {
+        let picture = image::open(Path::new(&folder).join(name)).unwrap().into_luma8();
+        assert_eq!(picture.dimensions(), (640, 400));
+        let wrong = picture.enumerate_pixels().filter(|(x, y, value)| (value.0 == [255]) != is_white(*x, *y));
+        assert_eq!(wrong.count(), 0, "{name}");
+    }
+}

@@ -7,7 +7,8 @@ impl Rig {
     /// Rectangles of the outputs, in their order, in a window of `window` pixels. Outputs with a
     /// `window` of their own have that, cropped to the window. Otherwise a single output has the
     /// whole window, and several share it in a near-square grid, row by row from the top left. A
-    /// rectangle without pixels has width or height 0; so have outputs of other machines.
+    /// rectangle without pixels has width or height 0; so have outputs of other machines and outputs that are not shown in
+    /// the window.
     pub fn layout(&self, window: (u32, u32)) -> Vec<PixelRect> {
         let columns = self.columns();
         let rows = self.outputs_here().div_ceil(columns);
@@ -29,7 +30,7 @@ impl Rig {
         };
         let mut cells = (0..).map(cell);
         let place = |output: &Output| match output.window {
-            _ if !output.here => PixelRect::new(0, 0, 0, 0),
+            _ if !output.has_place() => PixelRect::new(0, 0, 0, 0),
             Some(place) => crop(place),
             None => cells.next().unwrap_or(PixelRect::new(0, 0, 0, 0)),
         };
@@ -39,7 +40,7 @@ impl Rig {
     /// Size in pixels of a window in which every output has its own resolution: the hull of the
     /// outputs' `window` rectangles, or the grid of their `size`. `None` if an output has neither.
     pub fn extent(&self) -> Option<(u32, u32)> {
-        let here = || self.outputs.iter().filter(|output| output.here);
+        let here = || self.outputs.iter().filter(|output| output.has_place());
         here().next()?;
         if let Some(places) = here().map(|output| output.window).collect::<Option<Vec<_>>>() {
             let right = places.iter().map(|place| place.x.saturating_add(place.width)).max();
@@ -59,8 +60,15 @@ impl Rig {
         (1..).find(|columns| columns * columns >= self.outputs_here()).unwrap_or(1)
     }
 
-    /// Number of outputs that this machine shows.
+    /// Number of outputs that the window shows.
     fn outputs_here(&self) -> u32 {
-        self.outputs.iter().filter(|output| output.here).count() as u32
+        self.outputs.iter().filter(|output| output.has_place()).count() as u32
+    }
+}
+
+impl Output {
+    /// True if this machine's window shows the output.
+    fn has_place(&self) -> bool {
+        self.here && self.shown
     }
 }

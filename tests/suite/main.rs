@@ -37,6 +37,7 @@ mod matrix_forms;
 mod nodes;
 mod offscreen;
 mod outlines;
+mod photographed;
 mod picture;
 mod programs;
 mod projected;
@@ -90,6 +91,7 @@ harness::tests! {
     nodes,
     offscreen,
     outlines,
+    photographed,
     published,
     record,
     random_order,

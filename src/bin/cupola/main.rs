@@ -37,6 +37,7 @@ mod pipe;
 mod plan;
 mod play;
 mod player;
+mod presenter;
 mod record;
 mod run;
 mod serve;

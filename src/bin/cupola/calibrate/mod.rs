@@ -4,8 +4,10 @@
 mod length;
 mod light;
 pub mod marks;
+mod patterns;
 mod photographs;
 mod report;
+mod shooting;
 mod written;
 
 pub use report::summary;
@@ -17,6 +19,7 @@ use crate::map::native_size;
 use crate::terminal;
 use cupola::calibrate::{Mark, Part, Solved};
 use cupola::rig::{self, Rig};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -38,6 +41,16 @@ pub struct Arguments {
     /// large as the window
     #[arg(long, value_name = "DIR", conflicts_with_all = ["marks", "photos", "out", "solve"])]
     patterns: Option<PathBuf>,
+    /// Show the patterns on the projectors, and run this command for each of them: it makes a
+    /// photograph, {} is its file without ending. With --out the rig is solved then
+    #[arg(long, value_name = "COMMAND", requires = "photos", conflicts_with = "patterns")]
+    camera: Option<String>,
+    /// Time between a pattern and its photograph in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = crate::decimal::number, requires = "camera")]
+    pause: f64,
+    /// X screen of the rig's window with --camera, for example :0.1 [default: $DISPLAY]
+    #[arg(long, value_name = "NAME", requires = "camera")]
+    display: Option<String>,
     /// Folder with the photographs of these patterns as PNG or JPEG files, named in their order
     #[arg(long, value_name = "DIR", required_unless_present_any = ["marks", "patterns"])]
     photos: Option<PathBuf>,
@@ -45,7 +58,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     marks: Option<PathBuf>,
     /// Rig file to write: the same rig with the results
-    #[arg(short = 'o', long = "out", value_name = "FILE.toml", required_unless_present = "patterns")]
+    #[arg(short = 'o', long = "out", value_name = "FILE.toml", required_unless_present_any = ["patterns", "camera"])]
     out: Option<PathBuf>,
     /// Other unknown numbers of the projectors, besides their pose: fov, shift, radial, tangential,
     /// mirror
@@ -66,7 +79,7 @@ pub struct Arguments {
     #[arg(long, requires = "light")]
     linear: bool,
     /// Window size in pixels [default: from the rig, or 1920x1200]
-    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, requires = "patterns")]
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
     /// Replace the file if it exists
     #[arg(long)]
@@ -93,39 +106,56 @@ struct Found {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let rig = rig::load(&arguments.rig)?.with_all_outputs().into_owned();
     if let Some(folder) = &arguments.patterns {
-        return photographs::write_patterns(arguments, folder);
+        return patterns::write(arguments, &rig, folder);
     }
-    let out = arguments.out.as_deref().unwrap_or(Path::new(""));
-    if out.extension().is_none_or(|ending| ending != "toml") {
-        return Err(Failure::usage(format!("--out {}: expected a file name that ends in .toml", out.display())));
+    if let Some(out) = &arguments.out {
+        if out.extension().is_none_or(|ending| ending != "toml") {
+            return Err(Failure::usage(format!("--out {}: expected a file name that ends in .toml", out.display())));
+        }
+        convert::refuse_to_replace(out, arguments.force)?;
     }
-    convert::refuse_to_replace(out, arguments.force)?;
-    let rig = rig::load(&arguments.rig)?;
+    // Mistakes in marks are found before photographs are made.
     let marks = arguments.marks.as_deref().map(|file| marks::read(file, &rig)).transpose()?.unwrap_or_default();
+    if let Some((command, folder)) = arguments.camera.as_ref().zip(arguments.photos.as_ref()) {
+        let count = shooting::run(arguments, &rig, command, folder)?;
+        if arguments.out.is_none() {
+            match arguments.json {
+                true => println!("{:#}", json!({ "folder": folder.display().to_string(), "photographs": count })),
+                false => println!("{}: {count} photographs", folder.display()),
+            }
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    solve(arguments, &rig, &marks, arguments.out.as_deref().unwrap_or(Path::new("")))
+}
+
+/// Solves the rig from marks or photographs, and writes it to `out`.
+fn solve(arguments: &Arguments, rig: &Rig, marks: &[marks::Line], out: &Path) -> Result<ExitCode, Failure> {
     // The pose is always free.
     let mut parts = Part::ALL.to_vec();
     parts.retain(|part| *part == Part::Pose || arguments.solve.contains(part));
     let (mut found, mut camera, light) = match &arguments.photos {
         Some(folder) => {
-            let found = photographs::solve(arguments, &rig, folder, &marks, &parts)?;
+            let found = photographs::solve(arguments, rig, folder, marks, &parts)?;
             (found.outputs, Some(found.camera), found.light)
         }
         None if arguments.light => {
             return Err(Failure::usage("--light needs photographs of the patterns; give --photos DIR"));
         }
-        None => (from_marks(arguments, &rig, &marks, &parts)?, None, None),
+        None => (from_marks(arguments, rig, marks, &parts)?, None, None),
     };
-    let masks = light.as_ref().map(|light| light::masks(&rig, light, out, arguments.force)).transpose()?;
+    let masks = light.as_ref().map(|light| light::masks(rig, light, out, arguments.force)).transpose()?;
     let length = arguments.length.as_ref();
-    let radius = length.map(|length| length.apply(&rig, &mut found, camera.as_mut())).transpose()?;
-    written::write(&arguments.rig, &rig, &parts, &found, radius, masks.as_deref().unwrap_or_default(), out)?;
+    let radius = length.map(|length| length.apply(rig, &mut found, camera.as_mut())).transpose()?;
+    written::write(&arguments.rig, rig, &parts, &found, radius, masks.as_deref().unwrap_or_default(), out)?;
     if arguments.json {
-        println!("{:#}", report::json(&rig, &found, camera.as_ref(), light.as_ref(), out));
+        println!("{:#}", report::json(rig, &found, camera.as_ref(), light.as_ref(), out));
         return Ok(ExitCode::SUCCESS);
     }
     println!("{}: outputs: {}", out.display(), found.len());
-    found.iter().for_each(|found| print!("{}", report::words(&rig, found, arguments.marks.as_deref())));
+    found.iter().for_each(|found| print!("{}", report::words(rig, found, arguments.marks.as_deref())));
     if let Some(camera) = &camera {
         println!("{}", report::camera_words(camera));
     }
@@ -133,7 +163,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("dome: radius {radius:.4} m");
     }
     if let Some(light) = &light {
-        print!("{}", report::light_words(&rig, light));
+        print!("{}", report::light_words(rig, light));
     }
     Ok(ExitCode::SUCCESS)
 }

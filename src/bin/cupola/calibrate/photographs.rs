@@ -1,6 +1,7 @@
-//! Patterns for a camera, and its photographs of them.
+//! Photographs of the patterns.
 
 use super::marks::Line;
+use super::patterns::Patterns;
 use super::{Arguments, Found};
 use crate::failure::Failure;
 use crate::map::native_size;
@@ -9,93 +10,8 @@ use cupola::blend;
 use cupola::calibrate::gray::{self, Codes, Decoder, Photograph, Picture};
 use cupola::calibrate::light::{self, LEVELS, Reading};
 use cupola::calibrate::{Camera, Observed, Part, Sighting, joint};
-use cupola::rig::{self, Blend, OutputKind, Rig, Transfer};
-use serde_json::json;
+use cupola::rig::{Blend, OutputKind, Rig, Transfer};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-
-/// Outputs that get patterns, with their codes.
-fn series(rig: &Rig, cell: u32) -> Vec<(usize, Codes)> {
-    let projectors = (0..rig.outputs.len()).filter(|output| rig.outputs[*output].kind.is_projector());
-    projectors.map(|output| (output, Codes::new(native_size(rig, output), cell))).collect()
-}
-
-fn no_projectors(rig: &Rig) -> Failure {
-    Failure::usage(format!("the rig {} has no outputs of kind = \"projector\"", rig.name))
-}
-
-/// Writes the patterns of all outputs in the order in which they are photographed.
-pub fn write_patterns(arguments: &Arguments, folder: &Path) -> Result<ExitCode, Failure> {
-    let rig = rig::load(&arguments.rig)?;
-    let series = series(&rig, arguments.cell);
-    if series.is_empty() {
-        return Err(no_projectors(&rig));
-    }
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::usage(format!("the folder {} cannot be created: {error}", folder.display())))?;
-    let window = arguments.size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
-    let places = rig.layout(window);
-    let count: usize = series.iter().map(|(_, codes)| shown(codes, arguments.light).len()).sum();
-    let bar = terminal::progress(count as u64, "patterns");
-    let mut number = 0;
-    for (output, codes) in &series {
-        let place = &places[*output];
-        for picture in shown(codes, arguments.light) {
-            number += 1;
-            let value = |x: u32, y: u32| {
-                let inside = x >= place.x && y >= place.y && x - place.x < place.width && y - place.y < place.height;
-                if inside { picture.value(codes, (x - place.x, y - place.y)) } else { 0 }
-            };
-            let values: Vec<u8> = (0..window.0 * window.1).map(|at| value(at % window.0, at / window.0)).collect();
-            let file = folder.join(format!("{number:04}-{}-{}.png", rig.outputs[*output].name, picture.name()));
-            image::save_buffer(&file, &values, window.0, window.1, image::ColorType::L8)
-                .map_err(|error| Failure::new(format!("{} cannot be written: {error}", file.display())))?;
-            bar.inc(1);
-        }
-    }
-    bar.finish_and_clear();
-    let folder = folder.display();
-    if arguments.json {
-        println!("{:#}", json!({ "folder": folder.to_string(), "patterns": count, "window": [window.0, window.1] }));
-    } else {
-        println!("{folder}: {count} patterns of {} × {} pixels; photograph them in this order", window.0, window.1);
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-/// A picture to photograph.
-#[derive(Clone, Copy)]
-enum Shown {
-    Code(Picture),
-    Grey(u8),
-}
-
-/// Pictures of an output in their order.
-fn shown(codes: &Codes, light: bool) -> Vec<Shown> {
-    // White and black are the first two codes.
-    let greys = LEVELS.into_iter().filter(|level| light && !matches!(level, 0 | 255)).map(Shown::Grey);
-    codes.pictures().into_iter().map(Shown::Code).chain(greys).collect()
-}
-
-impl Shown {
-    fn value(self, codes: &Codes, pixel: (u32, u32)) -> u8 {
-        match self {
-            Self::Code(picture) => 255 * u8::from(codes.is_white(picture, pixel)),
-            Self::Grey(level) => level,
-        }
-    }
-
-    fn name(self) -> String {
-        match self {
-            Self::Grey(level) => format!("grey-{level:03}"),
-            Self::Code(Picture::White) => "white".to_owned(),
-            Self::Code(Picture::Black) => "black".to_owned(),
-            Self::Code(Picture::Bit { axis, bit, inverse }) => {
-                format!("{}{bit}{}", ["x", "y"][axis.min(1)], if inverse { "-inverse" } else { "" })
-            }
-        }
-    }
-}
 
 /// Results from photographs.
 pub struct Photographed {
@@ -125,12 +41,8 @@ pub fn solve(
     marks: &[Line],
     parts: &[Part],
 ) -> Result<Photographed, Failure> {
-    let series = series(rig, arguments.cell);
-    if series.is_empty() {
-        return Err(no_projectors(rig));
-    }
-    let files = files(folder)?;
-    let count: usize = series.iter().map(|(_, codes)| shown(codes, arguments.light).len()).sum();
+    let patterns = Patterns::new(rig, arguments)?;
+    let (files, count) = (files(folder)?, patterns.count());
     if files.len() != count {
         return Err(wrong_number(arguments, rig, folder, [files.len(), count]));
     }
@@ -139,7 +51,7 @@ pub fn solve(
     let values = values(arguments.linear);
     let bar = terminal::progress(count as u64, "photographs");
     let mut files = files.iter();
-    for (output, codes) in &series {
+    for (output, codes) in patterns.outputs() {
         let mut photographs = Photographs { files: &mut files, size: &mut observed.photograph, bar: &bar };
         let (decoder, white, black) = photographs.decoded(*codes)?;
         let window = gray::CELLS * arguments.cell;
@@ -168,7 +80,9 @@ pub fn solve(
              Two marks at least (--marks) fix it"
         );
     }
-    for (output, _) in series.iter().filter(|(output, _)| found.outputs.iter().all(|(own, _)| own != output)) {
+    for (output, _) in
+        patterns.outputs().iter().filter(|(output, _)| found.outputs.iter().all(|(own, _)| own != output))
+    {
         eprintln!("cupola: {} is not in the photographs, and stays as it is", rig.outputs[*output].name);
     }
     let light = arguments.light.then(|| solved_light(rig, &sizes, &found, &readings)).transpose();
@@ -200,7 +114,7 @@ fn values(linear: bool) -> Vec<f32> {
 }
 
 /// Photographs of a folder, sorted by their names.
-fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+pub fn files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let unreadable = |error: std::io::Error| Failure::usage(format!("{} cannot be read: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?.flatten().map(|entry| entry.path());
     let is_photograph = |path: &PathBuf| {
@@ -282,7 +196,8 @@ fn unlike() -> Failure {
     Failure::new("the photographs are not of the same size")
 }
 
-fn read(file: &Path) -> Result<Photograph, Failure> {
+/// Reads a photograph.
+pub fn read(file: &Path) -> Result<Photograph, Failure> {
     let unreadable = |why: String| Failure::usage(format!("{} cannot be read: {why}", file.display()));
     let reader = image::ImageReader::open(file).map_err(|error| unreadable(error.to_string()))?;
     let image = reader.decode().map_err(|error| unreadable(error.to_string()))?.into_luma16();

@@ -1,0 +1,176 @@
+//! Windows that show pictures pixel for pixel, on any X screen or monitor.
+
+use crate::failure::Failure;
+use std::fmt::Display;
+use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::randr::ConnectionExt as _;
+use x11rb::protocol::xproto::{
+    ConnectionExt as _, CreateGCAux, CreateWindowAux, ImageFormat, ImageOrder, Rectangle, Screen, WindowClass,
+};
+use x11rb::rust_connection::RustConnection;
+
+/// Part of a screen that a window fills.
+#[derive(Clone, Debug)]
+pub enum Filled {
+    /// As many pixels as the picture has, from the upper left corner of the screen.
+    Picture,
+    /// The whole screen.
+    Screen,
+    /// The monitor with this name, as xrandr lists it.
+    Monitor(String),
+}
+
+/// A window on an X screen, which opens with the first picture and closes with this value.
+pub struct Presenter {
+    connection: RustConnection,
+    /// Name of the screen, for messages.
+    name: String,
+    screen: Screen,
+    /// Rectangle to fill: x, y, width and height in pixels; `None` = the size of the picture.
+    filled: Option<(i16, i16, u16, u16)>,
+    window: Option<Window>,
+}
+
+/// A window, with the object that draws into it.
+#[derive(Clone, Copy)]
+struct Window {
+    window: u32,
+    context: u32,
+    size: (u16, u16),
+}
+
+fn failed(name: &str) -> impl Fn(&dyn Display) -> Failure {
+    move |error| Failure::new(format!("the X screen {name}: {error}"))
+}
+
+impl Presenter {
+    /// Connects to a screen, for example `:0.1`; `None` = `$DISPLAY`.
+    ///
+    /// # Errors
+    /// The screen or the monitor does not exist, or its pixels do not have 8 bits for each of red,
+    /// green and blue.
+    pub fn open(display: Option<&str>, filled: &Filled) -> Result<Self, Failure> {
+        let name = display.map(str::to_owned).or_else(|| std::env::var("DISPLAY").ok()).unwrap_or_default();
+        let failed = failed(&name);
+        let (connection, number) = x11rb::connect(display).map_err(|error| failed(&error))?;
+        let setup = connection.setup();
+        let screen = setup.roots.get(number).cloned().ok_or_else(|| failed(&"there is no such screen"))?;
+        let format = setup.pixmap_formats.iter().find(|format| format.depth == screen.root_depth);
+        let mut visuals = screen.allowed_depths.iter().flat_map(|depth| &depth.visuals);
+        let visual = visuals.find(|visual| visual.visual_id == screen.root_visual);
+        let is_usual = format.is_some_and(|format| format.bits_per_pixel == 32 && format.depth == 24)
+            && visual.is_some_and(|visual| (visual.red_mask, visual.blue_mask) == (0xff_0000, 0xff))
+            && setup.image_byte_order == ImageOrder::LSB_FIRST;
+        if !is_usual {
+            return Err(failed(&"its pixels are not of 24 bits for red, green and blue"));
+        }
+        let filled = match filled {
+            Filled::Picture => None,
+            Filled::Screen => Some((0, 0, screen.width_in_pixels, screen.height_in_pixels)),
+            Filled::Monitor(wanted) => Some(monitor(&connection, &name, screen.root, wanted)?),
+        };
+        drop(failed);
+        Ok(Self { connection, name, screen, filled, window: None })
+    }
+
+    /// Opens the window for pictures of a size.
+    fn open_window(&self, (width, height): (u32, u32)) -> Result<Window, Failure> {
+        let side = |side: u32| u16::try_from(side).unwrap_or(u16::MAX);
+        let picture = (0, 0, side(width), side(height));
+        let (x, y, width, height) = self.filled.unwrap_or(picture);
+        if (width, height) != (picture.2, picture.3) {
+            eprintln!(
+                "cupola: the picture has {}x{} pixels, its place on the screen {width}x{height}: it is not scaled \
+                 (size of the output in the rig)",
+                picture.2, picture.3
+            );
+        }
+        let (connection, root) = (&self.connection, self.screen.root);
+        let open = || -> Result<Window, x11rb::errors::ReplyOrIdError> {
+            let (window, context) = (connection.generate_id()?, connection.generate_id()?);
+            // Window managers do not move this window.
+            let looks = CreateWindowAux::new().override_redirect(1).background_pixel(self.screen.black_pixel);
+            let looks = looks.cursor(no_cursor(connection, root)?);
+            let class = WindowClass::INPUT_OUTPUT;
+            connection.create_window(0, window, root, x, y, width, height, 0, class, 0, &looks)?;
+            connection.create_gc(context, window, &CreateGCAux::new())?;
+            connection.map_window(window)?.check()?;
+            Ok(Window { window, context, size: (width, height) })
+        };
+        open().map_err(|error| failed(&self.name)(&error))
+    }
+
+    /// Shows a picture with red, green, blue and one more byte for each pixel, and waits until the
+    /// screen has it. It is not scaled: what does not fit into the window is left out on the right
+    /// and below. A message says if the size of the first picture is not that of the window.
+    ///
+    /// # Errors
+    /// The X server is gone, or refuses the window.
+    pub fn show(&mut self, size: (u32, u32), rgba: &[u8]) -> Result<(), Failure> {
+        let Window { window, context, size: (across, down) } = match self.window {
+            Some(window) => window,
+            None => *self.window.insert(self.open_window(size)?),
+        };
+        let failed = failed(&self.name);
+        let (width, height) = (size.0.min(across.into()) as u16, size.1.min(down.into()) as u16);
+        let row = size.0 as usize * 4;
+        let shown = usize::from(width) * 4;
+        // A request without its pixels has less than a hundred bytes.
+        let rows = (self.connection.maximum_request_bytes().saturating_sub(100) / shown.max(1)).max(1);
+        let all: Vec<&[u8]> = rgba.chunks_exact(row.max(1)).take(height as usize).collect();
+        let mut bytes = Vec::new();
+        for (index, part) in all.chunks(rows).enumerate() {
+            bytes.clear();
+            for row in part {
+                let (pixels, _) = row[..shown].as_chunks::<4>();
+                bytes.extend(pixels.iter().flat_map(|[red, green, blue, _]| [*blue, *green, *red, 0]));
+            }
+            let (y, count) = ((index * rows) as i16, part.len() as u16);
+            self.connection
+                .put_image(ImageFormat::Z_PIXMAP, window, context, width, count, 0, y, 0, 24, &bytes)
+                .map_err(|error| failed(&error))?;
+        }
+        self.wait()
+    }
+
+    /// Waits until the screen has executed all requests.
+    ///
+    /// # Errors
+    /// The X server is gone.
+    pub fn wait(&self) -> Result<(), Failure> {
+        let failed = failed(&self.name);
+        let answer = self.connection.get_input_focus().map_err(|error| failed(&error))?;
+        answer.reply().map(|_| ()).map_err(|error| failed(&error))
+    }
+}
+
+/// Creates a cursor without any pixel: the pointer would be a part of the picture.
+fn no_cursor(connection: &RustConnection, root: u32) -> Result<u32, x11rb::errors::ReplyOrIdError> {
+    let (pixmap, cursor) = (connection.generate_id()?, connection.generate_id()?);
+    connection.create_pixmap(1, pixmap, root, 1, 1)?;
+    let context = connection.generate_id()?;
+    connection.create_gc(context, pixmap, &CreateGCAux::new().foreground(0))?;
+    let point = Rectangle { x: 0, y: 0, width: 1, height: 1 };
+    connection.poly_fill_rectangle(pixmap, context, &[point])?;
+    connection.create_cursor(cursor, pixmap, pixmap, 0, 0, 0, 0, 0, 0, 0, 0)?;
+    connection.free_gc(context)?;
+    connection.free_pixmap(pixmap)?;
+    Ok(cursor)
+}
+
+/// Rectangle of a monitor.
+fn monitor(connection: &RustConnection, name: &str, root: u32, wanted: &str) -> Result<(i16, i16, u16, u16), Failure> {
+    let failed = failed(name);
+    let monitors = connection.randr_get_monitors(root, true).map_err(|error| failed(&error))?;
+    let monitors = monitors.reply().map_err(|error| failed(&error))?.monitors;
+    let mut names = Vec::new();
+    for monitor in monitors {
+        let own = connection.get_atom_name(monitor.name).map_err(|error| failed(&error))?;
+        let own = String::from_utf8_lossy(&own.reply().map_err(|error| failed(&error))?.name).into_owned();
+        if own == wanted {
+            return Ok((monitor.x, monitor.y, monitor.width, monitor.height));
+        }
+        names.push(own);
+    }
+    Err(Failure::usage(format!("the X screen {name} has no monitor {wanted:?}, but {}", names.join(", "))))
+}

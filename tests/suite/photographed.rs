@@ -1,0 +1,142 @@
+//! `cupola calibrate --camera`: patterns on several screens, and the camera's command.
+
+use crate::display::{self, Display};
+use crate::harness::tests;
+use crate::programs::scratch;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
+
+tests! {
+    patterns_are_shown_on_their_screens_and_photographed,
+    a_camera_that_fails_ends_the_series,
+}
+
+/// Pixels of an output.
+const SIZE: (u32, u32) = (60, 40);
+
+/// Two projectors: one in the rig's window, one with these keys beside it.
+fn rig(folder: &Path, other: &str) -> String {
+    let text = format!(
+        "[[output]]\nname = \"left\"\nkind = \"projector\"\nposition = [0.5, 0, 1]\nyaw = -40\npitch = 40\n\
+         fov = [70, 47]\nsize = [60, 40]\n\n[[output]]\nname = \"right\"\nkind = \"projector\"\n\
+         position = [-0.5, 0, 1]\nyaw = 40\npitch = 40\nfov = [70, 47]\nsize = [60, 40]\n{other}\n"
+    );
+    let file = folder.join("dome.toml");
+    std::fs::write(&file, text).expect("written");
+    file.to_string_lossy().into_owned()
+}
+
+/// Grey values at the upper left corner of a screen. All pixels must be grey.
+fn screen(display: &Display) -> Vec<u8> {
+    let (connection, number) = x11rb::connect(Some(&display.name)).expect("a screen");
+    let root = x11rb::connection::Connection::setup(&connection).roots[number].root;
+    let (width, height) = (SIZE.0 as u16, SIZE.1 as u16);
+    let image = connection.get_image(ImageFormat::Z_PIXMAP, root, 0, 0, width, height, u32::MAX).expect("sent");
+    let data = image.reply().expect("an image").data;
+    let (pixels, _) = data.as_chunks::<4>();
+    assert!(pixels.iter().all(|[blue, green, red, _]| blue == green && green == red));
+    pixels.iter().map(|pixel| pixel[0]).collect()
+}
+
+fn calibrate(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.arg("calibrate").args(arguments).stdin(Stdio::null());
+    command
+}
+
+/// Ends with a test that fails.
+struct Running(Option<Child>);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+        }
+    }
+}
+
+fn words(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn patterns_are_shown_on_their_screens_and_photographed() {
+    let (Some(one), Some(two)) = (display::own(24), display::own(24)) else { return };
+    let folder = scratch("photographed");
+    let rig = rig(&folder, &format!("display = \"{}\"", two.name));
+    let place = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let (patterns, photos, ask) = (place("patterns"), place("the photos"), place("ask"));
+    let written = calibrate(&[&rig, "--patterns", &patterns, "--light"]).output().expect("it runs");
+    assert!(written.status.success() && words(&written).contains("of right are for its own window"));
+    let mut files: Vec<_> =
+        std::fs::read_dir(&patterns).expect("patterns").map(|entry| entry.expect("an entry").path()).collect();
+    files.sort();
+    // 15 and 10 cells of 4 pixels: 4 bits each, and 14 grey pictures.
+    assert_eq!(files.len(), 2 * (2 + 2 * (4 + 4) + 14));
+    // This test is the camera: the command names the file, and waits for it.
+    assert!(Command::new("mkfifo").arg(&ask).status().expect("mkfifo").success());
+    let camera = format!("echo {{}}.png > {ask}; while ! [ -e {{}}.png ]; do sleep 0.002; done");
+    let child = calibrate(&[&rig, "--photos", &photos, "--light", "--pause", "0", "--display", &one.name])
+        .args(["--camera", &camera])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut running = Running(Some(child));
+    for (number, file) in files.iter().enumerate() {
+        let mut asked = String::new();
+        // The command before may not have closed the pipe yet: it is empty then.
+        while asked.is_empty() {
+            BufReader::new(std::fs::File::open(&ask).expect("a pipe")).read_line(&mut asked).expect("a name");
+        }
+        let asked = Path::new(asked.trim_end());
+        assert_eq!(asked.file_name(), file.file_name());
+        let pattern = image::open(file).expect("a pattern").into_luma8();
+        assert_eq!(pattern.dimensions(), SIZE, "as large as the only output of the window, and as its own window");
+        let black = vec![0; pattern.as_raw().len()];
+        let (lit, dark) = if number < files.len() / 2 { (&one, &two) } else { (&two, &one) };
+        assert!(screen(lit) == *pattern.as_raw() && screen(dark) == black, "{}", asked.display());
+        // Complete at once, for those who wait for it.
+        let part = asked.with_extension("part");
+        pattern.save_with_format(&part, image::ImageFormat::Png).expect("written");
+        std::fs::rename(part, asked).expect("renamed");
+    }
+    let output = running.0.take().expect("it runs").wait_with_output().expect("it ends");
+    assert!(output.status.success());
+    assert!(String::from_utf8_lossy(&output.stdout).contains(": 64 photographs"), "{output:?}");
+    // Photographs that are there are not mixed with others.
+    let again = calibrate(&[&rig, "--photos", &photos, "--camera", "cp {}", "--display", &one.name]).output();
+    assert!(words(&again.expect("it runs")).contains("has 64 photographs already"));
+}
+
+fn a_camera_that_fails_ends_the_series() {
+    let Some(screen) = display::own(24) else { return };
+    let folder = scratch("camera");
+    let place = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let shoot = |rig: &str, photos: &str, camera: &str| {
+        let arguments = [rig, "--photos", photos, "--pause", "0", "--display", &screen.name, "--camera", camera];
+        let output = calibrate(&arguments).output().expect("it runs");
+        assert!(!output.status.success());
+        words(&output)
+    };
+    let hidden = rig(&folder, "shown = false");
+    let refused = shoot(&hidden, &place("a"), "true {}");
+    assert!(refused.contains("the patterns of right cannot be shown"), "{refused}");
+    let rig = rig(&folder, "");
+    let refused = shoot(&rig, &place("a"), "true");
+    assert!(refused.contains("{} is missing"), "{refused}");
+    let refused = shoot(&rig, &place("a"), "true {}");
+    assert!(refused.contains("photograph 1 (0001-left-white)") && refused.contains("made no file"), "{refused}");
+    let refused = shoot(&rig, &place("a"), "echo no light >&2; false {}");
+    assert!(refused.contains("exit status: 1") && refused.contains("no light"), "{refused}");
+    // What is no picture is noticed before all others are made.
+    let refused = shoot(&rig, &place("b"), "echo no picture > {}.png");
+    assert!(refused.contains("photograph 1") && refused.contains("cannot be read"), "{refused}");
+    assert_eq!(std::fs::read_dir(place("b")).expect("a folder").count(), 1);
+    // A camera that dies later: what it made stays.
+    let (photos, white) = (place("c"), place("white.png"));
+    image::GrayImage::from_pixel(SIZE.0, SIZE.1, image::Luma([255])).save(&white).expect("written");
+    let refused = shoot(&rig, &photos, &format!("[ -e {photos}/0003-left-x3.png ] && exit 3; cp {white} {{}}.png"));
+    assert!(refused.contains("photograph 4") && refused.contains("exit status: 3"), "{refused}");
+    assert_eq!(std::fs::read_dir(photos).expect("a folder").count(), 3);
+}
