@@ -34,22 +34,25 @@ pub type Weights = DVec3;
 /// Result of dividing a primitive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Into how many it was divided; those that are nowhere near the picture do not count.
+    /// Number of parts near the picture.
     pub parts: usize,
     /// Number of parts that were not divided far enough.
     pub coarse: usize,
 }
 
-/// A place on the primitive: where it is, lens axes, and the weights of the corners.
+/// Point of the primitive.
 #[derive(Clone, Copy)]
 struct Corner {
+    /// Position, lens axes.
     at: DVec3,
+    /// Weights of the primitive's corners there.
     weights: Weights,
 }
 
 impl Division {
-    /// The widest edge, radians. Edges that lead through the middle of a fisheye are straight
-    /// however wide they are; what is amid a triangle of them grows with the square of their width.
+    /// Returns the widest allowed edge, radians. Edges through the centre of a fisheye stay
+    /// straight at any width, but the error inside their triangle grows with the square of the
+    /// width.
     pub fn widest(&self) -> f64 {
         let scale = match self.map.lens {
             PictureLens::Fisheye { aperture, circle, .. } => circle * 2.0 / aperture,
@@ -96,7 +99,8 @@ impl Division {
         }
     }
 
-    /// The part of the way from `a` to `b` at which the viewer sees the middle between them.
+    /// Returns the fraction of the way from `a` to `b` at which the viewer sees the point halfway
+    /// between them.
     pub fn middle(a: DVec3, b: DVec3) -> f64 {
         let (from, to) = (a.length(), b.length());
         if from + to > 0.0 { from / (from + to) } else { 0.5 }
@@ -161,12 +165,13 @@ impl Division {
         seen && low.max_element() <= OUTSIDE && high.min_element() >= -OUTSIDE
     }
 
-    /// The triangles into which one falls when its edges are cut that have to be; itself if there
-    /// are none.
+    /// Divides a triangle at all its edges that are too wide. Returns the triangle itself if it has
+    /// none.
     fn parts(&self, triangle: &[Corner; 3]) -> Vec<[Corner; 3]> {
         let cut = |i: usize| self.cuts(triangle[i].at, triangle[(i + 1) % 3].at);
         let cuts = [cut(0), cut(1), cut(2)];
-        // Turned so that the first edge is cut if one is, and the last is not if one is not.
+        // Rotation of the corners after which the first edge is cut, if any is, and the last is
+        // not, unless all are.
         let start = match cuts {
             [true, _, false] | [true, true, true] | [false, false, false] => 0,
             [false, true, _] => 1,
@@ -174,7 +179,7 @@ impl Division {
         };
         let [a, b, c] = [0, 1, 2].map(|i| triangle[(start + i) % 3]);
         let (ab, bc, ca) = (halfway(a, b), halfway(b, c), halfway(c, a));
-        // Back to the order in which the corners were.
+        // Undoes the rotation.
         let own = |part: [Corner; 3]| std::array::from_fn(|i| part[(i + 3 - start) % 3]);
         match cuts.into_iter().filter(|cut| *cut).count() {
             0 => vec![*triangle],
@@ -185,7 +190,7 @@ impl Division {
     }
 }
 
-/// The corner that the viewer sees halfway between two: to the bit the same, whichever comes first.
+/// Returns the point that the viewer sees halfway between two, the same to the bit in either order.
 fn halfway(first: Corner, second: Corner) -> Corner {
     let turned = first.at.to_array() > second.at.to_array();
     let (a, b) = if turned { (second, first) } else { (first, second) };

@@ -35,8 +35,8 @@ impl Frustum {
         self.top - self.bottom
     }
 
-    /// A frustum about the axis from its whole horizontal and vertical opening angles, radians in
-    /// 0…π (exclusive).
+    /// Returns the frustum around the axis with these full horizontal and vertical opening angles,
+    /// radians in 0…π (exclusive).
     pub fn symmetric(fov_x: f64, fov_y: f64) -> Self {
         let (x, y) = ((0.5 * fov_x).tan(), (0.5 * fov_y).tan());
         Self { left: -x, right: x, bottom: -y, top: y }
@@ -55,7 +55,7 @@ impl Frustum {
         Self { left: self.left + x, right: self.right + x, bottom: self.bottom + y, top: self.top + y }
     }
 
-    /// The smallest frustum that contains both.
+    /// Returns the smallest frustum that contains both.
     pub fn union(&self, other: &Self) -> Self {
         Self {
             left: self.left.min(other.left),
@@ -70,13 +70,13 @@ impl Frustum {
         tan_x >= self.left && tan_x <= self.right && tan_y >= self.bottom && tan_y <= self.top
     }
 
-    /// Half the width and height at unit distance: the reciprocals of the A and C of a projection
+    /// Returns half the width and height at unit distance: the reciprocals of the A and C of a projection
     /// matrix.
     pub fn half_size(&self) -> (f64, f64) {
         (0.5 * (self.right - self.left), 0.5 * (self.top - self.bottom))
     }
 
-    /// The centre at unit distance: B/A and D/C of a projection matrix.
+    /// Returns the centre at unit distance: B/A and D/C of a projection matrix.
     pub fn middle(&self) -> (f64, f64) {
         (0.5 * (self.left + self.right), 0.5 * (self.bottom + self.top))
     }

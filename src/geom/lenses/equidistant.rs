@@ -7,14 +7,13 @@ use glam::{DVec2, DVec3};
 /// from the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fisheye {
-    /// The whole opening angle in radians, 0 < aperture ≤ 2π; the rim of the unit disc lies at half
-    /// of it.
+    /// Full opening angle in radians, 0 < aperture ≤ 2π; the rim of the unit disc is at half of it.
     pub aperture: f64,
 }
 
 impl Fisheye {
-    /// The unit direction (lens axes: x right, y up, −z the lens axis) of a point of the unit disc;
-    /// `None` outside the disc and for NaN. Total on the disc: the centre is exactly −z.
+    /// Returns the unit direction (lens axes: x right, y up, −z the lens axis) of a point of the
+    /// unit disc; `None` outside the disc and for NaN. The centre is exactly −z.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let radius_squared = x * x + y * y;
         if radius_squared.is_nan() || radius_squared > 1.0 {
@@ -26,10 +25,10 @@ impl Fisheye {
         Some(DVec3::new(x * factor, y * factor, -cosine))
     }
 
-    /// The point of the picture that shows a direction of any length (lens axes): in the unit disc
-    /// iff the direction is within the aperture. Needs no arccosine, whose error near the axis
-    /// would be √ε. The axis and the zero vector are at the centre; the antipode of the axis,
-    /// which is a whole circle of the picture, is put on its right.
+    /// Returns the point of the picture that shows a direction of any length (lens axes): it is in
+    /// the unit disc iff the direction is within the aperture. Needs no arccosine, whose error near
+    /// the axis would be √ε. The axis and the zero vector are at the centre; the antipode of the
+    /// axis, which is a whole circle of the picture, gets the rightmost point of that circle.
     pub fn point(&self, direction: DVec3) -> DVec2 {
         let scale = direction.abs().max_element();
         if scale == 0.0 {
