@@ -8,6 +8,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Condvar, Mutex, OnceLock};
 use std::time::{Duration, Instant};
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
 
 /// A private X server, its display's name, and the connection that keeps it alive.
 pub struct Display {
@@ -22,6 +24,17 @@ impl Display {
     pub fn kill(self) {
         // The shell's own: a bare Debian has no such program.
         let _ = Command::new("sh").args(["-c", &format!("kill -s KILL {}", self.process)]).status();
+    }
+
+    /// Red, green and blue of the pixels at the upper left corner of the screen, row by row from the
+    /// top.
+    pub fn pixels(&self, (width, height): (u32, u32)) -> Vec<[u8; 3]> {
+        let (connection, number) = x11rb::connect(Some(&self.name)).expect("a screen");
+        let root = connection.setup().roots[number].root;
+        let (width, height) = (width as u16, height as u16);
+        let image = connection.get_image(ImageFormat::Z_PIXMAP, root, 0, 0, width, height, u32::MAX).expect("sent");
+        let data = image.reply().expect("an image").data;
+        data.as_chunks::<4>().0.iter().map(|[blue, green, red, _]| [*red, *green, *blue]).collect()
     }
 }
 

@@ -6,7 +6,6 @@ use crate::programs::{Run, built, library, scratch};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
 
 tests! {
     outputs_on_two_screens_are_those_of_one_window,
@@ -55,12 +54,7 @@ fn start(program: &mut Command) -> Running {
 
 /// The upper left corner of a screen.
 fn pixels(display: &Display) -> Vec<u8> {
-    let (connection, number) = x11rb::connect(Some(&display.name)).expect("a screen");
-    let root = x11rb::connection::Connection::setup(&connection).roots[number].root;
-    let (width, height) = (SIZE.0 as u16, SIZE.1 as u16);
-    let image = connection.get_image(ImageFormat::Z_PIXMAP, root, 0, 0, width, height, u32::MAX).expect("sent");
-    let data = image.reply().expect("an image").data;
-    data.as_chunks::<4>().0.iter().flat_map(|[blue, green, red, _]| [*red, *green, *blue]).collect()
+    display.pixels(SIZE).into_flattened()
 }
 
 /// `cupola window` for an output.
