@@ -59,6 +59,8 @@ pub struct Settings {
     domemaster: Option<u32>,
     /// `CUPOLA_NODE=NUMBER/COUNT`: number of this machine among several.
     place: Option<Place>,
+    /// `CUPOLA_MIRRORS=1`: this machine also draws the outputs of the others.
+    has_mirrors: bool,
     /// `CUPOLA_NODE_PAGE=FILE`: file through which `cupola node` lets the program continue.
     pub node_page: Option<PathBuf>,
     /// `CUPOLA_MASK`: whether the unsampled areas of views are masked out.
@@ -119,14 +121,17 @@ fn read() -> crate::Result<Settings> {
     let duplicate = parsed("CUPOLA_DUPLICATE", "never", parse_duplicate)?;
     let domemaster = parsed("CUPOLA_DOMEMASTER", "1024", parse_side)?;
     let place = parsed("CUPOLA_NODE", "0/2", |n| Place::parse(n, host_name()))?;
+    let has_mirrors = text("CUPOLA_MIRRORS").is_some_and(|v| v == "1");
     let profile = profile(text("CUPOLA_PROFILE").as_deref())?;
-    let rig = loaded(Path::new(&name), profile.as_ref(), &overrides, (duplicate, domemaster), place.as_ref())?;
+    let shared = (place.as_ref(), has_mirrors);
+    let rig = loaded(Path::new(&name), profile.as_ref(), &overrides, (duplicate, domemaster), shared)?;
     Ok(Settings {
         publish: publish_path(&rig),
         publish_interval: parsed("CUPOLA_PUBLISH_RATE", "30", parse_interval)?.unwrap_or(0),
         publish_waits: text("CUPOLA_PUBLISH_WAIT").is_some_and(|v| v == "1"),
         domemaster,
         place,
+        has_mirrors,
         node_page: path("CUPOLA_NODE_PAGE"),
         rig,
         profile,
@@ -201,7 +206,8 @@ impl Settings {
         match &self.rig_file {
             Some(file) => {
                 let replaced = (self.duplicate, self.domemaster);
-                loaded(file, self.profile.as_ref(), &self.overrides, replaced, self.place.as_ref())
+                let shared = (self.place.as_ref(), self.has_mirrors);
+                loaded(file, self.profile.as_ref(), &self.overrides, replaced, shared)
             }
             None => Ok(self.rig.clone()),
         }
@@ -231,7 +237,7 @@ fn loaded(
     profile: Option<&Chosen>,
     overrides: &Overrides,
     (duplicate, domemaster): (Option<Duplicate>, Option<u32>),
-    place: Option<&Place>,
+    (place, has_mirrors): (Option<&Place>, bool),
 ) -> crate::Result<Rig> {
     let defaults = profile.map_or_else(Defaults::default, |chosen| chosen.profile.defaults);
     let mut rig = overrides.apply(rig::load_with(&name_or_path.to_string_lossy(), &defaults)?)?;
@@ -245,6 +251,7 @@ fn loaded(
         rig.beside.clear();
     }
     match place {
+        Some(place) if has_mirrors => rig.with_mirrors(place),
         Some(place) => rig.on_node(place),
         None => Ok(rig),
     }

@@ -79,6 +79,30 @@ impl Reader {
         Self::begin(path, None)
     }
 
+    /// Like [`Reader::open`], but the first frame will be the newest one that is published already,
+    /// if there is one. So a reader also shows a program that draws no more frames.
+    ///
+    /// # Errors
+    /// As of [`Reader::open`].
+    pub fn open_at_newest(path: &Path) -> Result<Self> {
+        let mut reader = Self::begin(path, None)?;
+        let published = value(&reader.memory, header::PUBLISHED);
+        let newest = published.saturating_sub(1);
+        let cursor = reader.words().cursor();
+        if cursor.compare_exchange(published, newest, Ordering::AcqRel, Ordering::Relaxed).is_ok() {
+            reader.next = newest;
+            // The writer may not have seen the cursor before it used the slot again: then there are
+            // newer frames. It has the same fence.
+            fence(Ordering::SeqCst);
+            if value(&reader.memory, header::PUBLISHED) > published {
+                let moved = reader.words().cursor().fetch_max(published, Ordering::AcqRel) > newest;
+                // The writer counts the frames before a cursor that it has moved as lost.
+                reader.next = if moved { newest } else { published };
+            }
+        }
+        Ok(reader)
+    }
+
     /// `before`: entry in the previous file, and number of the next frame.
     fn begin(path: &Path, before: Option<(usize, u64)>) -> Result<Self> {
         let failed = |text: String| Error::new(ErrorKind::Io, format!("{}: {text}", path.display()));

@@ -64,6 +64,42 @@ fn a_reader_gets_each_frame_with_all_its_pixels() {
 }
 
 #[test]
+fn a_reader_may_begin_with_the_newest_frame() {
+    let path = path("newest");
+    let mut writer = Writer::create(&path, &shapes(&[(4, 4)]), 3, false).expect("a ring");
+    let mut frame = Frame::default();
+    let mut early = Reader::open_at_newest(&path).expect("a reader");
+    assert_eq!(early.next(Duration::ZERO, &mut frame).expect("whole"), Next::Nothing);
+    (1..=2).for_each(|index| publish(&mut writer, index));
+    let mut late = Reader::open_at_newest(&path).expect("a reader");
+    let mut usual = Reader::open(&path).expect("a reader");
+    assert_eq!(late.next(Duration::ZERO, &mut frame).expect("whole"), Next::Frame);
+    assert!(frame.index == 2 && is_right(&frame));
+    assert_eq!(late.next(Duration::ZERO, &mut frame).expect("whole"), Next::Nothing);
+    // Control.
+    assert_eq!(usual.next(Duration::ZERO, &mut frame).expect("whole"), Next::Nothing);
+    drop((early, usual, late));
+    // The writer publishes meanwhile: no reader finds a slot that was used again.
+    let is_over = std::sync::atomic::AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for _ in 0..2000 {
+                let mut reader = Reader::open_at_newest(&path).expect("a reader");
+                assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame);
+                assert!(is_right(&frame));
+            }
+            is_over.store(true, std::sync::atomic::Ordering::Relaxed);
+        });
+        for index in 3.. {
+            publish(&mut writer, index);
+            if is_over.load(std::sync::atomic::Ordering::Relaxed) {
+                break;
+            }
+        }
+    });
+}
+
+#[test]
 fn both_sides_count_what_a_slow_reader_loses() {
     let path = path("slow");
     let mut writer = Writer::create(&path, &shapes(&[(16, 16)]), 4, false).expect("a ring");

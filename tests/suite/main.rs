@@ -34,6 +34,7 @@ mod inspection;
 mod live;
 mod load;
 mod matrix_forms;
+mod mirrors;
 mod nodes;
 mod offscreen;
 mod outlines;
@@ -88,6 +89,7 @@ harness::tests! {
     load,
     frag_coord,
     matrix_forms,
+    mirrors,
     nodes,
     offscreen,
     outlines,

@@ -30,7 +30,7 @@ pub fn rig() -> PathBuf {
 }
 
 /// Runs the program that moves by time and random numbers: `cupola run` or `cupola node`.
-fn by_time(rig: &Path, mode: &str, frames: usize, cupola: &[&str]) -> Option<Finished> {
+pub fn by_time(rig: &Path, mode: &str, frames: usize, cupola: &[&str]) -> Option<Finished> {
     let run = Run { frames: 0, size: (96, 96), extra: &["--mode", mode], ..Run::new("by_time") };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(cupola).arg("--rig").arg(rig);
@@ -118,7 +118,7 @@ fn a_vulkan_program_that_differs_is_named() {
 }
 
 /// Children of a process that run this program.
-fn children(parent: u32, program: &str) -> Vec<u32> {
+pub fn children(parent: u32, program: &str) -> Vec<u32> {
     let text = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children")).unwrap_or_default();
     let name = |id: &u32| std::fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default();
     text.split_whitespace().filter_map(|id| id.parse().ok()).filter(|id| name(id).trim() == program).collect()

@@ -1,5 +1,5 @@
-//! Outputs with windows of their own. `cupola run` opens them through `cupola window`, and opens
-//! them again when their screens come back.
+//! Outputs with windows of their own. `cupola run` and mirrors open them through `cupola window`,
+//! and open them again when their screens come back.
 
 use crate::launch::{Environment, apply};
 use cupola::rig::{Output, OwnWindow, Rig};
@@ -29,14 +29,31 @@ impl Windows {
     /// Opens a window for each output that has its own, as soon as pictures are published.
     /// `display`: variables of the X server for the program.
     pub fn open(rig: &Rig, published: &Path, display: &Environment) -> Self {
-        let mut windows = Self::default();
         let here = rig.beside.iter().chain(&rig.outputs).filter(|output| output.here);
-        for (output, own) in here.filter_map(|output| Some((output, output.own_window.as_ref()?))) {
-            let command = Opening::new(output, own, published, display);
-            let is_over = Arc::clone(&windows.is_over);
-            windows.threads.push(std::thread::spawn(move || command.keep_open(&is_over)));
-        }
+        let own = here.filter_map(|output| Some((output, output.own_window.as_ref()?)));
+        let mut windows = Self::default();
+        own.for_each(|(output, own)| windows.add(Opening::new(output, own, published, display)));
         windows
+    }
+
+    /// Like [`Windows::open`], and also opens windows for the outputs that a program's window would
+    /// show, at their places in it.
+    pub fn open_all(rig: &Rig, published: &Path, display: &Environment) -> Self {
+        let usual = OwnWindow { display: None, monitor: None, fullscreen: false };
+        let places = rig.layout(rig.extent().unwrap_or_default());
+        let shown = rig.outputs.iter().zip(places).filter(|(output, _)| output.here && output.shown);
+        let shown = shown.filter(|(output, _)| output.own_window.is_none()).map(|(output, place)| Opening {
+            at: Some((place.x, place.y)),
+            ..Opening::new(output, &usual, published, display)
+        });
+        let mut windows = Self::open(rig, published, display);
+        shown.for_each(|opening| windows.add(opening));
+        windows
+    }
+
+    fn add(&mut self, opening: Opening) {
+        let is_over = Arc::clone(&self.is_over);
+        self.threads.push(std::thread::spawn(move || opening.keep_open(&is_over)));
     }
 
     /// Closes the windows after the end of the program.
@@ -53,6 +70,8 @@ impl Windows {
 struct Opening {
     output: String,
     own: OwnWindow,
+    /// Upper left corner on the screen; `None`: that of the screen.
+    at: Option<(u32, u32)>,
     published: PathBuf,
     display: Environment,
 }
@@ -62,6 +81,7 @@ impl Opening {
         Self {
             output: output.name.clone(),
             own: own.clone(),
+            at: None,
             published: published.to_owned(),
             display: display.clone(),
         }
@@ -77,6 +97,9 @@ impl Opening {
         }
         if let Some(monitor) = &self.own.monitor {
             command.args(["--monitor", monitor]);
+        }
+        if let Some((x, y)) = self.at {
+            command.args(["--at", &format!("{x},{y}")]);
         }
         if self.own.fullscreen {
             command.arg("--fullscreen");

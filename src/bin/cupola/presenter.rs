@@ -12,8 +12,8 @@ use x11rb::rust_connection::RustConnection;
 /// Part of a screen that a window fills.
 #[derive(Clone, Debug)]
 pub enum Filled {
-    /// As many pixels as the picture has, from the upper left corner of the screen.
-    Picture,
+    /// As many pixels as the picture has, with the upper left corner at this place on the screen.
+    Picture { x: i16, y: i16 },
     /// The whole screen.
     Screen,
     /// The monitor with this name, as xrandr lists it.
@@ -26,8 +26,9 @@ pub struct Presenter {
     /// Name of the screen, for messages.
     name: String,
     screen: Screen,
-    /// Rectangle to fill: x, y, width and height in pixels; `None` = the size of the picture.
-    filled: Option<(i16, i16, u16, u16)>,
+    /// Rectangle to fill: x and y, and width and height in pixels; `None` = the size of the
+    /// picture.
+    filled: ((i16, i16), Option<(u16, u16)>),
     window: Option<Window>,
 }
 
@@ -65,9 +66,12 @@ impl Presenter {
             return Err(failed(&"its pixels are not of 24 bits for red, green and blue"));
         }
         let filled = match filled {
-            Filled::Picture => None,
-            Filled::Screen => Some((0, 0, screen.width_in_pixels, screen.height_in_pixels)),
-            Filled::Monitor(wanted) => Some(monitor(&connection, &name, screen.root, wanted)?),
+            Filled::Picture { x, y } => ((*x, *y), None),
+            Filled::Screen => ((0, 0), Some((screen.width_in_pixels, screen.height_in_pixels))),
+            Filled::Monitor(wanted) => {
+                let (x, y, width, height) = monitor(&connection, &name, screen.root, wanted)?;
+                ((x, y), Some((width, height)))
+            }
         };
         drop(failed);
         Ok(Self { connection, name, screen, filled, window: None })
@@ -76,13 +80,14 @@ impl Presenter {
     /// Opens the window for pictures of a size.
     fn open_window(&self, (width, height): (u32, u32)) -> Result<Window, Failure> {
         let side = |side: u32| u16::try_from(side).unwrap_or(u16::MAX);
-        let picture = (0, 0, side(width), side(height));
-        let (x, y, width, height) = self.filled.unwrap_or(picture);
-        if (width, height) != (picture.2, picture.3) {
+        let picture = (side(width), side(height));
+        let ((x, y), filled) = self.filled;
+        let (width, height) = filled.unwrap_or(picture);
+        if (width, height) != picture {
             eprintln!(
                 "cupola: the picture has {}x{} pixels, its place on the screen {width}x{height}: it is not scaled \
                  (size of the output in the rig)",
-                picture.2, picture.3
+                picture.0, picture.1
             );
         }
         let (connection, root) = (&self.connection, self.screen.root);

@@ -64,7 +64,7 @@ pub struct Options {
     pub seconds: Option<Duration>,
     /// Write the last frame to a PNG file; with several outputs, one file FILE-NAME.png for each
     #[arg(long, value_name = "FILE.png")]
-    capture: Option<PathBuf>,
+    pub capture: Option<PathBuf>,
     /// Write all views of the last frame as PNG files to a folder
     #[arg(long, value_name = "DIR")]
     pub capture_views: Option<PathBuf>,
@@ -100,6 +100,9 @@ pub struct Options {
     /// frames are released.
     #[arg(skip)]
     pub node: Option<(String, PathBuf)>,
+    /// Number of this machine among several, as `NUMBER/COUNT`, if the others show its pictures.
+    #[arg(skip)]
+    pub mirrored: Option<String>,
     /// The program's standard input is empty.
     #[arg(skip)]
     pub without_input: bool,
@@ -295,17 +298,18 @@ impl Options {
 
     /// The rig with the outputs of this machine, if there are several machines.
     fn on_this_node(&self, rig: Rig) -> Result<Rig, Failure> {
-        let place = self.node.as_ref().and_then(|(place, _)| Place::parse(place, system::host_name()));
+        let place = self.node.as_ref().map(|(place, _)| place).or(self.mirrored.as_ref());
+        let place = place.and_then(|place| Place::parse(place, system::host_name()));
         Ok(place.map_or(Ok(rig.clone()), |place| rig.on_node(&place))?)
     }
 
     /// File of published pictures, if there are any to publish.
-    fn published(&self, rig: &Rig) -> Result<Option<OsString>, Failure> {
+    pub fn published(&self, rig: &Rig) -> Result<Option<OsString>, Failure> {
         let environment = || std::env::var_os("CUPOLA_PUBLISH").filter(|file| !file.is_empty() && file != "1");
         let file = match &self.publish {
             Some(file) if !file.as_os_str().is_empty() => Some(writable_file(file)?),
             Some(_) => Some(ring::default_path().into()),
-            None if self.domemaster.is_some() || rig.publishes() => {
+            None if self.domemaster.is_some() || self.mirrored.is_some() || rig.publishes() => {
                 Some(environment().unwrap_or_else(|| ring::default_path().into()))
             }
             None => None,
@@ -326,6 +330,10 @@ impl Options {
         if let Some((place, page)) = &self.node {
             environment.push(("CUPOLA_NODE", Some(place.into())));
             environment.push(("CUPOLA_NODE_PAGE", Some(page.into())));
+        }
+        if let Some(place) = &self.mirrored {
+            environment.push(("CUPOLA_NODE", Some(place.into())));
+            environment.push(("CUPOLA_MIRRORS", Some("1".into())));
         }
         if let Some(Inspection { output }) = inspection {
             environment.push(("CUPOLA_INSPECT", Some(writable_file(output)?)));

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Fill the screen
     #[arg(long)]
     fullscreen: bool,
+    /// Place of the window's upper left corner on the screen
+    #[arg(long, value_name = "X,Y", value_parser = place, hide = true)]
+    at: Option<(i16, i16)>,
     /// File of published pictures [default: /dev/shm/cupola-USER, with the number of the user]
     #[arg(long, value_name = "FILE")]
     published: Option<PathBuf>,
@@ -52,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut reader = None;
     let mut is_told = arguments.quiet;
     while reader.is_none() {
-        reader = Reader::open(&file).ok();
+        reader = Reader::open_at_newest(&file).ok();
         if reader.is_none() {
             if !std::mem::replace(&mut is_told, true) {
                 eprintln!("cupola: waiting for a program that publishes its pictures in {}", file.display());
@@ -91,12 +94,22 @@ fn show_input(mut screen: Presenter) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Parses `X,Y`.
+fn place(text: &str) -> Result<(i16, i16), String> {
+    let number = |text: &str| text.parse().ok();
+    let place = text.split_once(',').and_then(|(x, y)| number(x).zip(number(y)));
+    place.ok_or_else(|| "expected X,Y, two whole numbers".to_owned())
+}
+
 impl Arguments {
     fn screen(&self) -> Result<Presenter, Failure> {
         let filled = match &self.monitor {
             Some(monitor) => Filled::Monitor(monitor.clone()),
             None if self.fullscreen => Filled::Screen,
-            None => Filled::Picture,
+            None => {
+                let (x, y) = self.at.unwrap_or_default();
+                Filled::Picture { x, y }
+            }
         };
         Presenter::open(self.display.as_deref(), &filled)
     }

@@ -76,6 +76,39 @@ impl Rig {
         }
         Ok(self)
     }
+
+    /// Rig on a machine that also draws the outputs of all other machines. Those outputs are beside
+    /// the window, and published.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidRig`] if an output names a node that does not exist, if the size of
+    /// another machine's output is unknown, or if no output remains for the window.
+    pub fn with_mirrors(self, place: &Place) -> Result<Self> {
+        let failed = |text: String| Err(Error::new(ErrorKind::InvalidRig, text));
+        let mut rig = self.on_node(place)?;
+        let mut others;
+        (rig.outputs, others) = rig.outputs.into_iter().partition(|output| output.here);
+        for output in &mut others {
+            output.size = output.size.or(output.window.map(|window| (window.width, window.height)));
+            if output.size.is_none() {
+                let name = &output.name;
+                return failed(format!(
+                    "output {name:?} needs a size = [width, height]: another node shows it as a mirror"
+                ));
+            }
+            (output.shown, output.window) = (false, None);
+        }
+        if rig.outputs.is_empty() && !rig.passthrough {
+            let number = place.number;
+            return failed(format!(
+                "node {number} shows no output: its program needs one in its window (node = {number})"
+            ));
+        }
+        others.append(&mut rig.beside);
+        others.iter_mut().for_each(|output| output.here = true);
+        rig.beside = others;
+        Ok(rig)
+    }
 }
 
 #[cfg(test)]
@@ -104,6 +137,29 @@ mod tests {
             assert!(
                 here(&rig(&[wrong]), 0, 2).expect_err(wrong).to_string().contains("is neither a whole number nor text")
             );
+        }
+    }
+
+    #[test]
+    fn the_first_machine_draws_what_others_mirror() {
+        let mirrored = |text: &str| {
+            let rig = crate::rig::parse(text, "test", "".as_ref())?;
+            let rig = rig.with_mirrors(&Place { number: 0, count: 3, host: "dome".into() })?;
+            assert!(rig.outputs.iter().chain(&rig.beside).all(|output| output.here));
+            let names = |outputs: &[crate::rig::Output]| outputs.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
+            Ok::<_, Error>((names(&rig.outputs), names(&rig.beside)))
+        };
+        let (own, others) = mirrored(&rig(&["node = 2", "", "node = 1\nshown = false", "node = 1"])).expect("a rig");
+        assert_eq!(own, ["output-2"]);
+        assert_eq!(others, ["output-1", "output-4", "output-3"]);
+        let (own, others) = mirrored(&rig(&[""; 6])).expect("a rig");
+        assert_eq!((own, others.len()), (vec!["output-1".to_owned(), "output-2".to_owned()], 4));
+        for (text, words) in [
+            (rig(&["node = 1"]), "node 0 shows no output"),
+            (rig(&["", "node = 1"]).replace("size = [9, 9]", ""), "needs a size"),
+        ] {
+            let error = mirrored(&text).expect_err(words).to_string();
+            assert!(error.contains(words), "{error}");
         }
     }
 

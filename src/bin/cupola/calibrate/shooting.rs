@@ -114,12 +114,12 @@ fn screens(arguments: &Arguments, rig: &Rig, patterns: &Patterns<'_>) -> Result<
             continue;
         }
         let presenter = match own {
-            None => Presenter::open(display, &Filled::Picture)?,
+            None => Presenter::open(display, &Filled::Picture { x: 0, y: 0 })?,
             Some((_, OwnWindow { display: own, monitor, fullscreen })) => {
                 let filled = match monitor {
                     Some(monitor) => Filled::Monitor(monitor.clone()),
                     None if *fullscreen => Filled::Screen,
-                    None => Filled::Picture,
+                    None => Filled::Picture { x: 0, y: 0 },
                 };
                 Presenter::open(own.as_deref().or(display), &filled)?
             }

@@ -2,15 +2,18 @@
 //!
 //! Every machine runs the program with the virtual clock, and this command beside it. `sidecar`
 //! releases the program's frames when `head` decides so, which runs beside the program of node 0.
-//! Messages between them (`link`) travel through `mpi` or, on one machine, through `local`.
+//! With `--mirror` only node 0 runs the program, and `mirror` shows its pictures on the others.
+//! Messages (`link`) and pictures travel through `mpi` or, on one machine, through `local`.
 
 mod door;
 pub mod head;
 pub mod input;
 mod link;
 mod local;
+mod mirror;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod pictures;
 mod sidecar;
 mod sums;
 
@@ -51,6 +54,9 @@ pub struct Arguments {
     /// Leave the program's clocks and random numbers alone
     #[arg(long, conflicts_with_all = ["clock", "seed", "clock_start"])]
     own_clocks: bool,
+    /// Run the program on node 0 only; the other nodes show its pictures
+    #[arg(long, conflicts_with_all = ["time_out", "unpaced", "own_clocks", "input"])]
+    mirror: bool,
     /// Send keyboard and mouse events of a file to the programs of all nodes in the same frame: a
     /// file, a named pipe, or - for the standard input of node 0
     #[arg(long, value_name = "FILE|-")]
@@ -77,7 +83,10 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let text = std::env::var("CUPOLA_NODE").unwrap_or_default();
             let place = Place::parse(&text, system::host_name())
                 .ok_or_else(|| Failure::usage(format!("{SOCKET} is set, but CUPOLA_NODE={text} is no node")))?;
-            show(arguments, &place, |deliver| local::connect(&place, &socket, deliver))
+            match arguments.mirror {
+                true => mirror::show(arguments, &place, || local::connect_pictures(&place, &socket)),
+                false => show(arguments, &place, |deliver| local::connect(&place, &socket, deliver)),
+            }
         }
         (None, Some(count)) => {
             // Mistakes are reported once, before anything starts.
@@ -95,7 +104,10 @@ fn by_mpi(arguments: Arguments) -> Result<ExitCode, Failure> {
     }
     let job = mpi::Job::join()?;
     let place = job.place.clone();
-    show(arguments, &place, |deliver| Ok(job.connect(deliver)))
+    match arguments.mirror {
+        true => mirror::show(arguments, &place, || Ok(job.connect_pictures())),
+        false => show(arguments, &place, |deliver| Ok(job.connect(deliver))),
+    }
 }
 
 #[cfg(not(feature = "mpi"))]
@@ -111,7 +123,7 @@ const NOT_STARTED: &str = "this command is one of several nodes; start all of th
 
 /// Prepares the rig of each known machine. Returns that of this machine, or an error.
 fn prepared(arguments: &Arguments, place: &Place) -> Result<(Rig, Option<(u32, u32)>), Failure> {
-    if arguments.options.clock.starts_now() {
+    if arguments.options.clock.starts_now() && !arguments.mirror {
         return Err(Failure::usage(
             "--clock-start now differs from node to node; give a date, for example 2030-12-24T18:00:00",
         ));
@@ -120,6 +132,9 @@ fn prepared(arguments: &Arguments, place: &Place) -> Result<(Rig, Option<(u32, u
         std::fs::metadata(source).map_err(|error| Failure::usage(format!("--input {}: {error}", source.display())))?;
     }
     let rig = arguments.options.rig()?;
+    if arguments.mirror && place.number == 0 {
+        rig.clone().with_mirrors(place)?;
+    }
     let hosts = rig.outputs.iter().filter_map(|output| match &output.node {
         Some(Node::Host(host)) => Some(host.clone()),
         _ => None,
@@ -143,9 +158,7 @@ fn show(
 ) -> Result<ExitCode, Failure> {
     let (rig, size) = prepared(&arguments, place)?;
     let Arguments { mut options, time_out, unpaced, own_clocks, input, summary, program, .. } = arguments;
-    let outputs: Vec<&str> = rig.outputs.iter().filter(|output| output.here).map(|output| &*output.name).collect();
-    let shows = if outputs.is_empty() { "no output".to_owned() } else { outputs.join(", ") };
-    sidecar::say(&format!("node {} of {} ({}) shows {shows}", place.number, place.count, place.host));
+    sidecar::announce(place, &rig);
     let rate = *options.clock.clock.get_or_insert(USUAL);
     if own_clocks {
         options.clock.clock = None;

@@ -4,17 +4,19 @@
 //! thread that waits only for it, and incoming messages are polled.
 
 use super::link::{Deliver, Link, Message, WORDS};
+use super::pictures::{self, Head, PictureLink, SILENCE};
+use super::sidecar::say;
 use crate::failure::Failure;
 use cupola::rig::Place;
 use mpi::Threading;
 use mpi::environment::Universe;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Source};
+use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalence, Source};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Interval of polling for messages.
 const LOOK: Duration = Duration::from_micros(50);
@@ -83,6 +85,77 @@ impl Job {
         });
         let parts = Mutex::new(Some((self.universe, reader)));
         Box::new(Messages { senders, is_one_machine: self.is_one_machine, is_closed, parts })
+    }
+
+    /// Connects node 0 with its mirrors.
+    pub fn connect_pictures(self) -> Box<dyn PictureLink> {
+        Box::new(Pictures { is_closed: AtomicBool::new(false), universe: Mutex::new(Some(self.universe)) })
+    }
+}
+
+/// Connections for pictures.
+struct Pictures {
+    is_closed: AtomicBool,
+    universe: Mutex<Option<Universe>>,
+}
+
+/// Sends data, and waits until the other node receives them: MPI does not report a node that has
+/// ended.
+fn send<Data: Equivalence>(to: i32, data: &[Data]) {
+    let world = SimpleCommunicator::world();
+    let begin = Instant::now();
+    let mut is_told = false;
+    let node = world.process_at_rank(to);
+    mpi::request::scope(|scope| {
+        let mut request = node.immediate_synchronous_send(scope, data);
+        // MPI's own wait would occupy a processor while the other node is stopped.
+        while let Err(waiting) = request.test() {
+            request = waiting;
+            if begin.elapsed() > SILENCE && !std::mem::replace(&mut is_told, true) {
+                say(&format!("node {to} does not receive pictures any more: the others go on without it"));
+            }
+            std::thread::sleep(LOOK);
+        }
+    });
+}
+
+impl PictureLink for Pictures {
+    fn send(&self, to: usize, head: &Head, bytes: &[u8]) -> bool {
+        let Ok(to) = i32::try_from(to) else { return false };
+        send(to, &head.words()[..]);
+        if !bytes.is_empty() {
+            send(to, bytes);
+        }
+        true
+    }
+
+    fn receive(&self, from: usize, bytes: &mut Vec<u8>) -> Option<Head> {
+        let world = SimpleCommunicator::world();
+        let from = world.process_at_rank(i32::try_from(from).ok()?);
+        let begin = Instant::now();
+        while from.immediate_probe().is_none() {
+            if self.is_closed.load(Ordering::SeqCst) || begin.elapsed() > SILENCE {
+                return None;
+            }
+            std::thread::sleep(LOOK);
+        }
+        let mut words = [0; pictures::WORDS];
+        from.receive_into(&mut words[..]);
+        let head = Head::of(words)?;
+        bytes.resize(head.bytes(), 0);
+        if !bytes.is_empty() {
+            from.receive_into(&mut bytes[..]);
+        }
+        Some(head)
+    }
+
+    fn close(&self, is_clean: bool) {
+        self.is_closed.store(true, Ordering::SeqCst);
+        let universe = self.universe.lock().ok().and_then(|mut universe| universe.take());
+        if !is_clean {
+            // The end of MPI would wait for all nodes, including lost ones.
+            std::mem::forget(universe);
+        }
     }
 }
 

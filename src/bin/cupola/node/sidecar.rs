@@ -7,7 +7,7 @@ use super::input;
 use super::link::{Deliver, Link, Message};
 use crate::failure::Failure;
 use cupola::nodes::Page;
-use cupola::rig::Place;
+use cupola::rig::{Place, Rig};
 use cupola::system::{self, process};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -50,6 +50,23 @@ struct Shared {
 /// command has ended.
 pub fn say(words: &str) {
     let _ = std::io::stderr().write_all(format!("cupola: {words}\n").as_bytes());
+}
+
+/// Prints the outputs that this node shows.
+pub fn announce(place: &Place, rig: &Rig) {
+    let outputs = rig.outputs.iter().chain(&rig.beside).filter(|output| output.here);
+    let outputs: Vec<&str> = outputs.map(|output| &*output.name).collect();
+    let shows = if outputs.is_empty() { "no output".to_owned() } else { outputs.join(", ") };
+    say(&format!("node {} of {} ({}) shows {shows}", place.number, place.count, place.host));
+}
+
+/// Writes the observations of node 0 to a file.
+pub fn write_summary(file: Option<&Path>, summary: &serde_json::Value) {
+    let Some(file) = file else { return };
+    let text = serde_json::to_string_pretty(summary).unwrap_or_default();
+    if let Err(error) = std::fs::write(file, text) {
+        say(&format!("{}: {error}", file.display()));
+    }
 }
 
 fn locked(head: &Mutex<Head>) -> MutexGuard<'_, Head> {
@@ -282,10 +299,6 @@ impl Shared {
     fn report(&self, head: &Head, file: Option<&Path>) {
         let is_one_machine = self.link.get().is_some_and(|link| link.is_one_machine());
         say(&head.summary(is_one_machine));
-        let Some(file) = file else { return };
-        let text = serde_json::to_string_pretty(&head.json(is_one_machine)).unwrap_or_default();
-        if let Err(error) = std::fs::write(file, text) {
-            say(&format!("{}: {error}", file.display()));
-        }
+        write_summary(file, &head.json(is_one_machine));
     }
 }
