@@ -325,7 +325,7 @@ impl Image {
         view_copy.holds = Some(index);
         if let (true, Name::Texture { name, target: api::GL_TEXTURE_2D, .. }) = (mipmapped, self.name) {
             with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, name, || {
-                // SAFETY: the program's texture is bound; the program has asked for its smaller pictures.
+                // SAFETY: the program's texture is bound; the program has asked for this.
                 unsafe { gl.generate_mipmap(api::GL_TEXTURE_2D) };
             });
         }
