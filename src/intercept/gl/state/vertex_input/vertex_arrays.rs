@@ -39,7 +39,7 @@ pub struct Pointer {
     pub components: usize,
     /// Type of a component: `GL_FLOAT` and so on.
     pub kind: u32,
-    /// Its place.
+    /// Buffer and position of the array.
     pub source: Source,
 }
 
