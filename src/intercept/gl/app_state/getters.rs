@@ -1,5 +1,5 @@
-//! Answers to a program's questions about its state: the state that it set, not the state that a
-//! view needs.
+//! Answers to a program's questions about its state. They give the state that the program set, not
+//! the state that a view needs.
 
 use super::wide_projection;
 use crate::backend::gl::driver::api;
@@ -7,12 +7,13 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 
-/// Up to four numbers that answer `glGet` for state that we follow.
+/// Returns up to four numbers that answer `glGet` for state that Cupola follows, and how many of
+/// them count.
 fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let four = |rect: LowerLeftRect| Some((rect.to_array().map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
     match (name, &ctx.lists.recording) {
-        // The driver compiles lists of Cupola in between.
+        // In between, the driver compiles lists of Cupola instead of the program's.
         (api::GL_LIST_INDEX, Some(recording)) => return one(recording.list.into()),
         (api::GL_LIST_MODE, Some(recording)) if recording.execute => return one(api::GL_COMPILE_AND_EXECUTE.into()),
         _ => {}
@@ -27,7 +28,7 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
         api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.app.draw_buffer.into()),
         api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer.into()),
         api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
-        // As many as that.
+        // Without formats there is no number to return.
         api::GL_PROGRAM_BINARY_FORMATS => Some(([0.0; 4], 0)),
         _ if ctx.app.draw_framebuffer == 0 => {
             let config = ctx.drawable.target()?.config();
@@ -50,16 +51,16 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     }
 }
 
-/// The raster position as in the program's window.
+/// Converts a raster position of the driver to the program's window.
 fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
     let [x, y] = ctx.compat.raster.origin();
     values[0] -= f64::from(x);
     values[1] -= f64::from(y);
 }
 
-/// True if the driver answers a question, which it gets with room for the answer. Where it does
-/// not, as for state that the context's version does not have, it has said its error, and the
-/// program gets no answer from us either.
+/// True if the driver answers a question. `ask` asks the question, with room for the answer. A
+/// driver that does not have the state reports an error and writes nothing; then Cupola gives no
+/// answer either.
 pub(super) fn is_answered<T>(ask: impl FnOnce(*mut T)) -> bool {
     const UNUSED: u64 = 0xa5a5_a5a5_a5a5_a5a5;
     let mut room = [UNUSED; 64];

@@ -1,7 +1,7 @@
 //! Viewports and scissors by index (OpenGL 4.1).
 //!
-//! Views are made of the first ones. Draws of programs that choose one by its index are flat where
-//! these differ.
+//! Views are made of the viewport and scissor of index 0. If the others differ, draws of programs
+//! that choose one by its index are flat.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -14,11 +14,11 @@ use crate::intercept::gl::context::list_recording::now_or_later;
 use crate::intercept::gl::state::app::window_arrays::{self, Viewport, WindowArrays};
 use crate::intercept::gl::state::driver::profile::ViewportLimits;
 
-/// The rectangles of a call, for the indices from `first` on. `None`: the driver refuses them, or
-/// has others than are followed here, and gets the call as it is.
+/// Returns the rectangles of a call, for the indices from `first` on. `None`: the driver gets the
+/// call unchanged, as it refuses the rectangles or Cupola does not follow these indices.
 ///
 /// # Safety
-/// `numbers` must be null or point at four for each of `count` rectangles.
+/// `numbers` must be null or point at four numbers for each of `count` rectangles.
 unsafe fn rectangles<T: Copy + PartialOrd + Default>(
     ctx: &Context,
     first: u32,
@@ -38,8 +38,8 @@ unsafe fn rectangles<T: Copy + PartialOrd + Default>(
     rectangles.iter().all(has_size).then(|| rectangles.to_vec())
 }
 
-/// Changes viewports and scissors of the program, now or whenever the list runs that is being
-/// compiled.
+/// Changes viewports and scissors of the program: now or, while a list is being compiled, each time
+/// that list runs.
 fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 'static) {
     now_or_later(ctx, move |ctx| {
         ctx.app.change_arrays(&change);
@@ -53,8 +53,8 @@ fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 
 fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<[f32; 4]>) {
     let ViewportLimits { edge, size } = ctx.driver.profile.viewport_limits;
     for [x, y, width, height] in &mut viewports {
-        // As the driver does with what it keeps. `max` and `min` take the bound where a number is
-        // none.
+        // The driver limits the numbers that it stores in the same way. `max` and `min` return the
+        // bound for NaN.
         (*x, *y) = (x.max(edge[0]).min(edge[1]), y.max(edge[0]).min(edge[1]));
         (*width, *height) = (width.min(size[0]), height.min(size[1]));
     }
@@ -73,7 +73,7 @@ fn set_scissors(ctx: &mut Context, first: u32, scissors: Vec<[i32; 4]>) {
     });
 }
 
-/// The index of a scissor test that is followed.
+/// Returns `index` if `cap` is the scissor test and Cupola follows the test of this index.
 fn scissor_test(ctx: &Context, cap: u32, index: u32) -> Option<usize> {
     let is_followed = |index: &usize| cap == api::GL_SCISSOR_TEST && *index < window_arrays::COUNT;
     Some(index as usize).filter(|index| is_followed(index) && ctx.driver.profile.viewport_arrays)

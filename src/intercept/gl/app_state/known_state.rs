@@ -1,15 +1,15 @@
-//! Calls that set the followed part of a context's state ([`KnownState`]), so that draws and
-//! corrections need not ask for it.
+//! Calls that set the part of a context's state that Cupola follows ([`KnownState`]). Draws and
+//! corrections then need not ask the driver for it.
 //!
-//! State that a display list may set is unknown after the list ran. State that `glPopAttrib` brings
-//! back is known if it did not differ.
+//! State that a display list may set is unknown after the list ran. State that `glPopAttrib`
+//! restores is known if the restored value equals the one before.
 
 use crate::backend::gl::KnownState;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 
-/// The program has called what sets some of it: `note` says what, unless the call goes into a list,
-/// or may be refused.
+/// Notes a call of the program that sets followed state. `note` stores the new values; it is not
+/// called if the call goes into a list or may be refused.
 pub fn note(ctx: &mut Context, note: impl FnOnce(&KnownState)) {
     if let Some(recording) = &mut ctx.lists.recording {
         recording.sets_state = true;
@@ -20,7 +20,7 @@ pub fn note(ctx: &mut Context, note: impl FnOnce(&KnownState)) {
     }
 }
 
-/// Defines hooks of calls that are passed on and noted.
+/// Defines hooks of calls that are passed on to the driver and then noted.
 macro_rules! noted {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) = |$known:ident| $note:expr; )*) => {
         hooks! {

@@ -1,19 +1,20 @@
-//! The answer to a program that reads its projection matrix to leave out what lies beside its
-//! picture (`camera.answer_wide` of a rig or a profile).
+//! Wide answer to a program that reads its projection matrix in order to leave out objects beside
+//! its picture (`camera.answer_wide` of a rig or a profile).
 //!
-//! No perspective picture shows all directions, as the views together may. The answer is therefore
-//! a box around the camera, as large as the program's far plane is distant: the six planes that
-//! programs make of the matrix are its sides.
+//! The views together may show all directions, which no perspective matrix can. The answer is
+//! therefore a box around the camera. Its sides are the six planes that programs compute from the
+//! matrix. They are as far from the camera as the program's far plane.
 
 use super::getters::is_answered;
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::runtime::session::{Intrinsics, MatrixClass};
 
-/// The distance of a far plane that the matrix does not have, in distances of its near plane.
+/// Distance of the sides of the box if the matrix has no far plane, in distances of its near plane.
 const WITHOUT_FAR_PLANE: f64 = 1e6;
 
-/// Sixteen numbers that answer a `glGet` of the projection matrix; `None`: the driver answers.
+/// Returns sixteen numbers that answer a `glGet` of the projection matrix; `None`: the driver
+/// answers.
 pub fn answer(ctx: &mut Context, gl: &Gl, name: u32) -> Option<[f64; 16]> {
     let transposed = match name {
         api::GL_PROJECTION_MATRIX => false,
@@ -21,7 +22,7 @@ pub fn answer(ctx: &mut Context, gl: &Gl, name: u32) -> Option<[f64; 16]> {
         _ => return None,
     };
     let session = ctx.drawable.session().filter(|session| session.rig().camera.answer_wide)?;
-    // The driver has the matrix of a view in a list, and none inside Begin/End.
+    // Between Begin and End the driver gives no answer.
     // SAFETY: the room is larger than a matrix of doubles.
     if !is_answered(|room: *mut f64| unsafe { gl.get_doublev(name, room) }) {
         return None;
@@ -32,20 +33,21 @@ pub fn answer(ctx: &mut Context, gl: &Gl, name: u32) -> Option<[f64; 16]> {
     Some(if transposed { std::array::from_fn(|i| wide[i % 4 * 4 + i / 4]) } else { wide })
 }
 
-/// The matrix, column by column, with a box instead of the lens; what it has beside the lens stays.
-/// `None` if the distances of its planes are not known.
+/// Returns the matrix, column by column, with a box instead of the lens. Other factors of the
+/// matrix stay. `None` if the distances of its planes are not known.
 fn widened(matrix: &[f64; 16], lens: &Intrinsics) -> Option<[f64; 16]> {
     let Intrinsics { a, b, c, d, e, f } = *lens;
     let f = f.filter(|f| *f != 0.0)?;
-    // Where the depth is 1 and where it is −1; with reversed depth the first one is the nearer.
+    // The distances at which the depth is 1 and −1. With reversed depth the first one is the
+    // nearer.
     let mut distances = [(f / (e + 1.0)).abs(), (f / (e - 1.0)).abs()];
     distances.sort_by(f64::total_cmp);
     let far = if distances[1].is_finite() { distances[1] } else { distances[0] * WITHOUT_FAR_PLANE };
     let mut wide = [0.0; 16];
     for (to, from) in wide.chunks_exact_mut(4).zip(matrix.chunks_exact(4)) {
         let [x, y, z, w] = [from[0], from[1], from[2], from[3]];
-        // The eye's coordinates, of which w is the distance ahead, over half an edge of the box;
-        // and 1.
+        // The coordinates in the space of the eye (w is the distance ahead) divided by half an edge
+        // of the box, and 1.
         to.copy_from_slice(&[(x + b * w) / a / far, (y + d * w) / c / far, w / far, (z + e * w) / f]);
     }
     Some(wide)

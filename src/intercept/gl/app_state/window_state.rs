@@ -1,4 +1,5 @@
-//! Window-space state: what the program set, and what the driver has while a view is drawn.
+//! Window-space state: the values that the program set, and those of the driver while a view is
+//! drawn.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -15,7 +16,7 @@ use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.push_attrib(mask) };
-    // As deep as OpenGL's own, which ignores what exceeds it.
+    // The stack is as deep as OpenGL's own, which ignores a push beyond its depth.
     if ctx.app.can_push(0) {
         let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.raster.saved());
         let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base, ctx.driver.known_state.clone());
@@ -23,8 +24,8 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     }
 }
 
-/// `glPopAttrib`: what comes back in the driver are tiles of Cupola, so what the program has set
-/// comes back from our own stack.
+/// `glPopAttrib`. The driver restores the viewport and scissor of a tile. The values that the
+/// program has set come from Cupola's own stack.
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.pop_attrib() };
@@ -50,7 +51,7 @@ pub fn pop_attributes(ctx: &mut Context) {
     }
 }
 
-/// The window may have another size, of which the program's viewport is the first sign.
+/// Follows a new size of the window, of which the program's viewport is the first sign.
 pub(super) fn follow_viewport(ctx: &mut Context) {
     let LowerLeftRect { width, height, .. } = ctx.app.viewport;
     let new_size = ctx.drawable.target().is_some_and(|t| t.size() != (width as u32, height as u32));
@@ -76,7 +77,7 @@ fn set_program_scissor(ctx: &mut Context, rect: LowerLeftRect) {
     }
 }
 
-/// The program's scissor test.
+/// Sets the program's scissor test.
 fn set_scissor_test(ctx: &mut Context, on: bool) {
     if ctx.compiling() {
         list_recording::record(ctx, Command::ScissorTest(on));
@@ -91,7 +92,7 @@ fn set_scissor_test(ctx: &mut Context, on: bool) {
 hooks! {
     "glViewport" viewport(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
         if width < 0 || height < 0 {
-            // The driver says the error.
+            // The driver reports the error.
             gl.viewport(x, y, width, height);
         } else if ctx.compiling() {
             list_recording::record(ctx, Command::Viewport(LowerLeftRect::new(x, y, width, height)));

@@ -25,7 +25,7 @@ pub fn current() -> Option<&'static mut Context> {
 
 /// The driver's table for calls without a context of Cupola.
 pub fn driver() -> &'static Gl {
-    // SAFETY: set once, from a leaked table, before libglvnd can dispatch any GL call to us.
+    // SAFETY: set once, from a leaked table, before libglvnd can dispatch any GL call to Cupola.
     unsafe { DRIVER.load(Ordering::Acquire).as_ref() }.expect("a vendor was loaded before any call")
 }
 
@@ -34,9 +34,10 @@ pub fn set_driver(gl: &'static Gl) {
     DRIVER.store(std::ptr::from_ref(gl).cast_mut(), Ordering::Release);
 }
 
-/// A hook panicked: its context passes everything through from now on.
+/// Switches the current context off after a panic in the hook `name`. All later calls in this
+/// context go straight to the driver.
 pub fn after_panic(name: &str) {
-    log::once(&format!("a defect in {name}; this context is left alone from now on"));
+    log::once(&format!("a defect of Cupola in {name}: this context keeps the program's own picture; please report it"));
     if let Some(ctx) = current() {
         ctx.switched_off = true;
         ctx.share.buffers.locked().lose();

@@ -1,13 +1,14 @@
-//! OpenGL's error flag, which the program's calls and ours share.
+//! OpenGL's error flag, which the program's calls and internal calls of Cupola share.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::log;
 
-/// Takes errors out of the driver that are nobody's: answers to questions that it need not know.
+/// Removes errors from the driver that only questions of Cupola caused. A driver may refuse these
+/// questions.
 pub fn drop_errors(gl: &Gl) {
-    // SAFETY: asks for the error flag; there are a handful of them at most.
+    // SAFETY: asks for the error flag; a driver has a handful of such flags at most.
     for _ in 0..8 {
         if unsafe { gl.get_error() } == api::GL_NO_ERROR {
             break;
@@ -15,7 +16,7 @@ pub fn drop_errors(gl: &Gl) {
     }
 }
 
-/// Counts the errors since [`Driver::take_errors`] as ours.
+/// Counts the errors since [`Driver::take_errors`] as errors of Cupola.
 pub fn take_own_errors(driver: &Driver, counts: &mut Counts) {
     // SAFETY: as above.
     for _ in 0..8 {
@@ -24,6 +25,6 @@ pub fn take_own_errors(driver: &Driver, counts: &mut Counts) {
             break;
         }
         counts.errors += 1;
-        log::once(&format!("an OpenGL call of ours failed with error 0x{error:04X}"));
+        log::once(&format!("an internal OpenGL call failed with error 0x{error:04X}"));
     }
 }

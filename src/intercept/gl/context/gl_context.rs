@@ -1,4 +1,4 @@
-//! One context of the program, in parts.
+//! A context of the program and its parts.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::list_recording::{ListState, Lists};
@@ -24,7 +24,7 @@ pub struct ShareGroup {
     pub(in crate::intercept::gl) programs: Mutex<Programs>,
     /// Display lists.
     pub(in crate::intercept::gl) lists: Mutex<Lists>,
-    /// Records of images that are drawn off screen; `None` while a context that is current has
+    /// Records of images that are drawn off screen; `None` while one of the current contexts holds
     /// them.
     pub(in crate::intercept::gl) off_screen: Mutex<Option<SharedViewCopies>>,
     pub(in crate::intercept::gl) buffers: Mutex<Buffers>,
@@ -41,9 +41,9 @@ impl Default for ShareGroup {
     }
 }
 
-/// One context of the program. Each part has its owner: the room that changes it.
+/// A context of the program. The names in parentheses are the folders that change a part.
 pub struct Context {
-    /// A defect switched this context off: every call goes straight to the driver.
+    /// True if a panic switched this context off. Every call goes straight to the driver.
     pub(in crate::intercept::gl) switched_off: bool,
     /// Objects shared with other contexts.
     pub(in crate::intercept::gl) share: Arc<ShareGroup>,
@@ -51,9 +51,9 @@ pub struct Context {
     pub(in crate::intercept::gl) driver: Driver,
     /// State that the program has set (`app_state`, `framebuffer`).
     pub(in crate::intercept::gl) app: AppState,
-    /// The window, and what stands in for it (`entry`, `framebuffer`).
+    /// The window and its stand-in (`entry`, `framebuffer`).
     pub(in crate::intercept::gl) drawable: Drawable,
-    /// Facts seen in the frame (`frame`, `draw`).
+    /// State of the current frame (`frame`, `draw`).
     pub(in crate::intercept::gl) frame: Frame,
     /// The draw that is being issued (`draw`, `per_view`).
     pub(in crate::intercept::gl) draw: DrawState,
@@ -74,7 +74,7 @@ pub struct Context {
 }
 
 impl Context {
-    /// A context that has just become current for the first time.
+    /// Returns the state of a context that has just become current for the first time.
     pub fn new(gl: &'static Gl, share: Arc<ShareGroup>) -> Self {
         Self {
             switched_off: false,
@@ -94,22 +94,23 @@ impl Context {
         }
     }
 
-    /// The plan of the window that is drawn, or for which is drawn.
+    /// Returns the plan of the window that this context draws to. A context without a window has
+    /// the plan of another context's window.
     pub fn session(&self) -> Option<&Session> {
         self.drawable.session()
     }
 
-    /// The program's draws go to its window, which is ours.
+    /// True if the program draws to its window and Cupola replaces the window's framebuffer.
     pub fn redirected(&self) -> bool {
         self.drawable.target().is_some() && self.app.draw_framebuffer == 0
     }
 
-    /// The program's reads come from its window, which is ours.
+    /// True if the program reads from its window and Cupola replaces the window's framebuffer.
     pub fn reads_redirected(&self) -> bool {
         self.drawable.target().is_some() && self.app.read_framebuffer == 0 && !self.drawable.reads_elsewhere
     }
 
-    /// Something is drawn to the window.
+    /// Notes that something is drawn to the window.
     pub fn note_drawn(&mut self) {
         self.frame.begun = true;
         if let Some(target) = self.drawable.target() {
@@ -117,21 +118,21 @@ impl Context {
         }
     }
 
-    /// True if OpenGL does what a call of the program says if its arguments are right: not where it
-    /// may be between Begin and End.
+    /// True if OpenGL surely executes a call of the program whose arguments are valid. False where
+    /// the program may be between Begin and End.
     pub fn takes_calls(&self) -> bool {
         !self.compat.immediate.under_way() && !self.app.picking && self.session().is_some()
     }
 
-    /// A display list is being compiled: commands are not executed now.
+    /// True while a display list is being compiled. Commands are then not executed now.
     pub fn compiling(&self) -> bool {
         self.lists.recording.is_some()
     }
 
-    /// Gives the program its own window back, for good.
+    /// Gives the program its own window back permanently.
     pub fn leave_alone(&mut self) {
         if let Some(target) = self.drawable.take_target() {
-            // SAFETY: puts back what the program has set; the framebuffers are ours.
+            // SAFETY: puts back the program's own bindings; framebuffer 0 always exists.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);

@@ -4,7 +4,7 @@
 pub struct Hook {
     /// The entry point's core name.
     pub name: &'static str,
-    /// Our function, with the entry point's own signature.
+    /// Cupola's function, with the entry point's own signature.
     pub address: *const (),
 }
 
@@ -13,11 +13,15 @@ unsafe impl Sync for Hook {}
 
 /// Defines hooks and the table `HOOKS` of them.
 ///
-/// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context of
-/// ours the call goes straight to the driver; so it does after a panic, which switches the context
-/// off: interception fails open; and so it does once the process ends, and where the profile does
-/// not have the command. Between Begin and End of a draw of Cupola it goes to the driver, too,
-/// which reports that it is not allowed there; hooks of allowed commands are marked by `between;`.
+/// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). These calls go
+/// straight to the driver:
+///
+/// * calls without a context of Cupola;
+/// * calls after a panic, which switches the context off (interception fails open);
+/// * calls once the process ends;
+/// * commands that the profile does not have;
+/// * calls between Begin and End of a draw of Cupola. The driver reports that they are not allowed
+///   there. `between;` marks hooks of commands that are allowed there.
 macro_rules! hooks {
     (between; $($hooks:tt)*) => {
         $crate::intercept::gl::context::hooks::hooks! { @between true; $($hooks)* }
@@ -42,8 +46,8 @@ macro_rules! hooks {
                     return unsafe { $gl.$method($($p),*) };
                 }
                 $crate::intercept::call_sum::add_call!($name $(, $p)*);
-                // SAFETY: what the bodies call are the driver's functions, with the program's
-                // arguments or with our own objects, on the thread whose context this is.
+                // SAFETY: the bodies call the driver's functions, with the program's arguments or
+                // with objects of Cupola, on the thread where this context is current.
                 match $crate::fence::guard(|| unsafe { $body }) {
                     Some(answer) => answer,
                     None => {

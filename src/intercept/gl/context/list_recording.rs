@@ -1,4 +1,4 @@
-//! Recording of display lists: commands that are kept beside the lists of the driver.
+//! Recording of display lists: commands that Cupola stores beside the lists of the driver.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -41,7 +41,7 @@ pub enum Command {
     Later(Later),
 }
 
-/// Any other command, as what it does when the list runs.
+/// Any other command, as a function that is called when the list runs.
 #[derive(Clone)]
 pub struct Later(pub(in crate::intercept::gl) Arc<dyn Fn(&mut Context) + Send + Sync>);
 
@@ -57,7 +57,7 @@ impl PartialEq for Later {
     }
 }
 
-/// Does what a command of the program does: now, or whenever the list runs that is being compiled.
+/// Runs a command of the program: now or, while a list is being compiled, each time that list runs.
 pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync + 'static) {
     if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
 }
@@ -65,16 +65,16 @@ pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync 
 /// Relation of a part of a list to the primitives of `glBegin` and `glEnd`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Primitive {
-    /// It ends a primitive that began before it.
+    /// True if the part ends a primitive that began in an earlier part.
     pub(in crate::intercept::gl) ends: bool,
-    /// The mode of a primitive that goes on after it.
+    /// Mode of the primitive that is still open at the end of the part.
     pub(in crate::intercept::gl) within: Option<u32>,
-    /// That primitive began in this part.
+    /// True if the open primitive began in this part.
     began: bool,
 }
 
 impl Primitive {
-    /// `glBegin`; inside another one it is an error.
+    /// `glBegin`. It is an error inside another Begin/End.
     pub(in crate::intercept::gl) fn begin(&mut self, mode: u32) {
         if self.within.is_none() {
             self.within = Some(mode);
@@ -98,32 +98,33 @@ impl Primitive {
 /// A part of a list.
 #[derive(Clone, Debug)]
 pub(in crate::intercept::gl) enum Item {
-    /// A real list of the driver.
+    /// A list of the driver.
     Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds, primitive: Primitive },
     /// A command of Cupola.
     Command(Command),
 }
 
-/// The program's lists that are more than one real list.
+/// Those of the program's lists that consist of more than one list of the driver.
 #[derive(Default)]
 pub struct Lists {
     pub(in crate::intercept::gl) items: HashMap<u32, Arc<Vec<Item>>>,
-    /// Names of Cupola that are in no use.
+    /// Names reserved for Cupola that are not in use.
     own: Vec<u32>,
 }
 
 /// Number of names that are generated at once.
 pub(in crate::intercept::gl) const OWN_NAMES: u32 = 1024;
 
-/// Old programs use names from 1 on that they never asked for. Ours are this far from them.
+/// Number of low names that are left to the program. Old programs use names from 1 on without
+/// reserving them.
 pub(in crate::intercept::gl) const PROGRAM_NAMES: u32 = 8192;
 
-/// A name for a list of our own, which no program takes by itself.
+/// Returns a name for a list of Cupola. It is so high that programs do not use it by chance.
 pub fn own_name(ctx: &Context) -> u32 {
     let gl = ctx.driver.gl;
     let mut lists = ctx.share.lists.locked();
     if lists.own.is_empty() {
-        // SAFETY: takes names, and gives those back that are not for us.
+        // SAFETY: reserves names, and frees those that are not for Cupola.
         let first = unsafe {
             let first = gl.gen_lists((PROGRAM_NAMES + OWN_NAMES) as i32);
             gl.delete_lists(first, PROGRAM_NAMES as i32);
@@ -146,26 +147,26 @@ pub struct ListState {
 /// The list that is being compiled.
 pub struct Recording {
     pub(in crate::intercept::gl) list: u32,
-    /// There was no list of this name.
+    /// True if there was no list of this name.
     pub(in crate::intercept::gl) is_new: bool,
     pub(in crate::intercept::gl) execute: bool,
     pub(in crate::intercept::gl) items: Vec<Item>,
     pub(in crate::intercept::gl) real: u32,
-    /// The present real list draws something.
+    /// True if the current list of the driver draws something.
     pub(in crate::intercept::gl) draws: bool,
-    /// … at the raster position.
+    /// True if it draws at the raster position.
     pub(in crate::intercept::gl) raster: bool,
-    /// It sets what is followed.
+    /// True if the current list of the driver sets state that Cupola follows.
     pub sets_state: bool,
-    /// Around the vertices of the present real list.
+    /// Box around the vertices of the current list of the driver.
     pub bounds: Bounds,
-    /// Begins and ends in it.
+    /// Begins and ends of primitives in the current list of the driver.
     pub(in crate::intercept::gl) primitive: Primitive,
 }
 
-/// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets
-/// a real list without the other, as they are issued in different ways. Not between `glBegin` and
-/// `glEnd`.
+/// Prepares for a draw in the list that is being compiled; `raster`: it draws at the raster
+/// position. Draws at the raster position and other draws go into separate lists of the driver, as
+/// Cupola issues them in different ways. Must not be called between `glBegin` and `glEnd`.
 pub fn will_draw(ctx: &mut Context, raster: bool) {
     if ctx.lists.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
         next_part(ctx, None);
@@ -176,7 +177,7 @@ pub fn will_draw(ctx: &mut Context, raster: bool) {
     }
 }
 
-/// Ends the present real list, keeps `command`, and begins another.
+/// Ends the current list of the driver, stores `command`, and begins another list.
 pub fn record(ctx: &mut Context, command: Command) {
     next_part(ctx, Some(command));
 }
@@ -186,28 +187,28 @@ pub(in crate::intercept::gl) fn next_part(ctx: &mut Context, command: Option<Com
     go_on(ctx, command);
 }
 
-/// Ends the present real list, so that the driver compiles nothing until [`go_on`]. `false`: no
-/// list is compiled.
+/// Ends the current list of the driver, so that the driver compiles nothing until [`go_on`].
+/// Returns false if no list is being compiled.
 pub fn pause(ctx: &mut Context) -> bool {
     let gl = ctx.driver.gl;
     ctx.lists.recording.as_mut().map(|recording| recording.end_part(gl)).is_some()
 }
 
-/// Keeps `command` and begins another real list.
+/// Stores `command` and begins another list of the driver.
 pub fn go_on(ctx: &mut Context, command: Option<Command>) {
     let gl = ctx.driver.gl;
     let real = own_name(ctx);
     let Some(recording) = &mut ctx.lists.recording else { return };
     recording.items.extend(command.map(Item::Command));
     recording.real = real;
-    // SAFETY: a list of our own; the program is compiling, and the list that was open has just
+    // SAFETY: a list of Cupola; the program is compiling, and the list that was open has just
     // ended.
     unsafe { gl.new_list(real, api::GL_COMPILE) };
 }
 
 impl Recording {
     pub(in crate::intercept::gl) fn end_part(&mut self, gl: &Gl) {
-        // SAFETY: ends the list that we, or the program, began.
+        // SAFETY: ends the list that Cupola or the program began.
         unsafe { gl.end_list() };
         let Self { real: list, draws, raster, sets_state, bounds, primitive, .. } = *self;
         self.items.push(Item::Real { list, draws, raster, sets_state, bounds, primitive });
@@ -226,11 +227,10 @@ impl Lists {
             if let Item::Real { list: part, .. } = item
                 && *part != list
             {
-                // The name stays ours, or the driver might give it to the program.
+                // Cupola keeps the name. Otherwise the driver might give it to the program.
                 self.own.push(*part);
                 if !ctx.compiling() {
-                    // SAFETY: a list of our own that nothing else names; an empty one takes its
-                    // place.
+                    // SAFETY: a list of Cupola that nothing else names; an empty list replaces it.
                     unsafe {
                         ctx.driver.gl.new_list(*part, api::GL_COMPILE);
                         ctx.driver.gl.end_list();

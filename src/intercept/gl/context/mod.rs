@@ -1,10 +1,10 @@
-//! One context of the program.
+//! A context of the program.
 //!
-//! [`gl_context::Context`] holds the state of all features and is what hooks get
-//! ([`hooks`], [`current`]). [`registry`] knows all contexts of the process. [`window_space`] sets
-//! viewport and scissor of the driver, [`list_recording`] records display lists, [`own_calls`] is
-//! the scope of calls of our own, [`errors`] keeps the program's errors and ours apart, [`methods`]
-//! says how the rig's outputs are made.
+//! [`gl_context::Context`] holds the state of all features and is passed to hooks ([`hooks`],
+//! [`current`]). [`registry`] knows all contexts of the process. [`window_space`] sets viewport and
+//! scissor of the driver, [`list_recording`] records display lists, [`own_calls`] is the scope of
+//! internal calls. [`errors`] separates the program's errors from those of Cupola, [`methods`]
+//! tells the methods of the rig's outputs.
 
 pub mod current;
 pub mod errors;

@@ -1,4 +1,4 @@
-//! Calls of our own in the context of the program.
+//! Internal calls of Cupola in the context of the program.
 //!
 //! ```text
 //! {
@@ -11,18 +11,18 @@ use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use std::ops::{Deref, DerefMut};
 
-/// Scope of calls of our own. Scopes that suspend queries do not nest.
+/// Scope of internal calls. Scopes that suspend queries do not nest.
 pub struct OwnCalls<'a> {
     ctx: &'a mut Context,
-    /// Queries and conditional rendering are suspended.
+    /// True if queries and conditional rendering are suspended.
     suspends: bool,
-    /// Debug output was on.
+    /// True if debug output was on before the scope began.
     messages: bool,
 }
 
 impl<'a> OwnCalls<'a> {
-    /// For work that draws: no query counts it, no condition of the program leaves it out, and no
-    /// message about it reaches the program.
+    /// Begins a scope for work that draws. No query of the program counts the work, no conditional
+    /// rendering leaves it out, and no debug message about it reaches the program.
     pub fn begin(ctx: &'a mut Context) -> Self {
         let gl = ctx.driver.gl;
         for running in &mut ctx.queries.running {
@@ -37,7 +37,8 @@ impl<'a> OwnCalls<'a> {
         own
     }
 
-    /// For work that draws nothing, such as linking a program.
+    /// Begins a scope for work that draws nothing, such as linking a program. Only debug messages
+    /// are switched off.
     pub fn without_messages(ctx: &'a mut Context) -> Self {
         let gl = ctx.driver.gl;
         let knows = ctx.driver.profile.version >= if ctx.driver.profile.es { 32 } else { 43 };

@@ -1,4 +1,4 @@
-//! Reads of pixels of our own.
+//! Internal reads of pixels.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;

@@ -13,23 +13,24 @@ static CONTEXTS: Mutex<Option<Contexts>> = Mutex::new(None);
 /// All contexts of the process.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Contexts {
-    /// By their window system's handle.
+    /// Contexts by the window system's handles.
     pub(in crate::intercept::gl) known: HashMap<usize, Entry>,
-    /// Addresses of contexts that the program destroyed while a thread had them current: they live
-    /// until it has another.
+    /// Addresses of contexts that the program destroyed while they were current on a thread. They
+    /// are freed when that thread releases them.
     dying: Vec<usize>,
 }
 
 pub(in crate::intercept::gl) struct Entry {
     pub(in crate::intercept::gl) share: Arc<ShareGroup>,
-    /// The address of a leaked Context; 0 = not current yet. Freed when the program destroys it.
+    /// Address of a leaked Context; 0 = not current yet. Freed when the program destroys the
+    /// context.
     pub(in crate::intercept::gl) context: usize,
-    /// A thread has it current.
+    /// True if the context is current on a thread.
     pub(in crate::intercept::gl) current: bool,
 }
 
 impl Contexts {
-    /// The thread that had a context current has it no longer.
+    /// Notes that a context is no longer current on the thread that had it.
     pub(in crate::intercept::gl) fn release(&mut self, handle: usize, address: usize) {
         if let Some(index) = self.dying.iter().position(|dying| *dying == address) {
             self.dying.swap_remove(index);
@@ -39,7 +40,8 @@ impl Contexts {
         }
     }
 
-    /// The program destroyed a context, or its handle came back without that.
+    /// Frees the context of `entry`, or marks it to be freed when its thread releases it. The
+    /// program destroyed the context, or its handle came back for a new one.
     fn forget(&mut self, entry: Entry) {
         if entry.current {
             self.dying.push(entry.context);
@@ -49,7 +51,7 @@ impl Contexts {
     }
 }
 
-/// Frees a context that is current nowhere; its OpenGL objects went with it.
+/// Frees a context that is not current on any thread. The driver has deleted its OpenGL objects.
 fn free(address: usize) {
     // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that
     // holds it; no thread has the context current, so that no reference to it is left.
@@ -71,8 +73,8 @@ pub fn created(handle: usize, shared: usize) {
     });
 }
 
-/// The program destroyed `handle`. A context that is current on any thread lives on until it is
-/// not.
+/// Notes that the program destroyed `handle`. A context that is current on a thread lives until the
+/// thread releases it.
 pub fn destroyed(handle: usize) {
     contexts(|contexts| {
         if let Some(entry) = contexts.known.remove(&handle) {
@@ -81,40 +83,40 @@ pub fn destroyed(handle: usize) {
     });
 }
 
-/// The plan of a window that another context of the group draws, which is not current on any
-/// thread.
+/// Returns the plan of a window that another context of the group draws to. That context is not
+/// current on any thread.
 pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
         others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the
-            // table is locked.
+            // SAFETY: a live context that is current on no thread, and cannot become current while
+            // the table is locked.
             let other = unsafe { &*(entry.context as *const Context) };
             other.drawable.target().map(|target| target.session.clone())
         })
     })
 }
 
-/// Takes the picture of `window` from another context of the group that is not current on any
-/// thread: contexts that draw to one window draw one picture.
+/// Takes the stand-in for `window` from another context of the group that is not current on any
+/// thread. Contexts that draw to one window share one stand-in.
 pub fn take_picture(share: &Arc<ShareGroup>, window: &Window) -> Option<Box<DefaultFramebuffer>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
         others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the
-            // table is locked.
+            // SAFETY: a live context that is current on no thread, and cannot become current while
+            // the table is locked.
             let other = unsafe { &mut *(entry.context as *mut Context) };
             other.give_picture(window)
         })
     })
 }
 
-/// Looks at all contexts that are current on no thread.
+/// Calls `look` with each context that is not current on any thread.
 pub fn each_idle(mut look: impl FnMut(&Context)) {
     contexts(|contexts| {
         for entry in contexts.known.values().filter(|entry| !entry.current && entry.context != 0) {
-            // SAFETY: a live context that is current on no thread, and cannot become so while the
-            // table is locked.
+            // SAFETY: a live context that is current on no thread, and cannot become current while
+            // the table is locked.
             look(unsafe { &*(entry.context as *const Context) });
         }
     });

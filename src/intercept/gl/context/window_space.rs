@@ -6,17 +6,17 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 
 impl Context {
-    /// Sets the real viewport.
+    /// Sets the driver's viewport.
     pub fn set_viewport(&mut self, rect: LowerLeftRect) {
         if self.compiling() {
-            // It would become a part of the program's list.
+            // The command would become a part of the program's list.
             self.driver.forget_window_space(api::GL_VIEWPORT_BIT);
         } else {
             self.driver.set_viewport(rect);
         }
     }
 
-    /// Sets the real scissor test and, if on, its rectangle.
+    /// Sets the driver's scissor test and, if the test is on, its rectangle.
     pub fn set_scissor(&mut self, rect: Option<LowerLeftRect>) {
         if self.compiling() {
             self.driver.forget_window_space(api::GL_SCISSOR_BIT);
@@ -28,7 +28,7 @@ impl Context {
         }
     }
 
-    /// Sets the real viewports and scissors by their index.
+    /// Sets the driver's viewports and scissors by their index.
     pub fn set_arrays(&mut self, arrays: &WindowArrays) {
         if self.compiling() {
             self.driver.forget_window_space(api::GL_VIEWPORT_BIT | api::GL_SCISSOR_BIT);

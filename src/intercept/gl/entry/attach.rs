@@ -1,4 +1,4 @@
-//! A context becomes current with a window.
+//! Attachment of a context to the window with which it becomes current.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -13,7 +13,7 @@ use crate::runtime::session::Extras;
 use std::sync::Arc;
 
 impl Context {
-    /// The context became current with `window`.
+    /// Attaches the context to `window`, with which it became current; `None`: it has no window.
     pub fn attach(&mut self, window: Option<Window>, reads_elsewhere: bool) {
         self.drawable.reads_elsewhere = reads_elsewhere;
         for objects in std::mem::take(&mut self.drawable.left_behind) {
@@ -46,12 +46,13 @@ impl Context {
                 None => attach::attach(self, Extras::default()),
             }
         } else if self.app.read_framebuffer == 0 {
-            // SAFETY: what the program's reads come from, which may be another drawable now.
+            // SAFETY: binds the framebuffer that the program reads from, which may be another one
+            // now.
             unsafe { self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.drawable.window_for_reading()) };
         }
     }
 
-    /// A context without a window draws for that of another in its group.
+    /// Takes the plan of another context's window in the group, for a context without a window.
     fn borrow(&mut self) {
         let borrowed = registry::lend_session(&self.share);
         if self.drawable.borrowed_session.as_ref().map(Arc::as_ptr) != borrowed.as_ref().map(Arc::as_ptr) {
@@ -71,8 +72,8 @@ impl Context {
         }
     }
 
-    /// Gives away what stands for `window`. Its objects that belong to this context alone are
-    /// deleted when it is current again.
+    /// Gives away the stand-in for `window`. Its objects that belong to this context alone are
+    /// deleted when this context is current again.
     pub fn give_picture(&mut self, window: &Window) -> Option<Box<DefaultFramebuffer>> {
         let position = self.drawable.other_windows.iter().position(|(other, _)| other == window);
         let target = match position {
@@ -84,8 +85,8 @@ impl Context {
         Some(target)
     }
 
-    /// Another window, or none: what stood for the old one is kept for when the program comes back
-    /// to it.
+    /// Changes to another window or to none. The stand-in for the old window is stored, as the
+    /// program may return to that window.
     fn change_window(&mut self, window: Option<Window>) {
         let old = std::mem::replace(&mut self.drawable.window, window);
         self.drawable.resized = 0;
@@ -94,7 +95,7 @@ impl Context {
                 self.drawable.other_windows.remove(0).1.destroy(self.driver.gl);
             }
             self.drawable.other_windows.push((old, target));
-            // SAFETY: the program's window is bound in place of Cupola.
+            // SAFETY: binds the program's window in place of Cupola's framebuffer.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
@@ -117,5 +118,5 @@ impl Context {
     }
 }
 
-/// Windows that a context has left keep what stands in for them, but not more than these.
+/// Greatest number of stand-ins that a context stores for windows that it has left.
 pub(in crate::intercept::gl) const MOST_OTHER_WINDOWS: usize = 4;

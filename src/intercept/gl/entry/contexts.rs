@@ -9,8 +9,9 @@ use crate::intercept::gl::frame::leaving;
 use crate::intercept::gl::state::drawable::window::Window;
 use std::sync::Arc;
 
-/// The program is about to make another context or window current: what it drew is shown to the
-/// window that it leaves, whose buffers it may swap when another is current.
+/// Corrects the picture of the window that the program is about to leave by making another context
+/// or window current. The program may swap the buffers of the old window while another one is
+/// current.
 pub fn leaving(handle: usize, window: Option<&Window>) {
     let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun && !ending::has_begun()) else { return };
     if HANDLE.get() == handle && ctx.drawable.window.as_ref() == window {
@@ -20,21 +21,21 @@ pub fn leaving(handle: usize, window: Option<&Window>) {
         after_panic("leaving a window");
     }
     if handle == 0 {
-        // The program may have waited for all that it drew. Mesa's llvmpipe hangs where a display
-        // is closed with work left. SAFETY: the context is current.
+        // The program may have waited until its own drawing was finished. Mesa's llvmpipe hangs if
+        // a display is closed while work is left. SAFETY: the context is current.
         unsafe { ctx.driver.gl.finish() };
     }
 }
 
-/// The context `handle` was made current with `window` (`None`: no window of the program's).
-/// `reads_elsewhere`: it reads from another drawable.
+/// Notes that the context `handle` was made current with `window` (`None`: with no window of the
+/// program). `reads_elsewhere`: the context reads from another drawable.
 pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>, reads_elsewhere: bool) {
     let left = CURRENT.replace(std::ptr::null_mut());
     let left_handle = HANDLE.replace(handle);
     let pointer = contexts(|contexts| {
         if !left.is_null() {
-            // SAFETY: this thread had the context until now, and nobody can have it before the
-            // table is free.
+            // SAFETY: the context was current on this thread until now, and no other thread can get
+            // it before the table is unlocked.
             let context = unsafe { &mut *left };
             context.view_copies.deposit(&context.share.off_screen);
             contexts.release(left_handle, left as usize);

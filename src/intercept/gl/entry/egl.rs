@@ -1,4 +1,4 @@
-//! The EGL vendor wrapper: libEGL loads us from a JSON file, we load the real vendor.
+//! The EGL vendor wrapper. libEGL finds Cupola through a JSON file; Cupola loads the real vendor.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
@@ -19,7 +19,7 @@ type GetProcAddress = unsafe extern "C" fn(*const c_char) -> Pointer;
 
 type GetPlatformDisplay = unsafe extern "C" fn(c_uint, Pointer, *const isize) -> Pointer;
 
-/// libglvnd's `__EGLapiImports`: what a vendor gives to libEGL.
+/// libglvnd's `__EGLapiImports`: functions that a vendor gives to libEGL.
 #[repr(C)]
 pub struct Imports {
     get_platform_display: Option<GetPlatformDisplay>,
@@ -45,7 +45,7 @@ static DRIVER: OnceLock<Gl> = OnceLock::new();
 
 static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
 
-/// X11 displays below EGL's, and X11 windows below surfaces.
+/// X11 displays of EGL displays, and X11 windows of EGL surfaces.
 #[derive(Default)]
 struct Known {
     displays: HashMap<usize, usize>,
@@ -54,7 +54,7 @@ struct Known {
 
 const PLATFORM_X11: c_uint = 0x31D5;
 
-/// libEGL's entry: loads the real vendor and puts ourselves before it.
+/// Entry point for libEGL: loads the real vendor and puts Cupola in front of it.
 ///
 /// # Safety
 /// Called by libEGL with the pointers that its vendor interface describes.
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn __egl_Main(
         let file = real_vendor(&vendors, &own_file());
         // SAFETY: the type is that of libEGL's entry.
         let Some(main) = (unsafe { vendor::entry::<Main>(file, c"__egl_Main", "CUPOLA_EGL_REAL") }) else { return 0 };
-        // SAFETY: the same arguments that libEGL gave us; `imports` is filled by the vendor.
+        // SAFETY: the same arguments that libEGL gave; `imports` is filled by the vendor.
         let ok = unsafe { main(version, exports, vendor, imports) };
         // SAFETY: a pointer of libEGL to its own structure.
         let imports = unsafe { imports.as_mut() };
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn __egl_Main(
                 REAL_DISPLAY.get_or_init(|| display);
                 imports.get_platform_display = Some(get_platform_display);
             }
-            // A vendor that rewrites libglvnd's stubs would go past us.
+            // A vendor that rewrites libglvnd's stubs would bypass Cupola.
             imports.is_patch_supported = std::ptr::null_mut();
             imports.initiate_patch = std::ptr::null_mut();
             imports.release_patch = std::ptr::null_mut();
@@ -97,15 +97,15 @@ pub unsafe extern "C" fn __egl_Main(
     .unwrap_or(0)
 }
 
-/// The one of `vendors` (separated by colons) that stands behind the copy of this library called
-/// `own_file`: libEGL wants a library per vendor, and the copy for the n-th is called
-/// `libEGL_cupola_n.so`, from 0.
+/// Returns the one of `vendors` (separated by colons) that the library file `own_file` wraps.
+/// libEGL needs a library for each vendor. The copy of Cupola's library for vendor n, counted from
+/// 0, is called `libEGL_cupola_n.so`.
 fn real_vendor<'a>(vendors: &'a str, own_file: &str) -> &'a str {
     let number = own_file.strip_prefix("libEGL_cupola_").and_then(|rest| rest.strip_suffix(".so")?.parse().ok());
     vendors.split(':').nth(number.unwrap_or(0)).filter(|name| !name.is_empty()).unwrap_or("libEGL_mesa.so.0")
 }
 
-/// The file name under which this library was loaded; empty if unknown.
+/// Returns the name of the file from which this library was loaded; empty if unknown.
 fn own_file() -> String {
     // SAFETY: all zeroes is a valid Dl_info: null pointers.
     let mut info: libc::Dl_info = unsafe { std::mem::zeroed() };
@@ -115,7 +115,7 @@ fn own_file() -> String {
         return String::new();
     }
     // SAFETY: the dynamic linker's name of a loaded library ends with a zero and lives as long as
-    // that.
+    // the library.
     let path = unsafe { CStr::from_ptr(info.dli_fname) }.to_string_lossy();
     path.rsplit('/').next().unwrap_or_default().to_owned()
 }
@@ -134,7 +134,7 @@ fn known<R>(use_it: impl FnOnce(&mut Known) -> R) -> R {
     use_it(KNOWN.locked().get_or_insert_with(Known::default))
 }
 
-/// The driver's function of this name.
+/// Returns the driver's function of this name.
 fn real(name: &CStr) -> Pointer {
     // SAFETY: the vendor answers any NUL-terminated name.
     REAL.get().map_or(std::ptr::null_mut(), |real| unsafe { real(name.as_ptr()) })
@@ -244,15 +244,16 @@ unsafe extern "C" fn post_sub_buffer(
 }
 
 unsafe extern "C" fn set_damage_region(display: Pointer, surface: Pointer, rects: *mut c_int, count: c_int) -> c_uint {
-    // We draw to all of the window, whatever part of its picture the program draws anew.
+    // Cupola draws to the whole window, whatever part of its picture the program redraws.
     if window(display, surface).as_ref().is_some_and(present::corrects) {
         return 1;
     }
     real_call!(c"eglSetDamageRegionKHR", (Pointer, Pointer, *mut c_int, c_int) -> c_uint, display, surface, rects, count)
 }
 
-/// The program's damage, for a window that keeps the program's own picture; for others none, which
-/// is all: the whole window changes with any part of that picture.
+/// Returns the damage for the driver. A window that keeps the program's own picture has the
+/// program's damage. A corrected window has an empty list, which means the whole window, as any
+/// part of the program's picture changes all of it.
 fn damage(window: Option<&Window>, rects: *const c_int, count: c_int) -> (*const c_int, c_int) {
     if window.is_some_and(present::corrects) { (std::ptr::null(), 0) } else { (rects, count) }
 }
@@ -293,7 +294,7 @@ fn note_surface(surface: Pointer, native: c_ulong) {
     }
 }
 
-/// The X11 window that a platform's native window points at; 0 where the platform is another.
+/// Returns the X11 window that a native window points at; 0 if the platform is not X11.
 fn x11_window(display: Pointer, native: Pointer) -> c_ulong {
     if native.is_null() || !known(|k| k.displays.contains_key(&(display as usize))) {
         return 0;

@@ -1,4 +1,5 @@
-//! The GLX vendor wrapper: libGLX loads us as the vendor "cupola", we load the real one.
+//! The GLX vendor wrapper. libGLX loads Cupola as the vendor "cupola"; Cupola loads the real
+//! vendor.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::current;
@@ -15,7 +16,7 @@ use std::sync::{Mutex, OnceLock};
 
 type GetProcAddress = unsafe extern "C" fn(*const u8) -> *mut c_void;
 
-/// libglvnd's `__GLXapiImports`: what a vendor gives to libGLX.
+/// libglvnd's `__GLXapiImports`: functions that a vendor gives to libGLX.
 #[repr(C)]
 pub struct Imports {
     is_screen_supported: *mut c_void,
@@ -35,7 +36,7 @@ static REAL: OnceLock<GetProcAddress> = OnceLock::new();
 
 static DRIVER: OnceLock<Gl> = OnceLock::new();
 
-/// Drawables that are not windows, and the X windows of `GLXWindow`s.
+/// Drawables that are not windows, and the X11 windows of `GLXWindow`s.
 static DRAWABLES: Mutex<Option<HashMap<c_ulong, Drawable>>> = Mutex::new(None);
 
 enum Drawable {
@@ -43,7 +44,7 @@ enum Drawable {
     Window(c_ulong),
 }
 
-/// libGLX's entry: loads the real vendor and puts ourselves before it.
+/// Entry point for libGLX: loads the real vendor and puts Cupola in front of it.
 ///
 /// # Safety
 /// Called by libGLX with the pointers that its vendor interface describes.
@@ -61,7 +62,7 @@ pub unsafe extern "C" fn __glx_Main(
         let file = format!("libGLX_{}.so.0", name.as_deref().unwrap_or("mesa"));
         // SAFETY: the type is that of libGLX's entry.
         let Some(main) = (unsafe { vendor::entry::<Main>(&file, c"__glx_Main", "CUPOLA_GLX_REAL") }) else { return 0 };
-        // SAFETY: the same arguments that libGLX gave us; `imports` is filled by the vendor.
+        // SAFETY: the same arguments that libGLX gave; `imports` is filled by the vendor.
         let ok = unsafe { main(version, exports, vendor, imports) };
         // SAFETY: a pointer of libGLX to its own structure.
         let imports = unsafe { imports.as_mut() };
@@ -73,7 +74,7 @@ pub unsafe extern "C" fn __glx_Main(
             let gl = DRIVER.get_or_init(|| Gl::load(|name| unsafe { real(name.as_ptr().cast()) }));
             current::set_driver(gl);
             imports.get_proc_address = Some(get_proc_address);
-            // A vendor that rewrites libglvnd's stubs would go past us.
+            // A vendor that rewrites libglvnd's stubs would bypass Cupola.
             imports.is_patch_supported = std::ptr::null_mut();
             imports.initiate_patch = std::ptr::null_mut();
             imports.release_patch = std::ptr::null_mut();
@@ -84,7 +85,7 @@ pub unsafe extern "C" fn __glx_Main(
     .unwrap_or(0)
 }
 
-/// The driver's function of this name.
+/// Returns the driver's function of this name.
 fn real(name: &CStr) -> *mut c_void {
     // SAFETY: the vendor answers any NUL-terminated name.
     REAL.get().map_or(std::ptr::null_mut(), |real| unsafe { real(name.as_ptr().cast()) })
@@ -207,7 +208,7 @@ unsafe extern "C" fn swap_buffers_msc(
     )
 }
 
-/// The drawable is gone; its number may come back as something else.
+/// Forgets a drawable that was destroyed. Its number may come back as another drawable.
 fn forget_drawable(drawable: c_ulong) {
     let mut drawables = DRAWABLES.locked();
     drawables.get_or_insert_with(HashMap::new).remove(&drawable);

@@ -1,12 +1,12 @@
-//! Entry of the program's calls.
+//! Entry of the program's calls into Cupola.
 //!
-//! libglvnd loads us as a vendor ([`glx`], [`egl`]); we load the real one and answer its names with
-//! our hooks ([`table`]). [`contexts`] follows which context is current on a thread. When one
-//! becomes current with a window, [`attach`] makes its target, resumes it, or takes it over from
-//! another context of the group.
+//! libglvnd loads Cupola as a vendor ([`glx`], [`egl`]). Cupola loads the real vendor and answers
+//! its names with hooks ([`table`]). [`contexts`] follows which context is current on a thread.
+//! When a context becomes current with a window, [`attach`] makes the stand-in for the window,
+//! resumes it, or takes it over from another context of the group.
 //!
 //! ```text
-//! program → libglvnd → vendor → our hook (a room below) → driver
+//! program → libglvnd → vendor → hook of Cupola (in another folder) → driver
 //! ```
 
 pub mod attach;

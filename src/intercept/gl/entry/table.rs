@@ -1,4 +1,4 @@
-//! The table of all hooks: how a name finds its function.
+//! The table of all hooks, by the names of their entry points.
 
 use crate::intercept::gl::app_state::{getters, indexed_viewports, known_state, window_state};
 use crate::intercept::gl::compat::{begin_end, display_lists, list_calls, matrices, raster_position, vertex_commands};
@@ -20,7 +20,7 @@ use crate::intercept::nodes;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// Our function for an entry point, by any of its names.
+/// Returns Cupola's function for an entry point, by any of its names.
 pub fn find(name: &str) -> Option<*const ()> {
     table().get(core_name(name)).map(|address| *address as *const ())
 }
@@ -81,12 +81,12 @@ fn table() -> &'static HashMap<&'static str, usize> {
     })
 }
 
-/// The core name of an entry point.
+/// Returns the core name of an entry point.
 fn core_name(name: &str) -> &str {
     match name {
-        // Aliases in the registry, but these make the object of a name that was only asked for.
+        // Aliases in the registry, but these also make the object of a name that was only reserved.
         "glNamedBufferStorageEXT" | "glNamedBufferSubDataEXT" => name,
-        // Not aliases in the registry (their error rules differ), but the same call for us.
+        // Not aliases in the registry (their error rules differ), but Cupola treats them alike.
         "glBindFramebufferEXT" | "glBindFramebufferOES" => "glBindFramebuffer",
         "glBlitFramebufferANGLE" => "glBlitFramebuffer",
         "glActiveShaderProgramEXT"
@@ -118,8 +118,8 @@ fn core_name(name: &str) -> &str {
 mod tests {
     use super::table;
 
-    /// Programs pay for each call that goes through a function of Cupola, so that an entry point is
-    /// hooked only where Cupola must see it.
+    /// Each call of a hooked entry point costs time. An entry point is therefore hooked only if
+    /// Cupola must see its calls.
     #[test]
     fn the_number_of_hooked_entry_points_is_known() {
         assert_eq!(table().len(), 826);

@@ -4,15 +4,16 @@ use crate::intercept::gl::entry::table;
 use crate::intercept::{log, settings};
 use std::ffi::CStr;
 
-/// The entry point of a vendor library of libglvnd, which stays loaded; `None`, and a word in the
-/// log, where there is none. `variable` names the library to a user.
+/// Returns the entry point of a vendor library of libglvnd, which stays loaded. If there is none,
+/// returns `None` and reports this in the log. `variable` is the environment variable by which a
+/// user chooses the library.
 ///
 /// # Safety
 /// `T` must be the type of the function that libglvnd calls `symbol`.
 pub unsafe fn entry<T: Copy>(file: &str, symbol: &CStr, variable: &str) -> Option<T> {
     // SAFETY: the vendor library is what libglvnd itself would have loaded.
     let Ok(library) = (unsafe { libloading::Library::new(file) }) else {
-        log::once(&format!("{file} cannot be loaded; {variable} names your vendor library"));
+        log::once(&format!("{file} cannot be loaded: set {variable} to the OpenGL vendor of this system"));
         return None;
     };
     let library = Box::leak(Box::new(library));
@@ -27,19 +28,20 @@ pub unsafe fn entry<T: Copy>(file: &str, symbol: &CStr, variable: &str) -> Optio
     }
 }
 
-/// True if the program's calls are to go through our functions.
+/// True if the program's calls are to go through functions of Cupola.
 pub fn wanted() -> bool {
     !settings::switched_off() && settings::settings().is_some()
 }
 
-/// The function of Cupola that answers `name`, unless the rig corrects nothing: then only frames
-/// are counted.
+/// Returns the function of Cupola that answers `name`; `None` if the rig corrects nothing. Then
+/// Cupola only counts frames.
 pub fn hook(name: &str) -> Option<*const ()> {
     let passthrough = settings::settings().is_none_or(|s| s.rig.passthrough);
     if passthrough { None } else { table::find(name) }
 }
 
-/// Calls the driver's function `$name` with `$arguments`; `real` in the caller's module finds it.
+/// Calls the driver's function `$name` with the arguments `$a`. The function `real` of the calling
+/// module finds it.
 macro_rules! real_call {
     ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
         // SAFETY: the driver's function of this name has this signature; the arguments are the

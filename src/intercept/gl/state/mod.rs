@@ -1,9 +1,9 @@
 //! The data of each feature.
 //!
-//! A folder for each part of a context, with the part's struct in its `mod.rs`: types, and methods
-//! that need nothing but these and the driver. No file here names
-//! [`Context`](super::context::gl_context::Context). What a feature does with its state is in the
-//! room of the feature, above.
+//! Each part of a context has a folder or a file, with the struct of the part. The files contain
+//! types, and methods that need only these types and the driver. No file here names
+//! [`Context`](super::context::gl_context::Context). The code that uses the state of a feature is
+//! in the feature's folder in `gl`.
 
 pub mod app;
 pub mod compat;

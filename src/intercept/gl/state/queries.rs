@@ -1,4 +1,4 @@
-//! Queries of the program, as parts with factors.
+//! Queries of the program. Each is a sequence of parts with factors.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -10,18 +10,19 @@ use std::collections::HashMap;
 #[derive(Default)]
 pub struct Queries {
     pub(in crate::intercept::gl) running: Vec<Running>,
-    /// Finished queries whose result is more than what their object says, by the program's name for
-    /// them.
+    /// Finished queries whose result needs more than the program's own object, by the program's
+    /// name for the query.
     pub(in crate::intercept::gl) split: HashMap<u32, Count>,
-    /// Objects of Cupola that are in no use, with their target: an object stays what it was first.
+    /// Objects of Cupola that are not in use, with their target. An object keeps the target of its
+    /// first use.
     pub(in crate::intercept::gl) own: Vec<(u32, u32)>,
-    /// Objects of Cupola that were never anything.
+    /// Objects of Cupola that were never used.
     pub(in crate::intercept::gl) fresh: Vec<u32>,
-    /// The lens and viewport for which `worth` was computed.
+    /// Lens, viewport and off-screen mode for which `worth` was computed.
     pub(in crate::intercept::gl) seen: Option<(Intrinsics, LowerLeftRect, bool)>,
-    /// Number of samples of the program's own picture that one of the views' is worth.
+    /// Factor from samples in all views to samples in the program's own picture.
     pub(in crate::intercept::gl) worth: f64,
-    /// The context has results of 64 bits.
+    /// True if the context has results of 64 bits.
     pub(in crate::intercept::gl) wide: bool,
     /// Conditional rendering.
     pub(in crate::intercept::gl) condition: Condition,
@@ -32,8 +33,7 @@ pub(in crate::intercept::gl) struct Running {
     pub(in crate::intercept::gl) target: u32,
     pub(in crate::intercept::gl) index: u32,
     pub(in crate::intercept::gl) name: u32,
-    /// The object that counts now, with its factor once something was drawn; `None` = nothing
-    /// counts.
+    /// Object that counts now, with its factor once something was drawn; `None` = no object counts.
     pub(in crate::intercept::gl) now: Option<(u32, Option<f64>)>,
     pub(in crate::intercept::gl) before: Count,
 }
@@ -42,9 +42,9 @@ pub(in crate::intercept::gl) struct Running {
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Count {
     pub(in crate::intercept::gl) target: u32,
-    /// Objects and factors.
+    /// Objects of the parts, with their factors.
     pub(in crate::intercept::gl) parts: Vec<(u32, f64)>,
-    /// Of parts that were read already.
+    /// Sum of the parts that were read already.
     pub(in crate::intercept::gl) sum: f64,
 }
 
@@ -67,7 +67,7 @@ pub(in crate::intercept::gl) fn quantity(target: u32) -> Quantity {
     }
 }
 
-/// Queries of one kind exclude each other.
+/// Returns the kind of a query's target. Queries of one kind exclude each other.
 pub(in crate::intercept::gl) fn kind(target: u32) -> u32 {
     match target {
         api::GL_ANY_SAMPLES_PASSED | api::GL_ANY_SAMPLES_PASSED_CONSERVATIVE => api::GL_SAMPLES_PASSED,
@@ -75,13 +75,15 @@ pub(in crate::intercept::gl) fn kind(target: u32) -> u32 {
     }
 }
 
-/// More finished parts than this are read while their query runs on.
+/// Greatest number of finished parts that wait while their query is running. If there are more,
+/// they are read.
 pub(in crate::intercept::gl) const MOST_PARTS: usize = 16;
 
 /// Number of names that are generated at once.
 pub(in crate::intercept::gl) const OWN_NAMES: usize = 16;
 
-/// Programs of the old profile use names that they never asked for; ours are this far from them.
+/// Number of low names that are left to the program. Programs with the compatibility profile use
+/// names without reserving them.
 pub(in crate::intercept::gl) const PROGRAM_NAMES: usize = 1024;
 
 impl Queries {
@@ -90,12 +92,12 @@ impl Queries {
         !self.running.is_empty()
     }
 
-    /// True if it is counted how many primitives there are, so that no draw may be left out.
+    /// True if a running query counts primitives, so that no draw may be left out.
     pub fn primitives(&self) -> bool {
         self.running.iter().any(|r| quantity(r.target) == Quantity::Primitives)
     }
 
-    /// The views changed.
+    /// Forgets the factor, as the views have changed.
     pub fn forget_views(&mut self) {
         self.seen = None;
     }
@@ -110,13 +112,14 @@ impl Queries {
         self.fresh.pop().unwrap_or_default()
     }
 
-    /// The objects of Cupola in `count` are free again.
+    /// Makes the objects of Cupola in `count` available again. `name` is the program's own object.
     pub(in crate::intercept::gl) fn give_back(&mut self, count: &Count, name: u32) {
         let parts = count.parts.iter().filter(|part| part.0 != name);
         self.own.extend(parts.map(|part| (count.target, part.0)));
     }
 
-    /// Goes on counting with an object of Cupola, unless one counts already.
+    /// Begins the next part of a query, with an object of Cupola. No part of the query may be
+    /// counting.
     pub(in crate::intercept::gl) fn begin_part(&mut self, gl: &Gl, number: usize, factor: Option<f64>) {
         let target = self.running[number].target;
         let object = self.object(gl, target);
@@ -127,7 +130,7 @@ impl Queries {
             let mut kept = Vec::new();
             for (object, factor) in std::mem::take(&mut running.before.parts) {
                 let count = result(gl, self.wide, object);
-                // One that saw something is kept for conditional rendering.
+                // A part that counted something is stored for conditional rendering.
                 if object == running.name || (count > 0 && kept.len() < 2) {
                     kept.push((object, factor));
                 } else {
@@ -140,10 +143,10 @@ impl Queries {
     }
 }
 
-/// Names of `count` objects of Cupola, which are not deleted.
+/// Returns names for `count` objects of Cupola, which are never deleted.
 pub(in crate::intercept::gl) fn own_names(gl: &Gl, count: usize) -> Vec<u32> {
     let mut names = vec![0; PROGRAM_NAMES + count];
-    // SAFETY: writes as many names as there is room for, and gives back those that are not for us.
+    // SAFETY: writes as many names as there is room for, and frees those that are not for Cupola.
     unsafe {
         gl.gen_queries(names.len() as i32, names.as_mut_ptr());
         gl.delete_queries(PROGRAM_NAMES as i32, names.as_ptr());
@@ -171,11 +174,12 @@ pub(in crate::intercept::gl) fn end_real(gl: &Gl, target: u32, index: u32) {
     unsafe { if index == 0 { gl.end_query(target) } else { gl.end_query_indexed(target, index) } }
 }
 
-/// The count of a finished object; waits for it.
+/// Returns the count of a finished object. Waits for it.
 pub(in crate::intercept::gl) fn result(gl: &Gl, has_wide: bool, object: u32) -> u64 {
     let mut wide = 0u64;
     let mut narrow = 0u32;
-    // SAFETY: each call writes one number; no buffer is bound for results (`read` sees to it).
+    // SAFETY: each call writes one number, if no buffer is bound for results. `results.rs` unbinds
+    // it for the program's questions.
     unsafe {
         if has_wide {
             gl.get_query_objectui64v(object, api::GL_QUERY_RESULT, &mut wide);
@@ -210,7 +214,7 @@ impl Count {
     }
 }
 
-/// The object and the mode that `glBeginConditionalRender` stands for, while it is in force.
+/// Object and mode of `glBeginConditionalRender`, while it is in force.
 pub type Condition = Option<(u32, u32)>;
 
 #[cfg(test)]

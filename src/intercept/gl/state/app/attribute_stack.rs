@@ -1,23 +1,23 @@
-//! Part of the followed state that `glPushAttrib` keeps.
+//! State that `glPushAttrib` saves, as far as Cupola follows it.
 
 use crate::backend::gl::KnownState;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 
-/// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
+/// `GL_MAX_ATTRIB_STACK_DEPTH` of all known drivers.
 pub const ATTRIBUTE_DEPTH: usize = 16;
 
-/// Part of the followed state that `glPushAttrib` keeps.
+/// State that `glPushAttrib` saves, as far as Cupola follows it.
 pub struct Pushed {
     pub(in crate::intercept::gl) mask: u32,
     pub(in crate::intercept::gl) saved: Saved,
     pub(in crate::intercept::gl) list_base: u32,
     pub(in crate::intercept::gl) known: KnownState,
-    /// Raster position, if current attributes are kept.
+    /// Raster position, if current attributes are saved.
     pub(in crate::intercept::gl) raster: Option<RasterPosition>,
 }
 
-/// Part of the app state that it keeps.
+/// Part of the app state that `glPushAttrib` saves.
 #[derive(Clone, Debug)]
 pub struct Saved {
     pub(in crate::intercept::gl) arrays: WindowArrays,

@@ -1,7 +1,7 @@
-//! The app state: what the program has set, as it would read it.
+//! The app state: the state that the program has set, as the program would read it.
 //!
-//! [`attribute_stack`] keeps what `glPushAttrib` keeps of it; [`window_arrays`], viewports and
-//! scissors by index.
+//! [`attribute_stack`] holds the part that `glPushAttrib` saves, [`window_arrays`] the viewports
+//! and scissors by index.
 
 pub mod attribute_stack;
 pub mod window_arrays;
@@ -11,7 +11,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
 use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};
 
-/// State that the program has set, as it would read it.
+/// State that the program has set, as the program would read it.
 pub struct AppState {
     /// The program's draw framebuffer, 0 = its window.
     pub draw_framebuffer: u32,
@@ -25,22 +25,22 @@ pub struct AppState {
     pub scissor_test: bool,
     /// Viewports and scissors, if they differ by their index or have fractions.
     arrays: Option<Box<WindowArrays>>,
-    /// `glDrawBuffer` of its window.
+    /// `glDrawBuffer` of the program's window.
     pub draw_buffer: u32,
-    /// `glReadBuffer` of its window.
+    /// `glReadBuffer` of the program's window.
     pub read_buffer: u32,
     /// `glMatrixMode`.
     pub matrix_mode: u32,
-    /// `glPushAttrib`.
+    /// Stack of `glPushAttrib`.
     attribute_stack: Vec<Pushed>,
-    /// `glRenderMode` is not `GL_RENDER`.
+    /// True if `glRenderMode` is not `GL_RENDER`.
     pub(in crate::intercept::gl) picking: bool,
     /// `GL_RASTERIZER_DISCARD`.
     pub(in crate::intercept::gl) discard: bool,
-    /// Transform feedback is recording.
+    /// True while transform feedback is recording.
     pub(in crate::intercept::gl) feedback: bool,
-    /// A vertex program in assembly language was switched on: the fixed-function matrices may say
-    /// nothing.
+    /// True once the program has switched on a vertex program in assembly language. The
+    /// fixed-function matrices may then have no meaning.
     pub(in crate::intercept::gl) assembly: bool,
 }
 
@@ -66,13 +66,13 @@ impl Default for AppState {
 }
 
 impl AppState {
-    /// True if the driver's attribute stack has a place, with `own` attributes of Cupola beside the
-    /// program's.
+    /// True if the driver's attribute stack has room for one more entry, beside the program's
+    /// entries and `own` entries of Cupola.
     pub fn can_push(&self, own: usize) -> bool {
         self.attribute_stack.len() + own < ATTRIBUTE_DEPTH
     }
 
-    /// `glPushAttrib`, while there is a place.
+    /// `glPushAttrib`, if the stack has room.
     pub fn push(&mut self, pushed: Pushed) {
         self.attribute_stack.push(pushed);
     }
@@ -143,7 +143,7 @@ impl AppState {
         }
     }
 
-    /// State that `glPushAttrib` keeps.
+    /// Returns the state that `glPushAttrib` saves.
     pub fn saved(&self) -> Saved {
         Saved {
             arrays: self.all_arrays(),
@@ -153,7 +153,7 @@ impl AppState {
         }
     }
 
-    /// `glPopAttrib`: the groups of `mask` are what they were.
+    /// `glPopAttrib`: restores the groups of `mask`.
     pub fn restore(&mut self, mask: u32, saved: &Saved) {
         self.change_arrays(|arrays| {
             if mask & api::GL_VIEWPORT_BIT != 0 {

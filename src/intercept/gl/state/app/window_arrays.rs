@@ -1,8 +1,9 @@
-//! Viewports and scissors by index (OpenGL 4.1), where the program has set them apart.
+//! Viewports and scissors by index (OpenGL 4.1), if the program has set them separately.
 
 use crate::correct::LowerLeftRect;
 
-/// Number of indices that are followed: the least that OpenGL allows, and what drivers have.
+/// Number of indices that Cupola follows: the least number that OpenGL allows, and the usual number
+/// of drivers.
 pub const COUNT: usize = 16;
 
 /// A viewport with fractions, as OpenGL has it.
@@ -20,17 +21,17 @@ pub struct Viewport {
 }
 
 impl Viewport {
-    /// Returns its place in a picture whose lower left corner is at `[x, y]`.
+    /// Returns the viewport in a picture whose lower left corner is at `[x, y]`.
     fn moved_by(self, [x, y]: [i32; 2]) -> Self {
         Self { x: self.x + x as f32, y: self.y + y as f32, ..self }
     }
 
-    /// x, y, width and height, as OpenGL answers questions.
+    /// Returns x, y, width and height, in OpenGL's order.
     pub const fn to_array(self) -> [f32; 4] {
         [self.x, self.y, self.width, self.height]
     }
 
-    /// Rounded to whole pixels.
+    /// Returns the viewport, rounded to whole pixels.
     pub fn rounded(self) -> LowerLeftRect {
         self.to_array().map(|v| v.round() as i32).into()
     }
@@ -48,7 +49,7 @@ impl From<LowerLeftRect> for Viewport {
     }
 }
 
-/// All of them.
+/// Viewports, scissors and scissor tests of all indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowArrays {
     /// Viewports.
@@ -60,19 +61,20 @@ pub struct WindowArrays {
 }
 
 impl WindowArrays {
-    /// The same for all indices.
+    /// Returns the same viewport, scissor and test for all indices.
     pub fn alike(viewport: LowerLeftRect, scissor: LowerLeftRect, test: bool) -> Self {
         Self { viewports: [viewport.into(); COUNT], scissors: [scissor; COUNT], tests: if test { u16::MAX } else { 0 } }
     }
 
-    /// True if what is drawn with one index differs from what is drawn with another one.
+    /// True if drawing with one index differs from drawing with another one.
     pub fn differ(&self) -> bool {
         self.viewports.iter().any(|viewport| *viewport != self.viewports[0])
             || self.scissors.iter().any(|scissor| *scissor != self.scissors[0])
             || (self.tests != 0 && self.tests != u16::MAX)
     }
 
-    /// Moved to the window's `tile`; scissors keep all that is drawn within it.
+    /// Returns the viewports and scissors moved into `tile`. The scissors limit all drawing to the
+    /// tile.
     pub fn moved_into(&self, tile: LowerLeftRect) -> Self {
         let scissor = |index: usize| match self.tests >> index & 1 {
             0 => tile,
@@ -103,7 +105,7 @@ mod tests {
         assert_eq!(moved.viewports[0], tile.into());
         assert_eq!(moved.viewports[1], Viewport { x: 130.5, y: 198.0, width: 30.0, height: 20.25 });
         assert_eq!(moved.scissors[..2], [tile, LowerLeftRect::new(101, 202, 3, 4)]);
-        assert_eq!(moved.tests, u16::MAX, "what is not tested is cut at the tile");
+        assert_eq!(moved.tests, u16::MAX, "all drawing is cut at the tile");
     }
 
     #[test]

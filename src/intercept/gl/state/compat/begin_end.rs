@@ -1,4 +1,4 @@
-//! State of a Begin/End: the phase and what was recorded.
+//! State of a Begin/End: the phase and the recorded commands.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
@@ -7,12 +7,12 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 /// Phase of the program in a Begin/End.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
-    /// Outside of Begin/End, or in one that is passed on as it comes.
+    /// Outside of Begin/End, or inside one that is passed on unchanged.
     #[default]
     Outside,
     /// Commands are recorded, and the driver is between Begin and End without vertices.
     Recording,
-    /// Elements of arrays go into a list of Cupola, for the program may change its arrays before
+    /// Elements of arrays go into a list of Cupola, since the program may change its arrays before
     /// the End.
     Elements,
 }
@@ -23,17 +23,17 @@ pub struct Immediate {
     pub phase: Phase,
     pub(in crate::intercept::gl) mode: u32,
     pub(in crate::intercept::gl) recorder: Recorder,
-    /// Around the vertices since `glBegin`.
+    /// Box around the vertices since `glBegin`.
     pub(in crate::intercept::gl) bounds: Bounds,
     /// Number of generic attributes of a vertex.
     pub(in crate::intercept::gl) generic_attributes: u32,
-    /// Lists of Cupola, one for each run of elements.
+    /// Lists of Cupola, one for each sequence of elements.
     pub(in crate::intercept::gl) lists: Vec<u32>,
-    /// Number of them that hold elements of this Begin/End.
+    /// Number of these lists that hold elements of this Begin/End.
     pub(in crate::intercept::gl) used_lists: usize,
-    /// `glBegin` lies in a list that was recorded.
+    /// True if `glBegin` lies in a list that was recorded.
     pub(in crate::intercept::gl) begun_by_list: bool,
-    /// `glBegin` was passed on as it came: the driver may be between Begin and End.
+    /// True if `glBegin` was passed on unchanged. The driver may be between Begin and End.
     pub(in crate::intercept::gl) passed_on: bool,
 }
 
@@ -55,7 +55,7 @@ impl Default for Immediate {
 }
 
 impl Immediate {
-    /// Between `glBegin` and `glEnd` of a draw of Cupola.
+    /// True between `glBegin` and `glEnd` of a draw of Cupola.
     pub fn under_way(&self) -> bool {
         self.phase != Phase::Outside
     }
@@ -76,26 +76,27 @@ impl Immediate {
         self.under_way() || self.is_in_passed_on(gl)
     }
 
-    /// True if the driver is between a Begin and End that were passed on. There it answers no
-    /// question; the error is the one of the command that follows.
+    /// True if the driver is between a Begin and End that were passed on. The driver answers no
+    /// question there. The question causes the same error as the command that follows.
     fn is_in_passed_on(&mut self, gl: &Gl) -> bool {
         if self.passed_on {
             let mut mode = 0;
-            // SAFETY: a question of the compatibility profile, with one value that is never 0.
+            // SAFETY: a query of the compatibility profile; it writes one value, which is never 0.
             unsafe { gl.get_integerv(api::GL_MATRIX_MODE, &mut mode) };
             self.passed_on = mode == 0;
         }
         self.passed_on
     }
 
-    /// Ends the list of elements that is open, if one is.
+    /// Ends the open list of elements, if there is one.
     pub(in crate::intercept::gl) fn close_elements(&mut self, gl: &Gl) {
         if self.phase == Phase::Elements {
             let list = self.lists.get(self.used_lists).copied().unwrap_or_default();
             self.used_lists += 1;
             self.recorder.push_list(list);
             self.phase = Phase::Recording;
-            // SAFETY: the list is ours; then the driver is where the program is.
+            // SAFETY: ends a list of Cupola. Then the driver is between Begin and End, as the
+            // program is.
             unsafe {
                 gl.end_list();
                 gl.begin(list_of(self.mode));
@@ -104,9 +105,9 @@ impl Immediate {
     }
 }
 
-/// The mode of separate primitives that has the same errors as `mode`. The driver is between Begin
-/// and End in it, without vertices: of strips, fans and polygons Mesa drops what follows an empty
-/// one of the same mode.
+/// Returns the mode of separate primitives that causes the same errors as `mode`. While Cupola
+/// records, the driver is between Begin and End in this mode, without vertices. With strips, fans
+/// or polygons Mesa would drop the next one of the same mode after such an empty one.
 pub(in crate::intercept::gl) fn list_of(mode: u32) -> u32 {
     match mode {
         api::GL_LINE_LOOP | api::GL_LINE_STRIP => api::GL_LINES,

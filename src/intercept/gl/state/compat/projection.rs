@@ -4,17 +4,17 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::runtime::Session;
 use crate::runtime::session::{MatrixClass, classify};
 
-/// The program's `GL_PROJECTION` and what follows from it.
+/// The program's `GL_PROJECTION`, its class, and the projections of the views.
 pub struct Projection {
-    /// The matrix may have changed since it was read.
+    /// True if the matrix may have changed since it was read.
     changed: bool,
-    /// As the program set it, column by column.
+    /// The matrix as the program set it, column by column.
     pub matrix: [f64; 16],
     /// Class of the matrix.
     pub class: MatrixClass,
-    /// Each view's projection in its place.
+    /// Projection of each view, in the order of the views.
     pub per_view: Vec<[f64; 16]>,
-    /// `GL_MODELVIEW`, unless it may have changed since it was read.
+    /// Value of `GL_MODELVIEW`; `None` if it may have changed since it was read.
     model_view: Option<[f64; 16]>,
 }
 
@@ -38,7 +38,7 @@ impl Projection {
         }
     }
 
-    /// Brings the matrix up to date; asks the driver only after a change.
+    /// Reads the matrix and computes what depends on it. Asks the driver only after a change.
     pub fn refresh(&mut self, gl: &Gl, session: Option<&Session>) {
         if let Some(session) = session.filter(|_| self.changed) {
             let mut matrix = [0.0; 16];
@@ -48,7 +48,7 @@ impl Projection {
         }
     }
 
-    /// `GL_MODELVIEW`; asks the driver only after a change.
+    /// Returns `GL_MODELVIEW`. Asks the driver only after a change.
     pub fn model_view(&mut self, gl: &Gl) -> [f64; 16] {
         *self.model_view.get_or_insert_with(|| {
             let mut matrix = [0.0; 16];
@@ -58,7 +58,7 @@ impl Projection {
         })
     }
 
-    /// The program may have changed the matrix of `mode`.
+    /// Notes that the program may have changed the matrix of `mode`.
     pub fn touch(&mut self, mode: u32) {
         match mode {
             api::GL_PROJECTION => self.changed = true,
@@ -67,7 +67,7 @@ impl Projection {
         }
     }
 
-    /// The views changed: nothing is valid any more.
+    /// Forgets the projections, as the views have changed.
     pub fn clear(&mut self) {
         self.changed = true;
         self.per_view.clear();
@@ -88,7 +88,7 @@ pub fn load(gl: &Gl, mode: u32, matrix: &[f64; 16]) {
     }
 }
 
-/// The product of two matrices, column by column.
+/// Returns the product of two matrices, column by column.
 pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
     let mut product = [0.0; 16];
     for (to, from) in product.chunks_exact_mut(4).zip(b.chunks_exact(4)) {

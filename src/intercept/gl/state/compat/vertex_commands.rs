@@ -1,6 +1,6 @@
 //! Commands that set vertices and their attributes, as they are recorded and played back.
 //!
-//! The rows come from the registry (`build/gl_attributes.rs`).
+//! The rows of the macro come from OpenGL's registry (`build/gl_attributes.rs`).
 
 use crate::backend::gl::driver::api::Gl;
 
@@ -17,9 +17,10 @@ macro_rules! attribute_commands {
             materialiv,
         }
 
-        /// By the number of a command: calls the driver with its words.
+        /// Functions by the number of a command. They call the driver with the command's recorded
+        /// words.
         static PLAY: &[unsafe fn(&Gl, *const u64)] = &[
-            // SAFETY: as `play` is promised.
+            // SAFETY: as the caller of `play` promises.
             $( |gl, words| unsafe { gl.$vector($( *words.add($place) as $kind, )* words.add($start).cast()) }, )*
             // SAFETY: as above.
             |gl, words| unsafe { gl.materialfv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
@@ -27,19 +28,19 @@ macro_rules! attribute_commands {
             |gl, words| unsafe { gl.materialiv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
         ];
 
-        /// By the number of a command: whether its components are numbers as they are, neither
-        /// packed nor of 16 bits nor for integers of shaders.
+        /// Flags by the number of a command: true if its components are plain numbers. Packed
+        /// numbers, half floats and integers for shaders are not plain.
         static PLAIN: &[bool] = &[$( $plain, )* true, true];
     };
 }
 
 include!(concat!(env!("OUT_DIR"), "/gl_attributes.rs"));
 
-/// Calls the driver with a command that was recorded.
+/// Calls the driver with a recorded command.
 ///
 /// # Safety
-/// The context of `gl` must be current; `words` must be what was recorded for the command of this
-/// number.
+/// The context of `gl` must be current; `words` must be the words that were recorded for the
+/// command of this number.
 pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
     if let Some(command) = PLAY.get(usize::from(number)) {
         // SAFETY: as promised.
@@ -47,7 +48,7 @@ pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
     }
 }
 
-/// True if the components of the command of this number are numbers as they are.
+/// True if the components of the command of this number are plain numbers.
 pub fn is_plain(number: u16) -> bool {
     PLAIN.get(usize::from(number)).copied().unwrap_or(false)
 }

@@ -1,8 +1,8 @@
-//! The commands of one Begin/End, kept as they came and played back once per view.
+//! The commands of one Begin/End, stored in their order and played back once per view.
 //!
-//! Values are not converted: each command is played back by the driver's own entry point that takes
-//! the same components as an array, so that OpenGL's rules for integers, packed numbers and generic
-//! attributes are the driver's. The memory is used again for the next Begin/End.
+//! Values are not converted. Each command is played back by the driver's entry point that takes the
+//! same components as an array. The driver thus applies OpenGL's rules for integers, packed numbers
+//! and generic attributes. The next Begin/End uses the memory again.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::compat::vertex_commands::{self, Command};
@@ -18,7 +18,7 @@ pub enum Sets {
     Vertex,
     /// The generic attribute of this number; number 0 is the position.
     Generic,
-    /// … by numbers that the driver converts.
+    /// A generic attribute, by numbers that the driver converts.
     ConvertedGeneric,
     /// The colour.
     Color,
@@ -34,23 +34,23 @@ pub enum Sets {
     EdgeFlag,
     /// The texture coordinates of the first unit.
     Texture,
-    /// Those of the unit in the first parameter.
+    /// The texture coordinates of the unit in the first parameter.
     TextureUnit,
     /// A property of the material.
     Material,
 }
 
-/// Units of texture coordinates, and generic attributes, that are followed.
+/// Number of texture units, and of generic attributes, that have a bit of their own.
 const NUMBERED: u64 = 27;
 const COLOR: u64 = 1;
 const NORMAL: u64 = 1 << 1;
 const TEXTURE: u64 = 1 << 2;
 
-/// Bit of all values that are not followed one by one.
+/// Bit of all values that have no bit of their own.
 const OTHER: u64 = 1 << 63;
 
 impl Sets {
-    /// In the order of their numbers.
+    /// All values, in the order of their numbers.
     const ALL: [Self; 13] = [
         Self::Position,
         Self::Vertex,
@@ -67,7 +67,7 @@ impl Sets {
         Self::Material,
     ];
 
-    /// True if it makes a vertex.
+    /// True if the command makes a vertex.
     pub fn is_vertex(self, prefix: &[u64]) -> bool {
         let first = prefix.first().copied().unwrap_or(0);
         match self {
@@ -77,7 +77,7 @@ impl Sets {
         }
     }
 
-    /// The bit of what it sets.
+    /// Returns the bit of the value that the command sets.
     fn bit(self, prefix: &[u64]) -> u64 {
         let first = prefix.first().copied().unwrap_or(0);
         let numbered = |start: u64, number: u64| if number < NUMBERED { 1 << (start + number) } else { OTHER };
@@ -100,17 +100,17 @@ impl Sets {
     }
 }
 
-/// A number of the program's.
+/// A number that the program passes to a command.
 pub trait Number: Copy {
-    /// The number of its type.
+    /// Index of the type in `READ`.
     const KIND: u8;
 
-    /// Its value.
+    /// Returns the number's value.
     fn value(self) -> f64;
 }
 
-/// By the number of a type: reads one of it, and says which part of 1 it stands for where it is an
-/// integer.
+/// Function that reads a number of one type. Returns its value, and the value that it has as a part
+/// of 1 if it is a normalised integer.
 ///
 /// # Safety
 /// The address must be that of a number of this type.
@@ -126,7 +126,7 @@ macro_rules! numbers {
             }
         } )*
         static READ: &[Read] = &[$( |at| {
-            // SAFETY: as the type promises; nothing is said about the alignment.
+            // SAFETY: as the type `Read` requires; the address may have any alignment.
             let value = unsafe { at.cast::<$t>().read_unaligned() }.value();
             let part: fn(f64) -> f64 = $part;
             (value, part(value))
@@ -134,7 +134,7 @@ macro_rules! numbers {
     };
 }
 
-// What integers stand for where they are colours or normals: OpenGL 2.1, table 2.9.
+// Values of normalised integers, as in colours and normals: OpenGL 2.1, table 2.9.
 numbers! {
     0 f32 |c| c;
     1 f64 |c| c;
@@ -148,7 +148,7 @@ numbers! {
     9 u64 |c| c;
 }
 
-/// A box around a vertex of these numbers; missing coordinates are 0, 0, 1 as OpenGL says.
+/// Extends the box to a vertex of these numbers. Missing coordinates are 0, 0, 1, as in OpenGL.
 pub fn add_vertex<T: Number>(bounds: &mut Bounds, sets: Sets, values: &[T]) {
     if matches!(sets, Sets::Position | Sets::Generic) {
         let mut position = [0.0, 0.0, 0.0, 1.0];
@@ -161,9 +161,9 @@ pub fn add_vertex<T: Number>(bounds: &mut Bounds, sets: Sets, values: &[T]) {
     }
 }
 
-/// A command's head is one word: which command, how many words follow, whether it makes a vertex,
-/// the type of its components, what it sets, how many components there are and how many words
-/// before them.
+/// Layout of a command's head, which is one word: the command, the number of words that follow, a
+/// bit for vertices, the type of the components, the value that the command sets, the number of
+/// components, and the number of words before them.
 const LENGTH: u32 = 16;
 const VERTEX: u64 = 1 << 32;
 const KIND: u32 = 33;
@@ -171,20 +171,20 @@ const SETS: u32 = 37;
 const COUNT: u32 = 41;
 const BEFORE: u32 = 45;
 
-/// The command is a display list of the driver, whose name follows.
+/// Bit of a command that calls a display list of the driver. The name of the list follows.
 const LIST: u64 = 1 << 48;
 
 /// A command that was recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
-    /// Value that it sets.
+    /// Value that the command sets.
     pub sets: Sets,
-    /// Its first parameter before the components: a unit, the number of an attribute. 0 where there
-    /// is none.
+    /// First parameter before the components: a unit, or the number of an attribute; 0 if there is
+    /// none.
     pub prefix: u64,
     /// Number of components.
     pub count: usize,
-    /// They are numbers as they are.
+    /// True if the components are plain numbers.
     pub plain: bool,
     vertex: bool,
     kind: u8,
@@ -192,12 +192,12 @@ pub struct Recorded<'a> {
 }
 
 impl Recorded<'_> {
-    /// True if it makes a vertex.
+    /// True if the command makes a vertex.
     pub fn is_vertex(&self) -> bool {
         self.vertex
     }
 
-    /// A component. `normalised`: integers stand for parts of 1.
+    /// Returns a component. `normalised`: integers count as parts of 1.
     pub fn number(&self, index: usize, normalised: bool) -> Option<f64> {
         let read = READ.get(usize::from(self.kind))?;
         // The largest types fill a word.
@@ -205,7 +205,7 @@ impl Recorded<'_> {
         if index >= self.count || (index + 1) * width > size_of_val(self.components) {
             return None;
         }
-        // SAFETY: inside the components, whose type `push` kept.
+        // SAFETY: the address is inside the components; `push` stored their type.
         let (value, part) = unsafe { read(self.components.as_ptr().cast::<u8>().add(index * width)) };
         Some(if normalised { part } else { value })
     }
@@ -214,7 +214,7 @@ impl Recorded<'_> {
 /// Commands since `glBegin`.
 #[derive(Default)]
 pub struct Recorder {
-    /// Of each command its head, its parameters before the components (a word each), and the
+    /// For each command: its head, its parameters before the components (a word each), and the
     /// components.
     words: Vec<u64>,
     /// Values that were set since `glBegin`, a bit each.
@@ -222,18 +222,19 @@ pub struct Recorder {
     vertices: bool,
     /// Values that were set only after a vertex, a bit each.
     late: u64,
-    /// There are display lists.
+    /// True if there are display lists among the commands.
     lists: bool,
 }
 
 impl Recorder {
-    /// Forgets everything but the memory.
+    /// Removes all commands. The memory stays allocated.
     pub fn clear(&mut self) {
         self.words.clear();
         (self.set, self.vertices, self.late, self.lists) = (0, false, 0, false);
     }
 
-    /// Keeps a command, with its parameters before the components and those.
+    /// Stores a command with its parameters before the components (`prefix`) and its components
+    /// (`values`).
     #[inline]
     pub fn push<T: Number>(&mut self, command: Command, sets: Sets, prefix: &[u64], values: &[T]) {
         let vertex = sets.is_vertex(prefix);
@@ -266,7 +267,7 @@ impl Recorder {
         }
     }
 
-    /// Keeps a display list of the driver, which may make vertices and set any attribute.
+    /// Stores a display list of the driver, which may make vertices and set any attribute.
     pub fn push_list(&mut self, list: u32) {
         (self.vertices, self.lists) = (true, true);
         (self.set, self.late) = (u64::MAX, u64::MAX);
@@ -274,18 +275,18 @@ impl Recorder {
         self.words.push(list.into());
     }
 
-    /// True if there are display lists.
+    /// True if there are display lists among the commands.
     pub fn has_lists(&self) -> bool {
         self.lists
     }
 
-    /// True for colour, normal and texture coordinate if they were set only after a vertex: playing
-    /// back again would give them to the first vertices.
+    /// True for colour, normal and texture coordinate if they were set only after a vertex. If the
+    /// commands were played back again, the first vertices would get these values.
     pub fn sets_late(&self) -> [bool; 3] {
         [COLOR, NORMAL, TEXTURE].map(|bit| self.late & bit != 0)
     }
 
-    /// The same for anything else.
+    /// True if any other value may have been set only after a vertex.
     pub fn sets_others_late(&self) -> bool {
         self.late & !(COLOR | NORMAL | TEXTURE) != 0
     }
@@ -295,12 +296,13 @@ impl Recorder {
         self.set != 0
     }
 
-    /// Returns the place of the next command, from which to play back.
+    /// Returns the position of the next command in the memory, from which commands can be played
+    /// back.
     pub fn place(&self) -> usize {
         self.words.len()
     }
 
-    /// The commands, one after the other.
+    /// Returns the commands in their order.
     pub fn commands(&self) -> impl Iterator<Item = Recorded<'_>> {
         let mut rest = self.words.as_slice();
         std::iter::from_fn(move || {
@@ -329,7 +331,7 @@ impl Recorder {
         unsafe { self.play_from(gl, 0, true) };
     }
 
-    /// Calls the driver with the commands from the place `start` on that make no vertex.
+    /// Calls the driver with the commands from position `start` on that make no vertex.
     ///
     /// # Safety
     /// The context of `gl` must be current.
@@ -343,7 +345,7 @@ impl Recorder {
         while let [head, after @ ..] = rest {
             let length = (head >> LENGTH) as u16 as usize;
             let Some((values, next)) = after.split_at_checked(length) else { return };
-            // SAFETY: the words that `push` and `push_list` kept for this command.
+            // SAFETY: the words that `push` and `push_list` stored for this command.
             match values {
                 [list] if vertices && head & LIST != 0 => unsafe { gl.call_list(*list as u32) },
                 _ if vertices || head & VERTEX == 0 => unsafe {
@@ -386,8 +388,8 @@ mod tests {
         }
     }
 
-    /// Numbers of all types come back as they were given, and integers as parts of 1 where they
-    /// stand for these.
+    /// Numbers of all types are read back unchanged, and integers as parts of 1 if they are
+    /// normalised.
     #[test]
     fn commands_can_be_read() {
         let mut recorder = Recorder::default();
@@ -434,7 +436,7 @@ mod tests {
         assert!(!Sets::Color.is_vertex(&[]));
     }
 
-    /// The memory of one Begin/End serves the next.
+    /// The next Begin/End uses the memory of the one before.
     #[test]
     fn nothing_is_allocated_again() {
         let mut recorder = Recorder::default();

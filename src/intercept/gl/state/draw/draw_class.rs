@@ -5,7 +5,8 @@
 pub enum Changes {
     /// Nothing.
     Nothing,
-    /// State, in the same way each time and before the first vertex: nothing has to be put back.
+    /// State that each repetition sets in the same way, before its first vertex. Nothing has to be
+    /// put back.
     Alike,
     /// Current vertex attributes and material (Begin/End).
     Attributes,
@@ -24,7 +25,7 @@ pub enum DrawClass {
     Flat,
     /// Flat, behind the scene.
     Background,
-    /// A pass over the picture whose shader computes places of the scene from pixels: into each
-    /// view as it is, with the matrices of the view.
+    /// A pass over the whole picture whose shader computes positions in the scene from pixels. It
+    /// goes into each view unchanged, with the matrices of the view.
     Screen,
 }

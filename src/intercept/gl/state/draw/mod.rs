@@ -17,14 +17,15 @@ use crate::intercept::scene::to_window::ToWindow;
 /// Facts about the draw that is being issued.
 #[derive(Default)]
 pub struct DrawState {
-    /// Area that it covers in each view, if that is known.
+    /// Area that the draw covers in each view, if it is known.
     pub(in crate::intercept::gl) areas: Vec<TexelSpan>,
     /// Points and lines that may leave their tile.
     pub(in crate::intercept::gl) wide_primitives: WidePrimitives,
     /// The greatest width of points and lines so far.
     pub(in crate::intercept::gl) max_width: MaxWidth,
-    /// From window coordinates of the driver to those of the program, for what is issued next.
+    /// Conversion of window coordinates of the driver to those of the program, for the next draw
+    /// that is issued.
     pub(in crate::intercept::gl) to_window: ToWindow,
-    /// The number that its first instance has for attributes.
+    /// Number that attributes use for the draw's first instance (its base instance).
     pub(in crate::intercept::gl) first_instance: u32,
 }

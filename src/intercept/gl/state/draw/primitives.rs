@@ -5,7 +5,7 @@ use crate::backend::gl::driver::api;
 /// Kind of primitives of a draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
-    /// Anything: a display list, say.
+    /// Any primitives, for example those of a display list.
     #[default]
     Unknown,
     /// Points.
@@ -35,23 +35,23 @@ impl Shape {
     }
 }
 
-/// Primitives of the draws, as far as they may be wide or outlines.
+/// State of primitives that may be wide or drawn as outlines.
 #[derive(Default)]
 pub struct WidePrimitives {
     /// Primitives of the next draw, if its hook knows them.
     pub shape: Shape,
     /// Primitives of the draw that is being issued.
     pub drawn: Shape,
-    /// The mode of the next draw, where its hook can issue it as patches.
+    /// Mode of the next draw, if its hook can issue it as patches.
     pub mode: Option<u32>,
-    /// The patches that the draw that is being issued can be issued as.
+    /// Patches as which the present draw can be issued.
     pub patch: Option<Patch>,
-    /// It is issued as these now.
+    /// True while the draw is issued as patches.
     pub as_patches: bool,
-    /// `glPolygonMode` was another than `GL_FILL`. It counts for good: a list or a pop may bring it
-    /// back.
+    /// True once `glPolygonMode` was not `GL_FILL`. This is never forgotten, as a display list or
+    /// `glPopAttrib` may restore it.
     pub(in crate::intercept::gl) polygons: bool,
-    /// The draw that is being issued may leave its tile.
+    /// True if the draw that is being issued may leave its tile.
     pub cut: bool,
 }
 
@@ -61,7 +61,7 @@ impl WidePrimitives {
         if self.as_patches { api::GL_PATCHES } else { mode }
     }
 
-    /// Polygons may be drawn as outlines.
+    /// True if polygons may be drawn as outlines.
     pub fn may_outline(&self) -> bool {
         self.polygons
     }
@@ -79,7 +79,7 @@ pub enum Patch {
 }
 
 impl Patch {
-    /// Vertices of one.
+    /// Returns the number of vertices of a patch.
     pub fn corners(self) -> usize {
         match self {
             Self::Triangles => 3,
@@ -88,8 +88,8 @@ impl Patch {
         }
     }
 
-    /// Returns the layout of the evaluation stage that divides it. The primitive's corners run as
-    /// those of its parts.
+    /// Returns the layout of the evaluation stage that divides the patch. The corners of the parts
+    /// have the same order of rotation as those of the patch.
     pub(in crate::intercept::gl) fn layout(self) -> &'static str {
         match self {
             Self::Triangles => "triangles, equal_spacing, ccw",
@@ -98,7 +98,7 @@ impl Patch {
         }
     }
 
-    /// The outer levels: which edges they are of (OpenGL 4.0, section 2.12.2).
+    /// Returns the edge of each outer level (OpenGL 4.0, section 2.12.2).
     pub(in crate::intercept::gl) fn edges(self) -> &'static [[usize; 2]] {
         match self {
             Self::Triangles => &[[1, 2], [2, 0], [0, 1]],
@@ -107,7 +107,7 @@ impl Patch {
         }
     }
 
-    /// The weights of the corners at a place in the patch.
+    /// Returns the weights of the corners at a point of the patch.
     pub(in crate::intercept::gl) fn weights(self) -> [&'static str; 4] {
         match self {
             Self::Triangles => ["gl_TessCoord.x", "gl_TessCoord.y", "gl_TessCoord.z", "0.0"],

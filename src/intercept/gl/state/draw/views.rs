@@ -3,9 +3,9 @@
 /// The views that a draw goes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Views {
-    /// One bit each.
+    /// One bit for each view that the draw goes to.
     pub(in crate::intercept::gl) seen: u64,
-    /// `DrawState::areas` says where in each of them.
+    /// True if `DrawState::areas` holds the area of the draw in each of these views.
     pub(in crate::intercept::gl) bounded: bool,
 }
 
@@ -18,7 +18,7 @@ impl Views {
         Self { seen: if index < 64 { 1 << index } else { 0 }, bounded: false }
     }
 
-    /// Those that have a bit of `views`, too.
+    /// Returns those of the views that also have a bit in `views`.
     pub fn within(self, views: u64) -> Self {
         Self { seen: self.seen & views, ..self }
     }
@@ -28,12 +28,12 @@ impl Views {
         index >= 64 || self.seen >> index & 1 != 0
     }
 
-    /// True if it is known where in each view the draw comes to be.
+    /// True if the area of the draw in each view is known.
     pub fn bounded(self) -> bool {
         self.bounded
     }
 
-    /// The last of `count` views that the draw goes to.
+    /// Returns the last of `count` views that the draw goes to.
     pub fn last(self, count: usize) -> Option<usize> {
         (0..count).rev().find(|index| self.contain(*index))
     }

@@ -1,4 +1,4 @@
-//! Views whose content is known to be the clear colour, but for a part.
+//! Views whose content is known to be the clear colour, except for a part.
 
 use crate::backend::gl::ClearedViews;
 use crate::correct::TexelSpan;
@@ -6,15 +6,15 @@ use crate::correct::TexelSpan;
 /// Content of each view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Content {
-    /// The colour that every view was cleared to; `None`: not known.
+    /// Colour to which every view was cleared; `None`: not known.
     cleared: Option<[f32; 3]>,
-    /// The views that were drawn to since, a bit each.
+    /// Views that were drawn to since the clear, a bit each.
     drawn: u64,
-    /// For each view the texels of the atlas that were drawn to.
+    /// For each view, the texels of the atlas that were drawn to.
     touched: [TexelSpan; VIEWS],
 }
 
-/// More views are not followed.
+/// Greatest number of views that are followed.
 pub(in crate::intercept::gl) const VIEWS: usize = 64;
 
 impl Default for Content {
@@ -24,12 +24,12 @@ impl Default for Content {
 }
 
 impl Content {
-    /// Something came into a view, somewhere.
+    /// Notes a draw at an unknown place of a view.
     pub fn draw(&mut self, view: usize) {
         self.draw_within(view, TexelSpan::EVERYTHING);
     }
 
-    /// Something came into these texels of a view.
+    /// Notes a draw into these texels of a view.
     pub fn draw_within(&mut self, view: usize, texels: TexelSpan) {
         match self.touched.get_mut(view) {
             Some(touched) => {
@@ -40,7 +40,7 @@ impl Content {
         }
     }
 
-    /// Anything may be in any view.
+    /// Notes that any view may have any content.
     pub fn forget(&mut self) {
         self.cleared = None;
     }
@@ -49,7 +49,7 @@ impl Content {
         *self = Self { cleared: color, ..Self::default() };
     }
 
-    /// The views that hold nothing but one colour; `None`: no view is known to.
+    /// Returns the views that hold only one colour; `None`: no such view is known.
     pub fn views_cleared(&self) -> Option<ClearedViews<'_>> {
         self.cleared.map(|color| ClearedViews { views: !self.drawn, color, touched: &self.touched })
     }

@@ -1,4 +1,4 @@
-//! The atlas that stands in for a window's framebuffer, and what corrects it.
+//! The atlas that stands in for a window's framebuffer, and its correction.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::backend::gl::objects::surface::Surface;
@@ -17,51 +17,51 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intercept::gl) struct Ready {
     pub(in crate::intercept::gl) part: LowerLeftRect,
-    /// Its alpha is that of a window without one.
+    /// True if its alpha is that of a window without alpha.
     pub(in crate::intercept::gl) opaque: bool,
 }
 
-/// The atlas and what corrects it.
+/// The atlas and its correction.
 pub struct DefaultFramebuffer {
     /// Rig and plan for the window's size.
     pub session: Arc<Session>,
-    /// Version of the rig's file that it follows.
+    /// Version of the rig file that the plan follows.
     pub(in crate::intercept::gl) version: u64,
     pub(in crate::intercept::gl) config: Config,
     pub(in crate::intercept::gl) surface: Surface,
-    /// The surface's picture with one sample per pixel, where it has several.
+    /// Picture of the surface with one sample per pixel, if the surface has several.
     pub(in crate::intercept::gl) resolved: Option<Surface>,
-    /// The atlas that the views are collected in, where they are drawn in turn; elsewhere `surface`
-    /// is the atlas.
+    /// Atlas in which the views are collected, if they are drawn in turn. Otherwise `surface` is
+    /// the atlas.
     pub(in crate::intercept::gl) collected: Option<Surface>,
     pub(in crate::intercept::gl) backend: GlBackend,
-    /// Lens of each view, to which vertices are projected; empty where all views are perspective
-    /// ones.
+    /// Lens of each view, to which vertices are projected; empty if all views are perspective
+    /// views.
     pub lenses: Vec<LensConstants>,
     /// Content of the views.
     pub content: Content,
     pub(in crate::intercept::gl) issued: Vec<u64>,
     pub(in crate::intercept::gl) culled: Vec<u64>,
-    /// Texels of each view that are closed for drawing; empty where none are.
+    /// Number of texels of each view that are closed for drawing; empty if there are none.
     pub(in crate::intercept::gl) closed: Vec<u64>,
-    /// Part of the program's own picture that is ready to be read since something was drawn last.
+    /// Part of the program's own picture that is ready to be read. Each draw resets it.
     pub(in crate::intercept::gl) ready: Cell<Option<Ready>>,
     /// Place of each output in the window.
     pub(in crate::intercept::gl) outputs: Vec<Target>,
 }
 
 impl DefaultFramebuffer {
-    /// The tiles that the program has been seen to need.
+    /// Returns the needs of the program, as far as Cupola has seen them.
     pub fn extras(&self) -> Extras {
         self.session.extras()
     }
 
-    /// Size of the window that it stands for.
+    /// Returns the size of the window whose framebuffer it replaces.
     pub fn size(&self) -> (u32, u32) {
         self.session.window()
     }
 
-    /// The window's own configuration.
+    /// Returns the window's own configuration.
     pub fn config(&self) -> &Config {
         &self.config
     }
@@ -77,12 +77,12 @@ impl DefaultFramebuffer {
         name == self.surface.framebuffer() || others.into_iter().any(|other| other.framebuffer() == name)
     }
 
-    /// The tile of the flat panel.
+    /// Returns the tile of the flat panel.
     pub fn panel(&self) -> Option<LowerLeftRect> {
         self.session.panel()
     }
 
-    /// The tile of the program's own picture.
+    /// Returns the tile of the primary view.
     pub fn primary(&self) -> Option<LowerLeftRect> {
         self.session.primary()
     }
@@ -90,13 +90,13 @@ impl DefaultFramebuffer {
     /// Returns the tiles to which flat drawing goes, each with true if it is the panel (whose alpha
     /// counts).
     pub fn flat_tiles(&self) -> [Option<(LowerLeftRect, bool)>; 3] {
-        // What is drawn in turn would show it in each view.
+        // If views are drawn in turn, each view would show the drawing.
         let own = self.own_tile().filter(|_| self.session.turns().is_none());
         [own.map(|tile| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
     }
 
-    /// Returns the tile that the program takes for its window: the one with its own lens, or the
-    /// view that is drawn in turn.
+    /// Returns the tile that the program uses as its window: the tile with the program's own lens,
+    /// or the view that is drawn in turn.
     fn own_tile(&self) -> Option<LowerLeftRect> {
         let mut tiles = (0..self.session.views().len()).map(|i| self.session.tile(i));
         tiles.find(|(_, own)| *own).map(|(tile, _)| tile)
@@ -107,7 +107,7 @@ impl DefaultFramebuffer {
         self.primary().or_else(|| self.own_tile())
     }
 
-    /// A draw went to a view.
+    /// Notes a draw that went to a view.
     pub fn issued(&mut self, view: usize) {
         self.content.draw(view);
         if let Some(count) = self.issued.get_mut(view) {
@@ -115,7 +115,7 @@ impl DefaultFramebuffer {
         }
     }
 
-    /// A draw went to a view, into these texels.
+    /// Notes a draw that went to these texels of a view.
     pub fn issued_within(&mut self, view: usize, texels: TexelSpan) {
         self.content.draw_within(view, texels);
         if let Some(count) = self.issued.get_mut(view) {
@@ -123,20 +123,21 @@ impl DefaultFramebuffer {
         }
     }
 
-    /// A draw was left out of a view that cannot show it.
+    /// Notes a draw that was left out of a view, as the view cannot show it.
     pub fn culled(&mut self, view: usize) {
         if let Some(count) = self.culled.get_mut(view) {
             *count += 1;
         }
     }
 
-    /// Draws issued to each view so far, and draws left out.
+    /// Returns for each view the number of draws that were issued to it so far, and the number of
+    /// draws that were left out.
     pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
         self.issued.iter().copied().zip(self.culled.iter().copied())
     }
 
-    /// Texels of each view that are closed for drawing, because no output samples them; empty where
-    /// none are.
+    /// Returns the number of texels of each view that are closed for drawing, because no output
+    /// samples them; empty if there are none.
     pub fn closed(&self) -> &[u64] {
         &self.closed
     }
@@ -146,27 +147,27 @@ impl DefaultFramebuffer {
         &self.outputs
     }
 
-    /// The views that need not be corrected.
+    /// Returns the cleared views, which need not be corrected.
     pub fn views_cleared(&self) -> Option<ClearedViews<'_>> {
         // A view with the program's own lens gets flat drawing, too.
         let followed =
             settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
-        // In turn a clear is that of one view.
+        // If views are drawn in turn, a clear is a clear of one view.
         let followed = followed && self.session.turns().is_none();
         self.content.views_cleared().filter(|_| followed)
     }
 
-    /// The correction.
+    /// Returns the backend that draws the correction.
     pub fn backend(&self) -> &GlBackend {
         &self.backend
     }
 
-    /// The texture with the atlas, one sample per pixel.
+    /// Returns the texture with the atlas, one sample per pixel.
     pub fn texture(&self) -> u32 {
         self.collected.as_ref().unwrap_or_else(|| self.readable()).texture()
     }
 
-    /// The framebuffer with the atlas, to be read from.
+    /// Returns the framebuffer with the atlas, to be read from.
     pub fn atlas_framebuffer(&self) -> u32 {
         self.collected.as_ref().unwrap_or_else(|| self.readable()).framebuffer()
     }
@@ -175,19 +176,20 @@ impl DefaultFramebuffer {
         self.resolved.as_ref().unwrap_or(&self.surface)
     }
 
-    /// The framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
+    /// Returns the framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
     pub fn readable_framebuffer(&self) -> u32 {
         self.readable().framebuffer()
     }
 
-    /// The objects that contexts do not share.
+    /// Returns the objects that contexts do not share.
     pub fn own_objects(&self) -> OwnObjects {
         let name = |surface: &Option<Surface>| surface.as_ref().map_or(0, Surface::framebuffer);
         let framebuffers = [self.surface.framebuffer(), name(&self.resolved), name(&self.collected)];
         OwnObjects { framebuffers, vertex_array: self.backend.vertex_array() }
     }
 
-    /// Makes those anew, in the current context, around the shared ones.
+    /// Makes new objects in the current context in place of those that contexts do not share. The
+    /// new objects use the shared ones.
     pub(in crate::intercept::gl) fn rehome(&mut self, gl: &Gl) -> Result<()> {
         self.surface.rehome(gl)?;
         for other in self.resolved.iter_mut().chain(&mut self.collected) {
@@ -207,7 +209,7 @@ impl DefaultFramebuffer {
     }
 }
 
-/// Names of a picture's objects in the context that drew it before.
+/// Names of objects in the context that used the stand-in before.
 pub struct OwnObjects {
     framebuffers: [u32; 3],
     vertex_array: u32,

@@ -1,7 +1,8 @@
-//! The window that a context draws to, and what stands in for its framebuffer.
+//! The window that a context draws to, and the stand-in for its framebuffer.
 //!
-//! [`window`] asks the window system for size and visibility, [`window_config`] tells format and
-//! samples. [`default_framebuffer`] is the atlas, [`cleared_views`] tells what its views hold.
+//! [`window`] asks the window system for size and visibility, [`window_config`] asks the driver for
+//! format and samples. [`default_framebuffer`] is the atlas, [`cleared_views`] notes which of its
+//! views are cleared.
 
 pub mod cleared_views;
 pub mod default_framebuffer;
@@ -17,25 +18,25 @@ use std::sync::Arc;
 /// Windows and framebuffers to which a context draws and from which it reads.
 #[derive(Default)]
 pub struct Drawable {
-    /// The window that it draws to.
+    /// Window that the context draws to.
     pub(in crate::intercept::gl) window: Option<Window>,
     /// Stand-in for the window's framebuffer; `None` = the window's own.
     target: Option<Box<DefaultFramebuffer>>,
-    /// The plan of a window that another context of the group draws, for a context without one:
-    /// what it draws off screen may be shown there.
+    /// Plan of the window of another context in the group, for a context without a window. That
+    /// window may show its off-screen drawing.
     pub(in crate::intercept::gl) borrowed_session: Option<Arc<Session>>,
-    /// Stand-ins for other windows to which it drew lately.
+    /// Stand-ins for other windows that the context drew to before.
     pub(in crate::intercept::gl) other_windows: Vec<(Window, Box<DefaultFramebuffer>)>,
-    /// Objects of pictures that were given to other contexts.
+    /// Objects of stand-ins that were given to other contexts.
     pub(in crate::intercept::gl) left_behind: Vec<OwnObjects>,
-    /// The program reads from another drawable than it draws to.
+    /// True if the program reads from another drawable than it draws to.
     pub(in crate::intercept::gl) reads_elsewhere: bool,
-    /// Nothing of the window could be seen after its last swap.
+    /// True if nothing of the window was visible after its last swap.
     pub(in crate::intercept::gl) occluded: bool,
-    /// Number of times that the window got the size that was asked for after the program had given
-    /// it another.
+    /// Number of times that Cupola gave the window the requested size after the program had given
+    /// it another size.
     pub(in crate::intercept::gl) resized: u32,
-    /// The accumulation buffer, once the program used it.
+    /// The accumulation buffer, once the program has used it.
     pub(in crate::intercept::gl) accumulation: Option<Accumulation>,
 }
 
@@ -45,22 +46,23 @@ impl Drawable {
         self.target.as_deref()
     }
 
-    /// The same, to be changed.
+    /// Returns the stand-in, to be changed.
     pub fn target_mut(&mut self) -> Option<&mut DefaultFramebuffer> {
         self.target.as_deref_mut()
     }
 
-    /// Takes it out, to be worked on beside the context, or to be given away.
+    /// Takes the stand-in out, to work on it beside the context or to give it away.
     pub fn take_target(&mut self) -> Option<Box<DefaultFramebuffer>> {
         self.target.take()
     }
 
-    /// Puts it in place of the window's framebuffer.
+    /// Puts the stand-in in place of the window's framebuffer.
     pub fn put_target(&mut self, target: Box<DefaultFramebuffer>) {
         self.target = Some(target);
     }
 
-    /// The plan of the window that is drawn, or for which is drawn.
+    /// Returns the plan of the window that the context draws to. A context without a window has the
+    /// plan of another context's window.
     pub fn session(&self) -> Option<&Session> {
         self.target.as_ref().map(|target| &*target.session).or(self.borrowed_session.as_deref())
     }

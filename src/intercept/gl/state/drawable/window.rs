@@ -1,4 +1,4 @@
-//! The program's window: its size, and whether it can be seen.
+//! The program's window: its size and its visibility.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::profile::Profile;
@@ -20,7 +20,7 @@ pub enum Window {
         display: usize,
         /// `GLXDrawable`.
         drawable: c_ulong,
-        /// The X11 window that it is, or is made for.
+        /// X11 window: the drawable itself, or the window for which it was made.
         x11: c_ulong,
         /// The driver's `glXQueryDrawable`.
         query: usize,
@@ -31,7 +31,7 @@ pub enum Window {
         display: usize,
         /// `EGLSurface`.
         surface: usize,
-        /// The X11 display and window below, where it is X11.
+        /// X11 display and X11 window of the surface, if the platform is X11.
         x11: Option<(usize, c_ulong)>,
         /// The driver's `eglQuerySurface`.
         query: usize,
@@ -41,10 +41,10 @@ pub enum Window {
 /// Size and visibility of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
-    /// Its size in pixels, at least 1 × 1.
+    /// Size in pixels, at least 1 × 1.
     pub size: (u32, u32),
-    /// Nothing of it can be seen: it, or a window that it lies in, is not mapped. Known of X11
-    /// windows only.
+    /// True if the window is not visible: the window or one of its parents is not mapped. Known for
+    /// X11 windows only.
     pub occluded: bool,
 }
 
@@ -54,7 +54,7 @@ const EGL_HEIGHT: i32 = 0x3056;
 const EGL_WIDTH: i32 = 0x3057;
 
 impl Window {
-    /// Returns the handle that its window system has for it.
+    /// Returns the window system's handle of the window.
     pub fn handle(&self) -> usize {
         match *self {
             Self::Glx { drawable, .. } => drawable as usize,
@@ -62,8 +62,8 @@ impl Window {
         }
     }
 
-    /// Returns its present size and visibility. This is one question to the X server where there is
-    /// one: the window systems' own would be two for the size alone.
+    /// Returns the present size and visibility of the window. On X11 this is one question to the X
+    /// server. GLX and EGL would ask two questions for the size alone.
     pub fn look(&self) -> Look {
         let x11 = match *self {
             Self::Glx { display, x11, .. } => x11_attributes(display, x11),
@@ -78,12 +78,12 @@ impl Window {
         Look { size, occluded: x11.is_some_and(|x11| x11.map_state != IS_VIEWABLE) }
     }
 
-    /// Its size in pixels, at least 1 × 1.
+    /// Returns the size in pixels, at least 1 × 1.
     pub fn size(&self) -> (u32, u32) {
         self.look().size
     }
 
-    /// Its size as GLX or EGL have it.
+    /// Returns the size according to GLX or EGL.
     fn asked_size(&self) -> (u32, u32) {
         match *self {
             Self::Glx { display, drawable, query, .. } => {
@@ -110,7 +110,7 @@ impl Window {
         }
     }
 
-    /// True if it has a back buffer; its own framebuffer must be bound for drawing.
+    /// True if the window has a back buffer. Its own framebuffer must be bound for drawing.
     pub fn double_buffered(&self, gl: &Gl, profile: &Profile) -> bool {
         if profile.es {
             return true;
@@ -121,7 +121,7 @@ impl Window {
         double != 0
     }
 
-    /// Gives its top-level X11 window this size; nothing happens where it is not X11.
+    /// Gives the top-level X11 window this size. Does nothing on other platforms.
     pub fn resize(&self, size: (u32, u32)) {
         let (display, window) = match *self {
             Self::Glx { display, x11, .. } => (display, x11),
@@ -162,26 +162,27 @@ struct Attributes {
     _screen: *mut c_void,
 }
 
-/// A window is mapped, and so are all that it lies in.
+/// `IsViewable` of X11: the window and all its parents are mapped.
 const IS_VIEWABLE: c_int = 2;
 
-/// The attributes of an X11 window; `None` where Xlib is missing or the server does not say.
+/// Returns the attributes of an X11 window; `None` if Xlib is missing or the server does not
+/// answer.
 fn x11_attributes(display: usize, window: c_ulong) -> Option<Attributes> {
     if display == 0 || window == 0 {
         return None;
     }
     let get = x11()?.get_window_attributes;
     let mut attributes = std::mem::MaybeUninit::<Attributes>::zeroed();
-    // SAFETY: display and window are live objects of the program; the answer has its place, of
-    // which zeros are valid, too.
+    // SAFETY: display and window are live objects of the program; there is room for the answer, and
+    // zeros are valid in it, too.
     unsafe {
         let ok = get(display as *mut c_void, window, attributes.as_mut_ptr());
         (ok != 0).then(|| attributes.assume_init())
     }
 }
 
-/// The few calls of Xlib that look at a window and place it. The program has it loaded; we link
-/// nothing.
+/// The functions of Xlib that examine and resize a window. The program has loaded Xlib; Cupola does
+/// not link it.
 struct X11 {
     query_tree:
         unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
@@ -216,8 +217,8 @@ impl X11 {
         // SAFETY: display and window are live objects of the program; XQueryTree's list is freed.
         unsafe {
             let mut top = window;
-            // Toolkits put the GL window into others; the outermost one below the root sets the
-            // size.
+            // Toolkits put the OpenGL window into other windows. The outermost one below the root
+            // determines the size.
             for _ in 0..16 {
                 let (mut root, mut parent, mut children, mut count) = (0, 0, std::ptr::null_mut(), 0);
                 if (self.query_tree)(display, top, &mut root, &mut parent, &mut children, &mut count) == 0 {

@@ -1,4 +1,4 @@
-//! Configuration of the window's own framebuffer, so that ours can be like it.
+//! Configuration of the window's own framebuffer, so that the stand-in can have the same.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::drawable::window::Window;
@@ -7,13 +7,13 @@ use crate::intercept::gl::state::driver::profile::Profile;
 /// The window's own framebuffer, as the program's configuration made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
-    /// It has a back buffer.
+    /// True if the framebuffer has a back buffer.
     pub double_buffered: bool,
     /// Samples per pixel; 0 = not multisampled.
     pub samples: i32,
-    /// It converts to sRGB where the program asks for it.
+    /// True if the framebuffer converts to sRGB when the program asks for it.
     pub srgb: bool,
-    /// Bits of red; the other colours have as many, or one more or less.
+    /// Bits of red. The other colours have the same number, or one more or less.
     pub red_bits: i32,
     /// Bits of alpha.
     pub alpha_bits: i32,
@@ -21,7 +21,7 @@ pub struct Config {
     pub depth_bits: i32,
     /// Bits of stencil.
     pub stencil_bits: i32,
-    /// Bits of each colour in the accumulation buffer; 0 = it has none.
+    /// Bits of each colour in the accumulation buffer; 0 = there is none.
     pub accumulation_bits: i32,
 }
 
@@ -60,7 +60,7 @@ impl Config {
                 depth_bits: ask(api::GL_DEPTH, api::GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE),
                 stencil_bits: ask(api::GL_STENCIL, api::GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE),
             };
-            // A window without depth or stencil makes the driver say an error for the question.
+            // If a window has no depth or stencil, the questions about them cause errors.
             while gl.get_error() != api::GL_NO_ERROR {}
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
             config

@@ -1,4 +1,4 @@
-//! The driver of a context: its functions, its version, the state that is set in it.
+//! The driver of a context: its functions, its version, and the state that is set in it.
 //!
 //! [`profile`] tells version and profile, [`window_space`] viewport and scissor.
 
@@ -15,24 +15,24 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The driver's side of a context.
 pub struct Driver {
-    /// Its functions.
+    /// Functions of the driver.
     pub(in crate::intercept::gl) gl: &'static Gl,
-    /// A number of the context's own, among all contexts of the process.
+    /// Number of the context, which no other context of the process has.
     pub(in crate::intercept::gl) id: u64,
     /// Version and profile of OpenGL.
     pub(in crate::intercept::gl) profile: Profile,
-    /// Viewport and scissor that are really set.
+    /// Viewport and scissor that are set in the driver.
     window_space: DriverState,
-    /// State that need not be asked for.
+    /// State that is known without asking the driver.
     pub(in crate::intercept::gl) known_state: KnownState,
-    /// An error of the program's that was taken out of the driver.
+    /// Error of the program that was taken out of the driver.
     pending_error: u32,
-    /// Its anisotropic filtering may never end.
+    /// True if the driver's anisotropic filtering may never end.
     pub(in crate::intercept::gl) endless_anisotropy: bool,
 }
 
 impl Driver {
-    /// The driver of a context that has just become current for the first time.
+    /// Returns the driver of a context that has just become current for the first time.
     pub fn new(gl: &'static Gl) -> Self {
         static CONTEXTS: AtomicU64 = AtomicU64::new(0);
         Self {
@@ -46,8 +46,8 @@ impl Driver {
         }
     }
 
-    /// Notes an error of the program's for its `glGetError`, unless there is an earlier one, noted
-    /// or in the driver.
+    /// Notes an error for the program's `glGetError`, unless there is an earlier error, noted or in
+    /// the driver.
     pub fn note_error(&mut self, error: u32) {
         self.take_errors();
         self.keep_first(error);
@@ -71,8 +71,8 @@ impl Driver {
         }
     }
 
-    /// `glGetError`. The first error counts until it is asked for; later ones are forgotten, as
-    /// drivers do.
+    /// Answers `glGetError`. The first error stays until the program asks for it. Later ones are
+    /// forgotten, as in drivers.
     pub fn error(&mut self) -> u32 {
         // SAFETY: asks for the error flag.
         let later = unsafe { self.gl.get_error() };
@@ -82,7 +82,7 @@ impl Driver {
         }
     }
 
-    /// Sets all viewports, if they are not so already.
+    /// Sets all viewports, unless the driver has them already.
     pub fn set_viewport(&mut self, rect: LowerLeftRect) {
         if self.window_space.viewport != Some(rect) {
             self.issue_viewport(rect);
@@ -115,7 +115,8 @@ impl Driver {
         self.forget_window_space(api::GL_VIEWPORT_BIT | api::GL_SCISSOR_BIT);
     }
 
-    /// Sets the scissor rectangle, if it is another one; the test stays as it is.
+    /// Sets the scissor rectangle, unless the driver has it already. The scissor test does not
+    /// change.
     pub fn set_scissor(&mut self, rect: LowerLeftRect) {
         if self.window_space.scissor != Some(rect) {
             self.issue_scissor(rect);
@@ -129,7 +130,7 @@ impl Driver {
         self.window_space.scissor = Some(rect);
     }
 
-    /// Switches the scissor test, if it is not so already.
+    /// Switches the scissor test, unless the driver has this setting already.
     pub fn set_scissor_test(&mut self, on: bool) {
         if self.window_space.scissor_test != Some(on) {
             self.issue_scissor_test(on);
@@ -149,13 +150,13 @@ impl Driver {
         self.window_space.scissor_test = Some(on);
     }
 
-    /// The scissor rectangle, where the test is known to be on.
+    /// Returns the scissor rectangle if the test is known to be on.
     pub fn scissor(&self) -> Option<LowerLeftRect> {
         self.window_space.scissor.filter(|_| self.window_space.scissor_test == Some(true))
     }
 
-    /// Viewport and scissor may be others now, as far as they are in the groups of `mask` (of
-    /// `glPopAttrib`).
+    /// Forgets viewport and scissor if they are in the groups of `mask` (of `glPopAttrib`), as they
+    /// may have changed.
     pub fn forget_window_space(&mut self, mask: u32) {
         self.window_space.forget(mask);
     }

@@ -6,15 +6,15 @@ use std::ffi::CStr;
 /// Version and profile of OpenGL in a context.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
-    /// OpenGL ES.
+    /// True for OpenGL ES.
     pub es: bool,
-    /// Desktop OpenGL without the fixed-function pipeline.
+    /// True for desktop OpenGL without the fixed-function pipeline.
     pub core: bool,
-    /// Major · 10 + minor.
+    /// Version: major · 10 + minor.
     pub version: u32,
-    /// Viewports and scissors by index.
+    /// True if viewports and scissors have indices.
     pub viewport_arrays: bool,
-    /// Limits that the driver keeps for viewports with an index.
+    /// Limits that the driver applies to viewports with an index.
     pub viewport_limits: ViewportLimits,
     /// Number of generic attributes of a vertex.
     pub generic_attributes: u32,
@@ -30,7 +30,7 @@ pub struct ViewportLimits {
 }
 
 impl Profile {
-    /// Desktop OpenGL with the fixed-function pipeline.
+    /// True for desktop OpenGL with the fixed-function pipeline.
     pub fn compatibility(&self) -> bool {
         !self.es && !self.core
     }
@@ -92,7 +92,7 @@ fn has_extension(gl: &Gl, name: &str) -> bool {
     }
 }
 
-/// True if the driver is such a renderer.
+/// True if the driver is llvmpipe, whose anisotropic filtering may never end.
 pub fn is_endless(gl: &Gl) -> bool {
     gl.text(api::GL_RENDERER).starts_with("llvmpipe")
 }

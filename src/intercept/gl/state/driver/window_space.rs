@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 
-/// State that is set in the driver, where known; saves redundant calls.
+/// State that is set in the driver, if it is known. It saves redundant calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DriverState {
     pub(super) viewport: Option<LowerLeftRect>,

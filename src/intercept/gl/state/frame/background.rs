@@ -6,11 +6,10 @@ use crate::intercept::gl::state::compat::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
 
-/// Least w of a point in a view: a point nearer to the plane of the view's eye is outside of the
-/// view.
+/// Least w of a point in a view. A point with a smaller w is outside of the view.
 const LEAST_W: f64 = 1e-6;
 
-/// The part of the panel that a viewport is: scale and offset of clip coordinates to the right and
+/// Part of the panel that a viewport covers: scale and offset of clip coordinates to the right and
 /// upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelPart {
@@ -25,7 +24,7 @@ impl Default for PanelPart {
 }
 
 impl PanelPart {
-    /// That of a viewport in a picture of this size.
+    /// Returns the part for a viewport in a picture of this size.
     pub fn of(viewport: LowerLeftRect, [width, height]: [i32; 2]) -> Self {
         let LowerLeftRect { x, y, width: across, height: up } = viewport;
         let part = |length: i32, all: i32| f64::from(length) / f64::from(all.max(1));
@@ -33,7 +32,7 @@ impl PanelPart {
         Self { scale, offset: std::array::from_fn(|i| 2.0 * start[i] + scale[i] - 1.0) }
     }
 
-    /// The rows of the whole panel, for this part.
+    /// Returns the matrix rows for this part, from those for the whole panel.
     fn rows(&self, rows: &ClipRows) -> ClipRows {
         let ([across, up], [right, above]) = (self.scale, self.offset);
         let row = |[x, y, w, q]: [f64; 4]| [x * across, y * up, x * right + y * above + w, q];
@@ -41,15 +40,15 @@ impl PanelPart {
     }
 }
 
-/// Order and matrices of flat drawing before the scene.
+/// Order and matrices of flat drawing that comes before the scene in a frame.
 #[derive(Default)]
 pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
     rows: Vec<ClipRows>,
     shader_rows: Vec<ReprojectionMatrix>,
-    /// The part of the panel that `rows` are for.
+    /// Part of the panel for which `rows` were computed.
     part: PanelPart,
-    /// The fixed-function projection that `per_view` is made from.
+    /// Fixed-function projection from which `per_view` was computed.
     matrix: Option<[f64; 16]>,
     per_view: Vec<[f64; 16]>,
 }
@@ -70,25 +69,25 @@ impl Background {
         self.order.end_frame();
     }
 
-    /// The views changed: nothing is valid any more.
+    /// Forgets all matrices, as the views have changed.
     pub fn clear(&mut self) {
         self.rows.clear();
         self.shader_rows.clear();
         self.matrix = None;
     }
 
-    /// A view's rows, for the program's shaders.
+    /// Returns the reprojection matrix of a view, for the program's shaders.
     pub fn shader_rows(&self, view: usize) -> Option<&ReprojectionMatrix> {
         self.shader_rows.get(view)
     }
 
-    /// A view's projection, for the fixed-function pipeline.
+    /// Returns the projection of a view, for the fixed-function pipeline.
     pub fn projection(&self, view: usize) -> Option<&[f64; 16]> {
         self.per_view.get(view)
     }
 
-    /// Returns the rectangle of the panel's part in a tile of view `view`: the least one around the
-    /// points of it that lie before the view's eye.
+    /// Returns the rectangle of the panel's part in a tile of view `view`: the smallest one around
+    /// those points of the part that are in front of the eye.
     pub fn within(&self, view: usize, tile: LowerLeftRect) -> LowerLeftRect {
         let Some(rows) = self.rows.get(view) else { return tile };
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
@@ -96,7 +95,8 @@ impl Background {
         let (mut least, mut most) = ([1.0_f64; 2], [-1.0_f64; 2]);
         for (i, from) in corners.iter().enumerate() {
             let to = &corners[(i + 1) % 4];
-            // The corner, and where the side to the next one passes the eye's plane.
+            // The corner, and the point at which the side to the next corner crosses the plane of
+            // the eye.
             let crosses = (from[2] > LEAST_W) != (to[2] > LEAST_W);
             let part = if crosses { (LEAST_W - from[2]) / (to[2] - from[2]) } else { 0.0 };
             let crossing: [f64; 3] = std::array::from_fn(|k| from[k] + part * (to[k] - from[k]));

@@ -1,4 +1,4 @@
-//! Times of frames on the device, by timestamps that are read when they are there.
+//! Times of frames on the device. Timestamps are read when they are available.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::profile::Profile;
@@ -6,28 +6,28 @@ use crate::intercept::gl::state::queries;
 use crate::runtime::frame_times::FrameTimes;
 use std::time::Duration;
 
-/// Number of frames that are measured at the same time; more are not measured.
+/// Greatest number of frames that are measured at the same time.
 const FRAMES: usize = 4;
 
-/// Timestamps of a frame: at its begin, when all is drawn, when it is corrected.
+/// Number of timestamps of a frame: at its begin, after drawing, and after the correction.
 const MOMENTS: usize = 3;
 
-/// Timestamps.
+/// Timestamps of the latest frames.
 #[derive(Default)]
 pub struct DeviceTimes {
-    /// Objects of each frame on its way; empty where the driver has no timestamps.
+    /// Query objects of the frames that are being measured; empty if the driver has no timestamps.
     objects: Vec<[u32; MOMENTS]>,
-    /// Number of the frame that is drawn, and of the oldest one that was not read.
+    /// Number of the present frame; `oldest`: number of the oldest frame that was not read.
     frame: usize,
     oldest: usize,
-    /// Timestamps of this frame that were written.
+    /// Number of timestamps of this frame that were written.
     written: usize,
-    /// A buffer may be bound that results go to.
+    /// True if results of queries may go to a buffer that is bound.
     has_result_buffer: bool,
 }
 
 impl DeviceTimes {
-    /// For the current context.
+    /// Returns the timestamps of the current context.
     pub fn new(gl: &Gl, profile: &Profile) -> Self {
         let mut times = Self { has_result_buffer: profile.version >= 44, ..Self::default() };
         if !profile.es && profile.version >= 33 {
@@ -37,7 +37,7 @@ impl DeviceTimes {
         times
     }
 
-    /// A frame begins; `times` gets those of frames that the device has finished.
+    /// Begins a frame. `times` gets the times of frames that the device has finished.
     pub fn begin(&mut self, gl: &Gl, times: &mut FrameTimes) {
         self.written = 0;
         if !self.objects.is_empty() {
@@ -46,12 +46,12 @@ impl DeviceTimes {
         self.mark(gl, 0);
     }
 
-    /// All draws of the frame are issued.
+    /// Notes that all draws of the frame are issued.
     pub fn drawn(&mut self, gl: &Gl) {
         self.mark(gl, 1);
     }
 
-    /// The correction is issued.
+    /// Notes that the correction is issued.
     pub fn corrected(&mut self, gl: &Gl) {
         self.mark(gl, 2);
         if self.written == MOMENTS {

@@ -5,13 +5,13 @@ use crate::runtime::session::Extras;
 /// Number of draws, as seen so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DrawCount {
-    /// Draws seen when the frame began.
+    /// Number of draws before the present frame.
     before: u64,
-    /// Draws of the last frame.
+    /// Number of draws of the last frame.
     last: u64,
-    /// Frames with about as many draws.
+    /// Number of frames in a row with about the same number of draws.
     steady: u32,
-    /// The program tests stencils, which may have to outlast a frame.
+    /// True if the program tests stencils, which may have to outlast a frame.
     pub(in crate::intercept::gl) stencil: bool,
     /// Number of draws for which the views are planned, once it is known.
     pub(in crate::intercept::gl) draws: Option<u32>,
@@ -29,12 +29,12 @@ impl DrawCount {
         (self.before, self.last) = (seen, draws);
     }
 
-    /// The program switched the stencil test on.
+    /// Notes that the program switched the stencil test on.
     pub fn note_stencil(&mut self) {
         self.stencil = true;
     }
 
-    /// The number of draws to plan for, a power of two; once, when it is known.
+    /// Returns the number of draws to plan for, a power of two. Returns it once, when it is known.
     pub(in crate::intercept::gl) fn take(&mut self) -> Option<u32> {
         if self.draws.is_some() || self.steady < STEADY_FRAMES {
             return None;
@@ -43,14 +43,15 @@ impl DrawCount {
         self.draws
     }
 
-    /// `extras` with the number of draws, once it is known: views that did not depend on it may do
-    /// so for another rig.
+    /// Returns `extras` with the number of draws, if it is known. Views that did not depend on the
+    /// number may depend on it for another rig.
     pub fn extras(&self, extras: Extras) -> Extras {
         Extras { draws: self.draws.or(extras.draws), ..extras }
     }
 }
 
-/// Fewest draws for which views are planned: the other costs of a view are worth as many.
+/// Fewest draws for which views are planned. The other costs of a view equal those of this number
+/// of draws.
 pub(in crate::intercept::gl) const FEWEST: u32 = 16;
 pub(in crate::intercept::gl) const MOST: u32 = 1 << 14;
 

@@ -2,17 +2,18 @@
 
 use std::time::{Duration, Instant};
 
-/// Count of recent flushes, which limits the number of them that are answered.
+/// Count of recent flushes. It limits the number of flushes that are answered.
 #[derive(Default)]
 pub struct FrontBufferThrottle {
     begun: Option<Instant>,
     shown: u32,
 }
 
-/// Flushes are counted over this long.
+/// Time over which flushes are counted.
 pub(in crate::intercept::gl) const SPAN: Duration = Duration::from_millis(16);
 
-/// More flushes in a span than this are those of a program that flushes after each primitive.
+/// Greatest number of flushes in a span that are answered. More flushes come from a program that
+/// flushes after each primitive.
 pub(in crate::intercept::gl) const MOST: u32 = 8;
 
 impl FrontBufferThrottle {

@@ -1,7 +1,7 @@
-//! The frame that is drawn, and what is known from those before it.
+//! The present frame, and facts that are known from earlier frames.
 //!
-//! [`background`] tells flat drawing before the scene from what is on the panel, [`draw_count`]
-//! tells the number of draws, [`front_buffer`] limits flushes, [`statistics`] counts for `--stats`,
+//! [`background`] separates flat drawing before the scene from drawing on the panel, [`draw_count`]
+//! counts draws, [`front_buffer`] limits flushes. [`statistics`] counts for `--stats`,
 //! [`device_times`] measures for it, [`publishing`] reads pictures back for other processes.
 
 pub mod background;
@@ -28,7 +28,7 @@ use std::sync::{Arc, Mutex};
 /// State of a window's frames.
 #[derive(Default)]
 pub struct Frame {
-    /// Something was drawn since the last swap.
+    /// True if something was drawn since the last swap.
     pub(in crate::intercept::gl) begun: bool,
     /// Flat drawing behind the scene.
     pub(in crate::intercept::gl) background: Background,
@@ -36,27 +36,27 @@ pub struct Frame {
     pub(in crate::intercept::gl) cameras: Cameras,
     /// The lens of the last draw of the scene.
     pub(in crate::intercept::gl) lens: Option<Intrinsics>,
-    /// Largest viewport (area) that a scene was drawn to: in this frame, and in the last one.
+    /// Area of the largest viewport that a scene was drawn to: in this frame, and in the last one.
     viewport_area: [i64; 2],
     /// Number of draws.
     pub(in crate::intercept::gl) draw_count: DrawCount,
     /// Limit of the flushes of the front buffer that are answered.
     pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
-    /// Corrections in a row in which the driver reported an error.
+    /// Number of corrections in a row in which the driver reported an error.
     pub(in crate::intercept::gl) failed_corrections: u32,
-    /// Test whether nothing of the program is a scene.
+    /// Test whether the program draws no scene.
     pub(in crate::intercept::gl) flat_program: FlatProgram,
-    /// Test whether the program leaves out what it does not see itself.
+    /// Test whether the program leaves out objects beside its own picture.
     pub(in crate::intercept::gl) culling_program: CullingProgram,
-    /// Something of a scene was ever shown in the window.
+    /// True if a scene was ever shown in the window.
     shows_scene: bool,
-    /// In turn: a scene was drawn off screen in this frame.
+    /// For views that are drawn in turn: true if a scene was drawn off screen in this frame.
     pub(in crate::intercept::gl) scene_off_screen: bool,
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
     /// Times for `--stats`; `None` if they are not asked for.
     pub(in crate::intercept::gl) times: Option<Times>,
-    /// Read-back of what is published; `None` if nothing is.
+    /// Read-back of the published pictures; `None` if none are published.
     pub(in crate::intercept::gl) publishing: Option<Box<Publishing>>,
 }
 
@@ -75,24 +75,25 @@ impl Frame {
         self.viewport_area[0] = self.viewport_area[0].max(area);
     }
 
-    /// Notes that something of a scene is shown in the window.
+    /// Notes that a scene is shown in the window.
     pub fn note_scene(&mut self) {
         self.background.note_scene();
         self.shows_scene = true;
     }
 
-    /// True if something of a scene was ever shown in the window.
+    /// True if a scene was ever shown in the window.
     pub fn shows_scene(&self) -> bool {
         self.shows_scene
     }
 
-    /// The window may have got another size.
+    /// Forgets the viewports, as the window may have another size now.
     pub fn forget_viewports(&mut self) {
         self.viewport_area = [0; 2];
     }
 
-    /// Area of the program's main viewport; 0 = not known. In the first frame the first viewport
-    /// counts: the window may just have got another size.
+    /// Returns the area of the program's main viewport; 0 = not known. It is the largest viewport of
+    /// the last frame. In the first frame, and after a change of the window's size, it is the
+    /// largest viewport so far in the present frame.
     pub fn main_area(&self) -> i64 {
         if self.viewport_area[1] > 0 { self.viewport_area[1] } else { self.viewport_area[0] }
     }

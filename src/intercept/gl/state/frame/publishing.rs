@@ -1,5 +1,5 @@
-//! Read-back of the pictures that are published, by buffers that are read when the device has
-//! filled them.
+//! Read-back of the pictures that are published. Each frame is read into a buffer, which is read
+//! when the device has filled it.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -11,48 +11,49 @@ use crate::runtime::session::Session;
 use std::ffi::c_void;
 use std::sync::Arc;
 
-/// Number of frames that are read back at the same time; more are left out.
+/// Greatest number of frames that are read back at the same time. Other frames are left out.
 const FRAMES: usize = 3;
 
-/// Nanoseconds of one wait for the device.
+/// Duration of one wait for the device, in nanoseconds.
 const WAIT: u64 = 1_000_000_000;
 
-/// A frame on its way.
+/// A frame that is being read back.
 #[derive(Clone, Copy, Debug, Default)]
 struct Transfer {
     buffer: u32,
-    /// The address of its fence; 0 = nothing is on its way.
+    /// Address of its fence; 0 = no frame is being read back.
     fence: usize,
     stamp: Stamp,
 }
 
 /// Source of the pictures of one window.
 pub struct Publishing {
-    /// The plan that it belongs to; `None`: the window is left alone.
+    /// Plan of the window; `None`: the window is not corrected.
     pub(in crate::intercept::gl) session: Option<Arc<Session>>,
     /// Size of the window.
     pub(in crate::intercept::gl) window: (u32, u32),
     shapes: Vec<Shape>,
-    /// Place from which each picture is read.
+    /// Framebuffer and rectangle from which each picture is read.
     places: Vec<Target>,
-    /// For outputs that are drawn beside the window: the place of each output of the plan, empty
-    /// where it is not drawn.
+    /// Targets of outputs that are drawn outside the window, by their index in the plan. The
+    /// rectangle is empty if the output is not drawn.
     pub(in crate::intercept::gl) targets: Vec<Target>,
     canvases: Vec<OwnFramebuffer>,
     /// First byte of each picture.
     offsets: Vec<usize>,
     bytes: usize,
     transfers: [Transfer; FRAMES],
-    /// Numbers of the next transfer and of the oldest on its way.
+    /// Number of the next transfer; `oldest`: number of the oldest transfer that is not finished.
     next: usize,
     oldest: usize,
-    /// Without buffers and fences the pictures are read to this.
+    /// Memory for the pictures, if the context has no buffers and fences.
     memory: Option<Vec<u8>>,
 }
 
 impl Publishing {
-    /// `pictures`: name and place of each in the window; `beside`: name, index in the plan, and
-    /// size of each that is drawn elsewhere. `later`: the context has buffers and fences.
+    /// Returns the source of a window's pictures. `pictures`: name and rectangle of each picture in
+    /// the window. `beside`: name, index in the plan, and size of each picture that is drawn
+    /// outside the window. `later`: the context has buffers and fences.
     pub fn new(
         gl: &Gl,
         (session, window): (Option<Arc<Session>>, (u32, u32)),
@@ -97,7 +98,7 @@ impl Publishing {
 
     fn add(&mut self, name: String, place: Target) {
         let LowerLeftRect { width, height, .. } = place.viewport;
-        // Of an output outside of the window there is nothing to read.
+        // An output outside of the window has nothing to read.
         if let (Ok(width @ 1..), Ok(height @ 1..)) = (u32::try_from(width), u32::try_from(height)) {
             self.shapes.push(Shape { name, size: (width, height) });
             self.places.push(place);
@@ -111,7 +112,7 @@ impl Publishing {
             transfer.buffer = own_names::buffer(gl);
             bound(gl, transfer.buffer, || {
                 let size = self.bytes as isize;
-                // SAFETY: room for a buffer of Cupola, which is bound.
+                // SAFETY: gives storage to a buffer of Cupola, which is bound.
                 unsafe { gl.buffer_data(api::GL_PIXEL_PACK_BUFFER, size, std::ptr::null(), api::GL_STREAM_READ) };
             });
         }
@@ -122,8 +123,9 @@ impl Publishing {
         self.shapes.is_empty()
     }
 
-    /// Reads the pictures of a frame; they are published when the device has copied them. Pixel
-    /// storage must be without gaps; leaves bindings of pixel buffer and read framebuffer changed.
+    /// Reads the pictures of a frame. They are published when the device has copied them. Pixel
+    /// storage must be without gaps. The bindings of pixel buffer and read framebuffer are not put
+    /// back.
     pub fn read(&mut self, gl: &Gl, stamp: Stamp) {
         if let Some(mut memory) = self.memory.take() {
             self.read_to(gl, 0, memory.as_mut_ptr().cast());
@@ -143,7 +145,7 @@ impl Publishing {
         self.next += 1;
     }
 
-    /// Reads to a buffer, or to memory from `to` on if that is 0.
+    /// Reads into a buffer or, if `buffer` is 0, into memory from `to` on.
     fn read_to(&self, gl: &Gl, buffer: u32, to: *mut c_void) {
         // SAFETY: the buffer, or the memory, has room for all pictures.
         unsafe {
@@ -157,7 +159,7 @@ impl Publishing {
         }
     }
 
-    /// Publishes what the device has copied; `all`: waits for the rest.
+    /// Publishes the frames that the device has copied; `all`: waits for the others, too.
     pub fn publish(&mut self, gl: &Gl, all: bool) {
         while self.oldest < self.next {
             let Transfer { buffer, fence, stamp } = self.transfers[self.oldest % FRAMES];
@@ -170,7 +172,7 @@ impl Publishing {
                 api::GL_TIMEOUT_EXPIRED => break,
                 _ => publishing::left_out(),
             }
-            // SAFETY: as above; it is not used any more.
+            // SAFETY: as above; the fence is not used any more.
             unsafe { gl.delete_sync(fence) };
             self.oldest += 1;
         }
@@ -203,7 +205,8 @@ impl Publishing {
         }
     }
 
-    /// Publishes what is on its way, and deletes everything in the context, which must be current.
+    /// Publishes the frames that are being read back, and deletes everything. The context must be
+    /// current.
     pub fn destroy(mut self, gl: &Gl) {
         self.publish(gl, true);
         for transfer in self.transfers.iter().filter(|transfer| transfer.buffer != 0) {

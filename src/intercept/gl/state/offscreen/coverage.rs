@@ -1,10 +1,10 @@
-//! Flat draws to the window that sample images that are followed, and flat draws into such images.
+//! Flat draws to the window that sample followed images, and flat draws into such images.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::offscreen::images::Set;
 
-/// Flat draws to the window that sample images which are followed, and flat draws into such images.
+/// Flat draws to the window that sample followed images, and flat draws into such images.
 #[derive(Default)]
 pub struct Coverage(pub(in crate::intercept::gl) Vec<Kind>);
 
@@ -24,7 +24,7 @@ pub(in crate::intercept::gl) struct Kind {
 pub(in crate::intercept::gl) enum State {
     /// Not measured yet.
     New,
-    /// The query's name and the samples of the whole window.
+    /// Name of the query, and number of samples of the whole window or image.
     Measured(u32, i64),
     Known(bool),
 }
@@ -32,21 +32,21 @@ pub(in crate::intercept::gl) enum State {
 /// The measurement of one draw.
 #[derive(Clone, Copy)]
 pub struct Measure {
-    /// Its kind, by its place in the list.
+    /// Index of the draw's kind in the list.
     pub(in crate::intercept::gl) kind: usize,
-    /// Number of samples that there are.
+    /// Number of samples of the whole window or image.
     pub(in crate::intercept::gl) all: i64,
 }
 
 impl Coverage {
-    /// Images have other places in the list, or the window has another size.
+    /// Forgets all kinds, as images have other indices in the list or the window has another size.
     pub fn clear(&mut self, gl: &Gl) {
         for kind in self.0.drain(..) {
             kind.destroy(gl);
         }
     }
 
-    /// A frame ended: asks for the results. `true` if any came.
+    /// Ends a frame and reads the results. Returns true if there were any.
     pub fn end_frame(&mut self, gl: &Gl, mut found: impl FnMut(Set)) -> bool {
         let mut any = false;
         for kind in &mut self.0 {

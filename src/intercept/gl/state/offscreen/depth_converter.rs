@@ -4,8 +4,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name, with_texture};
 
-/// A depth texture of Cupola, and a framebuffer of it alone: `glBlitFramebuffer` copies depth
-/// between equal formats only, and `glCopyTexSubImage2D` converts.
+/// A depth texture of Cupola, and a framebuffer with this texture alone. `glBlitFramebuffer` copies
+/// depth between equal formats only; `glCopyTexSubImage2D` converts.
 pub struct DepthConverter {
     framebuffer: u32,
     texture: u32,
@@ -14,14 +14,15 @@ pub struct DepthConverter {
 }
 
 impl DepthConverter {
-    /// One for rectangles of this size (width, height) of the read framebuffer that become this
-    /// sized format. Bindings are put back; errors may be left. `None` where the driver gives none.
+    /// Returns a converter for rectangles of this size (width, height) of the read framebuffer,
+    /// into this sized format. Bindings are put back; errors may be left. `None` if the driver
+    /// gives none.
     pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
         let mut converter = Self { framebuffer: 0, texture: own_names::texture(gl), size, format };
         let level = Name::Texture { name: converter.texture, target: api::GL_TEXTURE_2D, level: 0 };
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, converter.texture, || {
-            // SAFETY: gives our texture storage. A copy reads no memory of the program, whatever is
-            // bound there.
+            // SAFETY: gives Cupola's texture storage. A copy reads no memory of the program,
+            // whatever is bound there.
             unsafe { gl.copy_tex_image2_d(api::GL_TEXTURE_2D, 0, format, 0, 0, size[0], size[1], 0) };
         });
         // SAFETY: makes an object of Cupola; the bindings are put back.
@@ -43,23 +44,23 @@ impl DepthConverter {
         None
     }
 
-    /// True if it is for this size and format.
+    /// True if the converter is for this size and format.
     pub fn is(&self, size: [i32; 2], format: u32) -> bool {
         self.size == size && self.format == format
     }
 
-    /// Its sized format.
+    /// Returns the sized format.
     pub fn format(&self) -> u32 {
         self.format
     }
 
-    /// Copies from the read framebuffer to the draw framebuffer: what is between the corners `from`
-    /// of the rectangle with the lower left corner `[x, y]`, to what is between `to`. Bindings are
-    /// put back.
+    /// Copies from the read framebuffer to the draw framebuffer. The source is the rectangle with
+    /// the lower left corner `[x, y]`. Its part between the corners `from` goes to the rectangle
+    /// between the corners `to`. Bindings are put back.
     pub fn convert(&self, gl: &Gl, [x, y]: [i32; 2], from: [i32; 4], to: [i32; 4]) {
         let [width, height] = self.size;
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, self.texture, || {
-            // SAFETY: our texture is bound.
+            // SAFETY: Cupola's texture is bound.
             unsafe { gl.copy_tex_sub_image2_d(api::GL_TEXTURE_2D, 0, 0, 0, x, y, width, height) };
         });
         // SAFETY: a framebuffer of Cupola; the binding is put back.
@@ -72,7 +73,7 @@ impl DepthConverter {
         }
     }
 
-    /// Deletes it.
+    /// Deletes the texture and the framebuffer.
     pub fn destroy(&self, gl: &Gl) {
         // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {

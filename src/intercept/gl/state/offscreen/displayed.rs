@@ -1,4 +1,4 @@
-//! Images that are drawn once per view, as flat draws show them.
+//! Flat draws that show images which are drawn once per view.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
@@ -7,20 +7,21 @@ use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 
 /// Effect of a flat draw to the window.
 pub enum Shows {
-    /// It fills the window with pictures that are drawn once per view.
+    /// The draw fills the window with pictures that are drawn once per view.
     Pictures(Set),
-    /// It is flat, and to be measured.
+    /// The draw is flat, and has to be measured.
     Unknown(Measure),
-    /// It is flat.
+    /// The draw is flat.
     Nothing,
 }
 
-/// Pictures of the window's size, one for each view, into which it is shown: there each texel that
-/// the program samples has its pixel, and `gl_FragCoord` is what it would be in the window.
+/// Pictures of the window's size, one for each view, into which such a draw goes. In them each
+/// texel that the program samples has its own pixel, and `gl_FragCoord` has the same value as in
+/// the window.
 #[derive(Default)]
 pub struct DisplayedPictures {
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
-    /// The number of the window's draws after which the canvases had what the views have.
+    /// Number of the window's draws after which these pictures had the same content as the views.
     pub(in crate::intercept::gl) current: Option<u64>,
 }
 

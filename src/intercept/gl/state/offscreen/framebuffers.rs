@@ -1,66 +1,66 @@
-//! The program's framebuffers that it draws into, their attachments, and the framebuffers of Cupola
-//! that stand for them.
+//! The framebuffers that the program draws into, their attachments, and the framebuffers of Cupola
+//! that replace them.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Image, Name};
 use crate::intercept::scene::obstacle::Obstacle;
 
-/// The most colour attachments that are followed.
+/// Greatest number of colour attachments that are followed.
 pub const COLOURS: usize = 8;
 
 /// Images that are attached to a framebuffer: colours, depth, stencil.
 pub type Attachments = [Option<Name>; COLOURS + 2];
 
-/// Places of depth and stencil in [`Attachments`].
+/// Indices of depth and stencil in [`Attachments`].
 const DEPTH: usize = COLOURS;
 const STENCIL: usize = COLOURS + 1;
 
-/// A framebuffer of the program's.
+/// A framebuffer of the program.
 pub struct Framebuffer {
     /// Its OpenGL name.
     pub name: u32,
-    /// Attached images, where they are `known`.
+    /// Attached images, if they are `known`.
     pub attachments: Attachments,
-    /// Nothing was changed since `attachments` were asked for.
+    /// True if nothing was changed since the driver was asked for `attachments`.
     pub known: bool,
-    /// Reason that keeps it from being drawn once per view, whatever is drawn.
+    /// Reason why nothing in the framebuffer can be drawn once per view.
     pub obstacle: Option<Obstacle>,
-    /// The framebuffer of Cupola with the view copies of what is attached; 0 = none.
+    /// Framebuffer of Cupola with the view copies of the attached images; 0 = none.
     pub view_copy: u32,
-    /// A scene was drawn to it since it was cleared.
+    /// True if a scene was drawn to the framebuffer since it was cleared.
     pub has_scene: bool,
 }
 
 impl Framebuffer {
-    /// One of which nothing is known.
+    /// Returns a framebuffer of which nothing is known.
     pub fn new(name: u32) -> Self {
         Self { name, attachments: [None; COLOURS + 2], known: false, obstacle: None, view_copy: 0, has_scene: false }
     }
 
-    /// The images that are attached.
+    /// Returns the attached images.
     pub fn images(&self) -> impl Iterator<Item = Name> + '_ {
         self.attachments.iter().flatten().copied()
     }
 
-    /// True if any of its images is drawn once per view, of these.
+    /// True if any attached image is drawn once per view. `images` are the followed images.
     pub fn has_view_copies(&self, images: &[Image]) -> bool {
         let has_view_copy = |name: Name| images.iter().any(|image| image.name == name && image.view_copy.is_some());
         self.known && self.obstacle.is_none() && self.images().any(has_view_copy)
     }
 
-    /// The depth image that is attached.
+    /// Returns the attached depth image.
     pub fn depth(&self) -> Option<Name> {
         self.attachments[DEPTH]
     }
 
-    /// The colour images that are attached.
+    /// Returns the attached colour images.
     pub fn colours(&self) -> impl Iterator<Item = Name> + '_ {
         self.attachments[..COLOURS].iter().flatten().copied()
     }
 
-    /// Asks the driver what is attached, while the framebuffer is bound for drawing, and adds
-    /// images that are new to `images`. Errors may be left.
+    /// Asks the driver for the attached images, and adds new images to `images`. The framebuffer
+    /// must be bound for drawing. Errors may be left.
     pub fn examine(&mut self, gl: &Gl, images: &mut Vec<Image>) {
         self.known = true;
         self.obstacle = None;
@@ -88,8 +88,8 @@ impl Framebuffer {
         }
     }
 
-    /// Makes the framebuffer of Cupola, of images that all have view copies. Bindings are put back;
-    /// errors may be left.
+    /// Makes the framebuffer of Cupola. All attached images must have view copies. Bindings are put
+    /// back; errors may be left. Returns false if the driver gives no such framebuffer.
     pub fn make_view_copy(&mut self, gl: &Gl, view_copy_of: impl Fn(Name) -> Option<u32>) -> bool {
         let mut buffers = [api::GL_NONE; COLOURS];
         // SAFETY: makes an object of Cupola; the bindings are put back.
@@ -131,7 +131,7 @@ impl Framebuffer {
     }
 }
 
-/// The point of attachment at an index of [`Attachments`].
+/// Returns the attachment point at an index of [`Attachments`].
 fn point(index: usize) -> u32 {
     match index {
         DEPTH => api::GL_DEPTH_ATTACHMENT,
@@ -147,7 +147,7 @@ enum Attached {
     Other(&'static str),
 }
 
-/// Looks at a point of the framebuffer that is bound for drawing.
+/// Examines an attachment point of the framebuffer that is bound for drawing.
 fn look(gl: &Gl, point: u32) -> Attached {
     let ask = |what: u32| {
         let mut answer = 0;

@@ -6,10 +6,10 @@ use crate::backend::gl::driver::own_names;
 use crate::backend::gl::objects::surface::greatest_texture;
 use crate::correct::LowerLeftRect;
 
-/// An image of the program's.
+/// An image of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Name {
-    /// A level of a texture, and what it is bound to.
+    /// A level of a texture, and the target of the texture.
     Texture {
         /// Its OpenGL name.
         name: u32,
@@ -34,26 +34,26 @@ pub struct Image {
     pub format: u32,
     /// Its parts, as for `glBlitFramebuffer`: colour, or depth and stencil.
     pub mask: u32,
-    /// It gets perspective draws that look like the scene's.
+    /// True if the image gets perspective draws that have the shape of the window.
     pub scene: bool,
-    /// It gets perspective draws of another shape: a shadow map, say.
+    /// True if the image gets perspective draws of another shape, for example a shadow map.
     pub other_shape: bool,
-    /// Copies of the window are made into it.
+    /// True if the window is copied into the image.
     pub copies_window: bool,
-    /// It fills the window when it is shown.
+    /// True if the image fills the window when it is shown.
     pub displayed: bool,
-    /// Images that it is made from.
+    /// Images from which this image is made.
     pub reads: Vec<Name>,
-    /// The program reads it back.
+    /// True if the program reads the image back.
     pub read_back: bool,
-    /// Compute shaders make something of it that would have to be there for each view, and cannot
-    /// be.
+    /// True if compute shaders make something from the image that is needed for each view but
+    /// cannot be made for each view.
     pub lost: bool,
-    /// The program makes smaller pictures of it (`glGenerateMipmap`).
+    /// True if the program makes smaller pictures of the image (`glGenerateMipmap`).
     pub mipmapped: bool,
-    /// The driver gives no view copy.
+    /// True if the driver gives no view copy.
     pub refused: bool,
-    /// View copy that is drawn into in its place.
+    /// View copy into which draws go instead of the image.
     pub view_copy: Option<ViewCopy>,
 }
 
@@ -61,18 +61,18 @@ pub struct Image {
 pub struct ViewCopy {
     /// The renderbuffer with the tiles.
     pub renderbuffer: u32,
-    /// Framebuffers to copy by, of each context that did.
+    /// Framebuffers for copies, of each context that has copied.
     pairs: Vec<Pair>,
-    /// Places of the tiles.
+    /// Positions of the tiles.
     pub grid: TileGrid,
     /// Index of the tile whose content the program's image has.
     holds: Option<usize>,
 }
 
-/// Framebuffers of one context: with the view copy, and with the program's image.
+/// Framebuffers of one context: `ours` with the view copy, and `own` with the program's image.
 #[derive(Clone, Copy)]
 pub struct Pair {
-    /// The context that has them.
+    /// Number of the context.
     pub context: u64,
     ours: u32,
     own: u32,
@@ -104,7 +104,7 @@ impl TileGrid {
         [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
     }
 
-    /// A tile.
+    /// Returns a tile.
     pub fn tile(&self, index: usize) -> LowerLeftRect {
         let (index, [width, height]) = (index as i32, self.size);
         LowerLeftRect::new(index % self.columns * width, index / self.columns * height, width, height)
@@ -112,9 +112,9 @@ impl TileGrid {
 }
 
 impl Image {
-    /// An image of which nothing is known but what the driver says. `None` if it is none that can
-    /// have a view copy: a layer, a face of a cube, no image at all. Bindings are put back; errors
-    /// may be left.
+    /// Returns an image with the facts that the driver gives. `None` if the image cannot have a
+    /// view copy: a layer, a face of a cube, or no image at all. Bindings are put back; errors may
+    /// be left.
     pub fn examine_texture(gl: &Gl, texture: u32, level: i32) -> Option<Self> {
         let targets = [
             (api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D),
@@ -142,7 +142,7 @@ impl Image {
         })
     }
 
-    /// As [`Image::examine_texture`].
+    /// As [`Image::examine_texture`], for a renderbuffer.
     pub fn examine_renderbuffer(gl: &Gl, renderbuffer: u32) -> Option<Self> {
         let names = [
             api::GL_RENDERBUFFER_WIDTH,
@@ -167,8 +167,8 @@ impl Image {
         Self::new(Name::Renderbuffer(renderbuffer), answers)
     }
 
-    /// An image of which nothing is known yet but the answers: width, height, samples, format, bits
-    /// of red, depth and stencil.
+    /// Returns an image with the facts of the driver's answers: width, height, samples, format,
+    /// bits of red, depth and stencil.
     pub(in crate::intercept::gl) fn new(name: Name, answers: [i32; 7]) -> Option<Self> {
         let [width, height, samples, format, red, depth, stencil] = answers;
         let mut mask = 0;
@@ -200,7 +200,7 @@ impl Image {
         })
     }
 
-    /// It holds colours.
+    /// True if the image holds colours.
     pub fn is_colour(&self) -> bool {
         self.mask & api::GL_COLOR_BUFFER_BIT != 0
     }
@@ -210,7 +210,7 @@ impl Image {
         matches!(self.name, Name::Texture { name: own, .. } if own == name)
     }
 
-    /// The point of a framebuffer that it is attached to when it is copied.
+    /// Returns the attachment point of the image in a framebuffer for copies.
     fn point(&self) -> u32 {
         match self.mask {
             api::GL_COLOR_BUFFER_BIT => api::GL_COLOR_ATTACHMENT0,
@@ -220,8 +220,8 @@ impl Image {
         }
     }
 
-    /// Makes the view copy with `count` grid, in the context `context`, which is current. All
-    /// bindings are put back; errors may be left. `false` if the driver gives none.
+    /// Makes the view copy with `count` tiles in the context `context`, which must be current. All
+    /// bindings are put back; errors may be left. Returns false if the driver gives none.
     pub fn make_view_copy(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
         let grid = TileGrid::new(self.size, count);
         let [width, height] = grid.extent(count);
@@ -249,15 +249,15 @@ impl Image {
             self.destroy_view_copy(gl, context);
             return false;
         }
-        // What it holds already is in every view until it is drawn again.
+        // Each view has the present content of the image until the image is drawn again.
         for index in 0..count {
             self.store(gl, context, index);
         }
         true
     }
 
-    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`:
-    /// there is no view copy, or the driver gives none.
+    /// Returns the framebuffers for copies in `context`, which must be current. Bindings are put
+    /// back. `None`: there is no view copy, or the driver gives no framebuffers.
     fn pair(&mut self, gl: &Gl, context: u64) -> Option<Pair> {
         let view_copy = self.view_copy.as_ref()?;
         if let Some(pair) = view_copy.pairs.iter().find(|pair| pair.context == context) {
@@ -282,8 +282,8 @@ impl Image {
         Some(pair)
     }
 
-    /// The framebuffer with the view copy alone, in `context`, which is current; 0 where there is
-    /// none.
+    /// Returns the framebuffer with the view copy alone in `context`, which must be current; 0 if
+    /// there is none.
     pub fn view_copy_framebuffer(&mut self, gl: &Gl, context: u64) -> u32 {
         self.pair(gl, context).map_or(0, |pair| pair.ours)
     }
@@ -303,15 +303,16 @@ impl Image {
         }
     }
 
-    /// The view copy was drawn to: the program's image is none of its tiles any more.
+    /// Notes that the view copy was drawn to. The program's image no longer has the
+    /// content of a tile.
     pub fn changed(&mut self) {
         if let Some(view_copy) = &mut self.view_copy {
             view_copy.holds = None;
         }
     }
 
-    /// Copies tile `index` into the program's own image, with the smaller pictures that the program
-    /// asked for. The scissor test must be off; bindings are put back.
+    /// Copies tile `index` into the program's own image, and makes the smaller pictures that the
+    /// program asked for. The scissor test must be off; bindings are put back.
     pub fn supply(&mut self, gl: &Gl, context: u64, index: usize) {
         if self.view_copy.as_ref().is_none_or(|view_copy| view_copy.holds == Some(index)) {
             return;
@@ -324,13 +325,13 @@ impl Image {
         view_copy.holds = Some(index);
         if let (true, Name::Texture { name, target: api::GL_TEXTURE_2D, .. }) = (mipmapped, self.name) {
             with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, name, || {
-                // SAFETY: the program's texture is bound; it has asked for this.
+                // SAFETY: the program's texture is bound; the program has asked for this.
                 unsafe { gl.generate_mipmap(api::GL_TEXTURE_2D) };
             });
         }
     }
 
-    /// The reverse of [`Image::supply`].
+    /// Copies the program's own image into tile `index`: the reverse of [`Image::supply`].
     pub fn store(&mut self, gl: &Gl, context: u64, index: usize) {
         let mask = self.mask;
         let Some(pair) = self.pair(gl, context) else { return };
@@ -340,8 +341,8 @@ impl Image {
         view_copy.holds = Some(index);
     }
 
-    /// Deletes the view copy in `context`, which is current; what is left to be deleted in other
-    /// contexts.
+    /// Deletes the view copy in `context`, which must be current. Returns the framebuffers that
+    /// other contexts have to delete.
     pub fn destroy_view_copy(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
         let Some(mut view_copy) = self.view_copy.take() else { return Vec::new() };
         // SAFETY: an object of Cupola; the name 0 is ignored.
@@ -388,7 +389,7 @@ fn copy(gl: &Gl, from: (u32, LowerLeftRect), to: (u32, LowerLeftRect), mask: u32
     }
 }
 
-/// The framebuffers that are bound, to be put back.
+/// The bound framebuffers, so that they can be put back.
 pub struct Bindings {
     draw: i32,
     read: i32,
@@ -423,8 +424,8 @@ impl Bindings {
     }
 }
 
-/// Runs `run` with a texture bound; `false`, and nothing is run, if it is none of `target`. The
-/// program's binding is put back.
+/// Runs `run` with a texture bound. If the texture is not one of `target`, runs nothing and returns
+/// false. The program's binding is put back.
 pub(super) fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run: impl FnOnce()) -> bool {
     let (mut before, mut bound) = (0, 0);
     // SAFETY: the binding is put back.
@@ -441,8 +442,8 @@ pub(super) fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run
     }
 }
 
-/// The sized format for one that leaves its size to the driver, by the bits of red and of depth
-/// that it chose.
+/// Returns the sized format for a format that leaves its size to the driver. `red` and `depth` are
+/// the numbers of bits that the driver chose.
 fn sized(format: u32, red: i32, depth: i32) -> u32 {
     match (format, red, depth) {
         (4 | api::GL_RGBA | api::GL_BGRA, 16, _) => api::GL_RGBA16F,
@@ -462,7 +463,7 @@ fn sized(format: u32, red: i32, depth: i32) -> u32 {
     }
 }
 
-/// Images by their places in the list, as a set of bits; those after the 64th are not followed.
+/// A set of images, with a bit for each index in the list. Images after the 64th are not followed.
 pub type Set = u64;
 
 #[cfg(test)]

@@ -5,14 +5,14 @@ use crate::intercept::gl::state::draw::views::Views;
 /// Draws that were issued once per view.
 #[derive(Default)]
 pub struct Issued {
-    /// All of them.
+    /// Number of these draws.
     pub draws: u64,
-    /// For each view the number of them that it got, and the number that were left out of it.
+    /// For each view, the number of draws that it got, and the number that were left out of it.
     views: Vec<[u64; 2]>,
 }
 
 impl Issued {
-    /// A draw went to those of `count` views that are `shown` it.
+    /// Counts a draw that went to the views `shown`, of `count` views.
     pub(in crate::intercept::gl) fn count(&mut self, shown: Views, count: usize) {
         self.draws += 1;
         self.views.resize(count, [0; 2]);
@@ -21,7 +21,7 @@ impl Issued {
         }
     }
 
-    /// The views are others.
+    /// Forgets the numbers of the views, as the views have changed.
     pub fn forget_views(&mut self) {
         self.views.clear();
     }

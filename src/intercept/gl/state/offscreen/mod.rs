@@ -1,8 +1,8 @@
 //! State of scenes that are drawn off screen.
 //!
-//! [`framebuffers`] and [`images`] are the program's, [`view_copies`] holds both and what stands
-//! for them. [`issued`] counts draws, [`coverage`] tells flat draws that show a scene,
-//! [`displayed`] and [`single_sample`] are pictures of our own, [`depth_converter`] copies depth to
+//! [`framebuffers`] and [`images`] record those of the program, [`view_copies`] holds both and
+//! their copies. [`issued`] counts draws, [`coverage`] finds flat draws that show a scene.
+//! [`displayed`] and [`single_sample`] are internal pictures, [`depth_converter`] copies depth to
 //! other formats.
 
 pub mod coverage;

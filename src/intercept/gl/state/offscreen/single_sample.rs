@@ -1,4 +1,4 @@
-//! Pictures of our own, with one sample per pixel: for what cannot be done in a view of another
+//! Internal pictures with one sample per pixel, for work that cannot be done in a view of another
 //! size.
 
 use crate::backend::gl::driver::api::{self, Gl};
@@ -14,8 +14,8 @@ pub struct SingleSampleImage {
 }
 
 impl SingleSampleImage {
-    /// A canvas of this size (width, height) and sized format. Bindings are put back; errors may be
-    /// left. `None` where the driver gives none.
+    /// Returns a picture of this size (width, height) and sized format. Bindings are put back;
+    /// errors may be left. `None` if the driver gives none.
     pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
         let mut canvas = Self { framebuffer: 0, renderbuffer: 0, size, format };
         // SAFETY: makes objects of Cupola; the bindings are put back.
@@ -41,17 +41,17 @@ impl SingleSampleImage {
         None
     }
 
-    /// Its OpenGL name.
+    /// Returns the OpenGL name of the framebuffer.
     pub fn framebuffer(&self) -> u32 {
         self.framebuffer
     }
 
-    /// True if it has this size and format.
+    /// True if the picture has this size and format.
     pub fn is(&self, size: [i32; 2], format: u32) -> bool {
         self.size == size && self.format == format
     }
 
-    /// Deletes it.
+    /// Deletes the framebuffer and the renderbuffer.
     pub fn destroy(&self, gl: &Gl) {
         // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {

@@ -18,36 +18,38 @@ pub struct ViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
     pub(in crate::intercept::gl) framebuffers: Vec<Framebuffer>,
     pub(in crate::intercept::gl) coverage: Coverage,
-    /// The view copy of the program's draw framebuffer is bound in its place.
+    /// True if the view copy of the program's draw framebuffer is bound in its place.
     pub(in crate::intercept::gl) bound: bool,
-    /// Something was learnt in this frame.
+    /// True if new facts about the images were found in this frame.
     pub(in crate::intercept::gl) learnt: bool,
-    /// View copies have one more tile, which is drawn with the program's own lens: it reads its
-    /// pictures back.
+    /// True if view copies have one more tile, which is drawn with the program's own lens, because
+    /// the program reads its pictures back.
     pub(in crate::intercept::gl) own_picture: bool,
-    /// Compute shaders make some of its images.
+    /// True if compute shaders make some of the images.
     pub(in crate::intercept::gl) computes: bool,
-    /// Textures and their levels that compute shaders write and that cannot be followed: with
-    /// layers, of three dimensions.
+    /// Textures and their levels that compute shaders write and that cannot be followed, as they
+    /// have layers or three dimensions.
     pub(in crate::intercept::gl) not_followed: Vec<(u32, i32)>,
-    /// Canvases for copies to another size, each of another size or format.
+    /// Pictures for copies to another size. Each has another size or format.
     pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
     /// Converters of depth, each of another size or format.
     pub(in crate::intercept::gl) depth_converters: Vec<DepthConverter>,
-    /// Pictures that were shown last.
+    /// Pictures for flat draws that show images which are drawn once per view.
     pub(in crate::intercept::gl) displayed: DisplayedPictures,
-    /// Room for the tiles of the views and their directions, so that a background allocates nothing.
+    /// Room for the tiles of the views and their directions. It is used again, so that a background
+    /// allocates nothing.
     pub(in crate::intercept::gl) tiles: Vec<(LowerLeftRect, DMat3)>,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
-    /// The pass of the last draw that was described.
+    /// The pass of the last described draw.
     pub(in crate::intercept::gl) inspected: Option<InspectedPass>,
-    /// View copies deleted so far: framebuffers that stand for the program's may have had them.
+    /// Number of view copies that were deleted so far. Framebuffers of Cupola may have had them
+    /// attached.
     pub(in crate::intercept::gl) deleted: u64,
-    /// Framebuffers of other contexts that they are to delete.
+    /// Framebuffers that other contexts have to delete.
     pub(in crate::intercept::gl) left: Vec<Pair>,
-    /// It has what the group knows together; otherwise another thread does, and the images are its
-    /// own.
+    /// True if this context holds the records that the group shares. Otherwise another thread holds
+    /// them, and the images are those of this context alone.
     pub(in crate::intercept::gl) shared: bool,
 }
 
@@ -74,22 +76,22 @@ pub struct SharedViewCopies {
 }
 
 impl ViewCopies {
-    /// True if any image of the program's is followed.
+    /// True if any image of the program is followed.
     pub fn any(&self) -> bool {
         !self.images.is_empty()
     }
 
-    /// Something else than a draw changed the window.
+    /// Notes that the window was changed by something other than a draw.
     pub fn window_changed(&mut self) {
         self.displayed.current = None;
     }
 
-    /// Gives up what the group knows together: the context is not current any more.
+    /// Gives the shared records back to the group, as the context is not current any more.
     pub fn deposit(&mut self, group: &Mutex<Option<SharedViewCopies>>) {
         if !std::mem::take(&mut self.shared) {
             return;
         }
-        // Other contexts may delete them.
+        // Other contexts may delete these textures.
         self.not_followed.clear();
         let travelling = SharedViewCopies {
             images: std::mem::take(&mut self.images),
@@ -114,12 +116,12 @@ impl ViewCopies {
         self.framebuffers.iter().position(|f| f.name == framebuffer)
     }
 
-    /// Any of the images of a framebuffer is to be drawn once per view.
+    /// True if any of the images of a framebuffer is to be drawn once per view.
     pub(in crate::intercept::gl) fn has_view_copies(&self, framebuffer: &Framebuffer) -> bool {
         framebuffer.has_view_copies(&self.images)
     }
 
-    /// The images of a framebuffer, as a set.
+    /// Returns the images of a framebuffer, as a set.
     pub(in crate::intercept::gl) fn attached(&self, index: usize) -> Set {
         let mut set = 0;
         for (i, image) in self.images.iter().enumerate().take(64) {
@@ -128,7 +130,7 @@ impl ViewCopies {
         set
     }
 
-    /// A framebuffer was drawn to.
+    /// Notes that a framebuffer was drawn to.
     pub(in crate::intercept::gl) fn changed(&mut self, index: usize) {
         for name in self.framebuffers[index].attachments.into_iter().flatten() {
             if let Some(image) = self.images.iter_mut().find(|image| image.name == name) {

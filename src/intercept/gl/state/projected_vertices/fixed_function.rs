@@ -1,4 +1,4 @@
-//! State of what stands in for the fixed-function pipeline.
+//! State of the programs that stand in for the fixed-function pipeline.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
@@ -13,9 +13,9 @@ pub enum Processor {
     /// Nothing.
     #[default]
     Nothing,
-    /// It divides primitives where a view needs that.
+    /// The processor divides primitives if a view needs that.
     Divides,
-    /// It should, but cannot: why, for the log.
+    /// The processor should divide primitives, but cannot. The text is the reason, for the log.
     Cannot(&'static str),
 }
 
@@ -24,12 +24,12 @@ pub enum Processor {
 pub struct FixedFunction {
     /// Task of the processor for the draw that is being issued.
     pub processor: Processor,
-    /// Division by the processor for the view that is drawn now, and the rows that lead to that
-    /// view.
+    /// Division by the processor for the view that is drawn now, and the reprojection matrix of
+    /// that view.
     pub view: Option<(Division, ReprojectionMatrix)>,
-    /// Primitives that the processor did not divide far enough.
+    /// Number of primitives that the processor did not divide far enough.
     pub coarse: u64,
-    /// The switches, or why they cannot be followed; none where they may have changed.
+    /// The switches, or the reason why they cannot be followed; `None` if they may have changed.
     pub(in crate::intercept::gl) known: Option<Result<Pipeline, &'static str>>,
     pub(in crate::intercept::gl) programs: HashMap<Pipeline, Arc<Program>>,
     /// Switches that were turned on for the program that is in use now.
@@ -37,7 +37,7 @@ pub struct FixedFunction {
 }
 
 impl FixedFunction {
-    /// The switches may have changed.
+    /// Notes that the switches may have changed.
     pub fn touch(&mut self) {
         self.known = None;
     }

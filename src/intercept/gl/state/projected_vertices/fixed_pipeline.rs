@@ -2,16 +2,16 @@
 
 use crate::backend::gl::driver::api;
 
-/// Lights that every driver has.
+/// Number of lights that every driver has.
 pub const LIGHTS: usize = 8;
 
-/// Sets of texture coordinates that are followed.
+/// Number of sets of texture coordinates that are followed.
 pub const UNITS: usize = 8;
 
 /// Source of a texture coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Generated {
-    /// As the program gives it.
+    /// The coordinate that the program gives.
     #[default]
     Given,
     /// `GL_OBJECT_LINEAR`.
@@ -40,38 +40,38 @@ pub struct Followed {
 pub struct Lighting {
     /// A bit for each light that is on.
     pub lights: u8,
-    /// The viewer's direction is another for each vertex.
+    /// True if the direction to the viewer differs for each vertex.
     pub local_viewer: bool,
-    /// Back faces have a colour of their own.
+    /// True if back faces have a colour of their own.
     pub two_sided: bool,
-    /// Highlights are added after the texture.
+    /// True if highlights are added after the texture.
     pub separate_specular: bool,
     /// Property that follows the colour.
     pub followed: Option<Followed>,
 }
 
-/// The switches of the vertex stage; what has a value (lights, materials, matrices, planes) shaders
-/// read themselves.
+/// The switches of the vertex stage. Shaders read values (lights, materials, matrices, planes)
+/// themselves.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Pipeline {
     /// Lighting, if it is on.
     pub lighting: Option<Lighting>,
-    /// Normals are brought to length 1.
+    /// True if normals are scaled to length 1.
     pub normalised: bool,
-    /// Normals are scaled by what the model-view matrix has of scale.
+    /// True if normals are scaled by a factor that comes from the model-view matrix.
     pub rescaled: bool,
-    /// Of each unit whose texture is on: how its four coordinates are made.
+    /// For each unit whose texture is on, the sources of its four coordinates.
     pub units: [Option<[Generated; 4]>; UNITS],
-    /// Fog is on; whether its coordinate is the program's.
+    /// Present if fog is on; true if the program gives the fog coordinate.
     pub fog: Option<bool>,
-    /// Some plane of the program's clips.
+    /// True if any clip plane of the program is on.
     pub clipped: bool,
-    /// A primitive has the colour of its last vertex.
+    /// True if a primitive has the colour of its last vertex.
     pub flat: bool,
 }
 
 impl Pipeline {
-    /// True if `switch` of `glEnable` is one of these.
+    /// True if `switch` of `glEnable` is one of these switches.
     pub fn has(switch: u32) -> bool {
         matches!(
             switch,

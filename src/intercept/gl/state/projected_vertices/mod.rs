@@ -12,12 +12,13 @@ use crate::intercept::gl::state::shader::division_counter::Counter;
 /// State of the methods `vertex` and `primitive`.
 #[derive(Default)]
 pub struct ProjectedVertices {
-    /// The program's vertices cannot be projected straight to an output: windows have views.
+    /// True if vertices of the program cannot be projected straight to an output. Windows then have
+    /// views.
     pub(in crate::intercept::gl) views_only: bool,
     /// Stand-in for the fixed-function pipeline.
     pub(in crate::intercept::gl) fixed_function: FixedFunction,
-    /// Counts primitives that were not divided far enough.
+    /// Counter of primitives that were not divided far enough.
     pub(in crate::intercept::gl) coarse: Option<Counter>,
-    /// Primitives were divided by stages that cannot count.
+    /// True if primitives were divided by stages that cannot count.
     pub(in crate::intercept::gl) uncounted: bool,
 }

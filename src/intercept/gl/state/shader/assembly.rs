@@ -8,23 +8,23 @@ use std::sync::Mutex;
 pub struct AssemblyProgram {
     /// Text that the program gave.
     pub(in crate::intercept::gl) own_text: Box<[u8]>,
-    /// The first of four local parameters that hold the reprojection matrix.
+    /// First of the four local parameters that hold the reprojection matrix.
     pub(in crate::intercept::gl) first_local: u32,
     /// Parameters that may be the program's matrix.
     pub(in crate::intercept::gl) matrices: Vec<ParameterMatrix>,
-    /// Content of the four parameters.
+    /// Reprojection matrix that the four parameters hold.
     pub(in crate::intercept::gl) uploaded: Uploaded,
     /// Values of the matrices, for the search of the lens.
     pub(in crate::intercept::gl) values: Mutex<Vec<[f64; 16]>>,
 }
 
-/// The reprojection matrix that a program has.
+/// The reprojection matrix that was uploaded to a program.
 pub(in crate::intercept::gl) type Uploaded = Mutex<Option<ReprojectionMatrix>>;
 
 /// Four parameters that may be a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterMatrix {
-    /// The first of them.
+    /// First of the four parameters.
     pub first: Parameter,
     /// Order of the four parameters: columns or rows.
     pub order: Order,
@@ -33,8 +33,8 @@ pub struct ParameterMatrix {
 /// A parameter of vertex programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Parameter {
-    /// Of all programs.
+    /// A parameter of all programs.
     Environment(u32),
-    /// Of one program.
+    /// A parameter of one program.
     Local(u32),
 }

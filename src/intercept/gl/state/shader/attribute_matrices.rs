@@ -1,4 +1,4 @@
-//! Matrices that a program has from vertex attributes.
+//! Matrices that a program reads from vertex attributes.
 
 use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 
@@ -9,6 +9,6 @@ pub struct AttributeMatrix {
     /// Rank of its name: the lower, the higher its priority.
     pub(in crate::intercept::gl) rank: u8,
     pub(in crate::intercept::gl) value: [f64; 16],
-    /// From where its columns were read, and the version of that buffer then.
+    /// Arrays from which the columns were read, and the version of their buffer at that time.
     pub(in crate::intercept::gl) read: Option<([Layout; 4], u64)>,
 }

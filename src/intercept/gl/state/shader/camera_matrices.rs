@@ -7,29 +7,29 @@ use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::scene::eye::{self, Eye};
 use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix};
 
-/// A stage whose matrices are chosen.
+/// A shader stage whose matrices can be replaced in each view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixStage {
-    /// The vertex shader, where it computes what does not become a position.
+    /// The vertex shader, for values that do not become a position.
     Vertex,
     /// The fragment shader, or a compute shader.
     Fragment,
 }
 
-/// Uniforms of Cupola in a stage.
+/// Names of Cupola's uniforms in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Names {
-    /// An array of matrices.
+    /// Name of an array of matrices.
     pub matrices: &'static str,
-    /// An array of numbers: 1 where the matrix is to be used.
+    /// Name of an array of numbers: 1 if the matrix at this index is to be used.
     pub chosen: &'static str,
 }
 
 impl MatrixStage {
-    /// Both.
+    /// All stages.
     pub const ALL: [Self; 2] = [Self::Vertex, Self::Fragment];
 
-    /// Names of our uniforms.
+    /// Returns the names of Cupola's uniforms.
     pub const fn names(self) -> Names {
         match self {
             Self::Vertex => Names { matrices: "cupola_vertex_cameras", chosen: "cupola_vertex_chosen" },
@@ -38,34 +38,33 @@ impl MatrixStage {
     }
 }
 
-/// 4×4 matrices that do not flow into the position of a program, or are named by its fragment
-/// shader.
+/// 4×4 matrices of a program that do not flow into its position, or that its fragment shader names.
 #[derive(Default)]
 pub struct CameraMatrices {
     /// Their values.
     pub(in crate::intercept::gl) uniforms: Uniforms,
     pub(in crate::intercept::gl) substitutes: Vec<Substitute>,
-    /// The lens of a projection alone, or of its inverse, that shaders use beside a view matrix,
-    /// and whether these are written for row vectors.
+    /// Lens of a projection matrix, or of its inverse, that shaders use beside a view matrix. True
+    /// if these matrices are written for row vectors.
     pub(in crate::intercept::gl) eye: Option<(Intrinsics, bool)>,
-    /// The changes of the values and of the cameras when functions were last looked for.
+    /// Numbers of changes of the values and of the cameras at the last search for functions.
     pub(in crate::intercept::gl) seen: Option<(u64, u64)>,
 }
 
-/// A matrix of a stage, and ours that may be in its place.
+/// A matrix of a stage, and the matrix of Cupola that may replace it.
 pub(in crate::intercept::gl) struct Substitute {
-    /// Its number among the uniforms.
+    /// Index of the matrix among the uniforms.
     pub(in crate::intercept::gl) matrix: usize,
     pub(in crate::intercept::gl) stage: MatrixStage,
-    /// The shader computes its inverse.
+    /// True if the shader computes the inverse of the matrix.
     pub(in crate::intercept::gl) inverted: bool,
-    /// Location of Cupola.
+    /// Location of Cupola's matrix.
     pub(in crate::intercept::gl) location: i32,
-    /// Location of the uniform that chooses ours.
+    /// Location of the uniform that chooses Cupola's matrix.
     pub(in crate::intercept::gl) chosen_location: i32,
-    /// Its dependence on a camera, and that camera.
+    /// Function of a camera that gives the matrix, and the lens of that camera.
     pub(in crate::intercept::gl) function: Option<(CameraFunction, Intrinsics)>,
-    /// It leads to or from the eye, as its name says.
+    /// Present if the matrix leads to or from the eye, according to its name.
     pub(in crate::intercept::gl) view_matrix: Option<ViewMatrix>,
     /// True if the eye is turned, and the matrix in each view, as far as it was computed.
     pub(in crate::intercept::gl) of_views: (bool, Vec<Option<[f32; 16]>>),
@@ -74,8 +73,9 @@ pub(in crate::intercept::gl) struct Substitute {
 }
 
 impl CameraMatrices {
-    /// Looks which matrices are functions of the frame's cameras now, or, where there is none, of
-    /// one that they tell themselves. Whether one leads from clip coordinates, or its inverse does.
+    /// Determines which matrices are functions of the frame's cameras now. If the frame has no
+    /// camera, a matrix may show one itself. Returns true if a matrix, or the inverse that the
+    /// shader computes, leads from clip coordinates.
     pub fn recognise(&mut self, gl: &Gl, generation: u64, buffers: &Buffers, cameras: &Cameras) -> bool {
         self.uniforms.refresh(gl, generation, buffers);
         let now = (self.uniforms.changes(), cameras.changes());

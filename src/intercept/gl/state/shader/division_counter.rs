@@ -1,4 +1,4 @@
-//! Counts what the dividing stage did not divide far enough, for the statistics.
+//! Counter of primitives that the dividing stage did not divide far enough, for the statistics.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
@@ -9,7 +9,7 @@ pub struct Counter {
     binding: u32,
 }
 
-/// Buffer that was bound in its place.
+/// Buffer that was bound before the counter.
 pub struct Before {
     generic: i32,
     buffer: i32,
@@ -18,7 +18,7 @@ pub struct Before {
 }
 
 impl Counter {
-    /// A counter at 0, for this binding.
+    /// Returns a counter at 0, for this binding.
     pub fn new(gl: &Gl, binding: u32) -> Self {
         let mut counter = Self { buffer: 0, binding };
         let zero = 0u32;
@@ -34,7 +34,7 @@ impl Counter {
         counter
     }
 
-    /// Binds it for a draw.
+    /// Binds the counter for a draw. Returns the buffer that was bound before.
     pub fn begin(&self, gl: &Gl) -> Before {
         let mut before = Before { generic: 0, buffer: 0, start: 0, size: 0 };
         let binding = self.binding;
@@ -52,7 +52,7 @@ impl Counter {
     /// Puts back what was bound before.
     pub fn end(&self, gl: &Gl, before: &Before) {
         let (target, buffer) = (api::GL_ATOMIC_COUNTER_BUFFER, before.buffer as u32);
-        // SAFETY: as the queries of `begin` said.
+        // SAFETY: puts back the bindings that `begin` read.
         unsafe {
             if before.size > 0 {
                 gl.bind_buffer_range(target, self.binding, buffer, before.start as isize, before.size as isize);
@@ -67,8 +67,8 @@ impl Counter {
     pub fn read(&self, gl: &Gl) -> u32 {
         let mut count = 0u32;
         let before = self.begin(gl);
-        // SAFETY: reads the four bytes of the buffer that `begin` bound, what draws counted
-        // included.
+        // SAFETY: reads the four bytes of the buffer that `begin` bound. The barrier makes the
+        // counts of draws visible.
         unsafe {
             if gl.has_memory_barrier() {
                 gl.memory_barrier(api::GL_BUFFER_UPDATE_BARRIER_BIT);

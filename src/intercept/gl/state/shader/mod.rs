@@ -1,10 +1,11 @@
-//! Programs of the group, and the one that draws.
+//! Programs of the group of contexts, and the program that draws.
 //!
-//! [`programs`] holds linked programs, [`position_names`] what flows into their positions,
-//! [`uniforms`] and [`attribute_matrices`] their matrices, [`camera_matrices`] those that fragments
-//! compute with, [`program_pipelines`] the pipelines, [`assembly`] programs in assembly language.
-//! [`variants`] are programs that divide primitives; [`uniform_mirror`] gives them the values of
-//! the program's uniforms, [`division_counter`] counts what they do not divide enough.
+//! [`programs`] holds linked programs, [`position_names`] the names that flow into their positions,
+//! [`uniforms`] and [`attribute_matrices`] their matrices, [`camera_matrices`] the matrices that
+//! fragments compute with. [`program_pipelines`] holds the pipelines, [`assembly`] programs in
+//! assembly language. [`variants`] are programs that divide primitives. [`uniform_mirror`] gives
+//! them the values of the program's uniforms, [`division_counter`] counts primitives that they do
+//! not divide far enough.
 
 pub mod assembly;
 pub mod attribute_matrices;
@@ -29,7 +30,6 @@ pub struct Shaders {
     pub(in crate::intercept::gl) program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
     pub(in crate::intercept::gl) pipelines: Pipelines,
-    /// The vertex program in assembly language that the present draw goes through, if it was
-    /// changed.
+    /// The vertex program in assembly language of the present draw, if Cupola changed it.
     pub(in crate::intercept::gl) assembly: Option<Arc<AssemblyProgram>>,
 }

@@ -7,14 +7,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PositionNames {
     names: HashSet<String>,
-    /// Of uniforms that are arrays.
+    /// For uniforms that are arrays: the elements that may flow into a position.
     elements: HashMap<String, Elements>,
 }
 
 /// Elements of an array that may flow into a position.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Elements {
-    /// Those that the text names by their number.
+    /// Elements that the text names by their number.
     pub numbers: BTreeMap<u32, Uses>,
     /// Choice of elements that the text does not name by number, and its uses of them.
     pub others: Option<(Choice, Uses)>,
@@ -25,21 +25,21 @@ pub struct Elements {
 pub enum Choice {
     /// By the uniform of this name.
     ByUniform(String),
-    /// By what the program does not tell.
+    /// In a way that the program does not show.
     Unknown,
 }
 
 /// Uses of an array's elements in a shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Uses {
-    /// They go into scalar products, as rows of a matrix do.
+    /// True if the elements go into scalar products, as rows of a matrix do.
     pub products: bool,
-    /// They are multiplied, as columns of a matrix are.
+    /// True if the elements are multiplied, as columns of a matrix are.
     pub factors: bool,
 }
 
 impl Uses {
-    /// These and others.
+    /// Returns these uses together with others.
     pub fn and(self, other: Self) -> Self {
         Self { products: self.products || other.products, factors: self.factors || other.factors }
     }
@@ -55,8 +55,8 @@ impl Uses {
 }
 
 impl Elements {
-    /// Groups of four elements that are named by their numbers and follow each other, by the first
-    /// one's number.
+    /// Returns the groups of four consecutive elements that are named by their numbers: the number
+    /// of the first element, and the order.
     pub fn fours(&self) -> impl Iterator<Item = (u32, Order)> + '_ {
         let numbers: Vec<u32> = self.numbers.keys().copied().collect();
         let uses =
@@ -66,7 +66,7 @@ impl Elements {
 }
 
 impl PositionNames {
-    /// These, and of arrays these elements.
+    /// Returns these names, with these elements of arrays.
     pub fn new(names: HashSet<String>, elements: HashMap<String, Elements>) -> Self {
         Self { names, elements }
     }
@@ -93,8 +93,8 @@ impl PositionNames {
         self.names.contains(member.split('[').next().unwrap_or(member)) && before.split('.').all(part)
     }
 
-    /// Returns the known elements of the array that OpenGL calls `name`; `None`: any may flow into
-    /// the position.
+    /// Returns the known elements of the array that OpenGL calls `name`; `None`: any element may
+    /// flow into the position.
     pub fn elements(&self, name: &str) -> Option<&Elements> {
         let member = name.rsplit('.').next().unwrap_or(name);
         self.elements.get(member.split('[').next().unwrap_or(member))

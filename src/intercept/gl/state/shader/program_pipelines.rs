@@ -8,7 +8,7 @@ use std::collections::HashMap;
 pub struct Pipelines {
     pub(in crate::intercept::gl) pipelines: HashMap<u32, Stages>,
     pub(in crate::intercept::gl) bound: u32,
-    /// `glUseProgram`, which goes before any pipeline; 0 = none.
+    /// Program of `glUseProgram`, which takes precedence over any pipeline; 0 = none.
     pub used: u32,
 }
 
@@ -20,22 +20,22 @@ pub(in crate::intercept::gl) struct Stages {
     geometry: u32,
     fragment: u32,
     compute: u32,
-    /// `glActiveShaderProgram`.
+    /// Program of `glActiveShaderProgram`.
     pub(in crate::intercept::gl) active: u32,
 }
 
 impl Stages {
-    /// The program of fragments.
+    /// Returns the program of the fragment stage.
     pub(in crate::intercept::gl) fn fragment(&self) -> u32 {
         self.fragment
     }
 
-    /// The program of compute shaders.
+    /// Returns the program of the compute stage.
     pub(in crate::intercept::gl) fn compute(&self) -> u32 {
         self.compute
     }
 
-    /// The programs before rasterisation, the last one first.
+    /// Returns the programs before rasterisation, the last one first.
     pub(in crate::intercept::gl) fn last_first(&self) -> [u32; 3] {
         [self.geometry, self.evaluation, self.vertex]
     }

@@ -11,37 +11,37 @@ use crate::intercept::lens::Told;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex};
 
-/// Rows that change nothing: the program's own picture.
+/// Reprojection matrix that changes nothing, for the program's own picture.
 pub const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
 
 /// Shaders and programs of a group of contexts.
 #[derive(Default)]
 pub struct Programs {
-    /// Texts that the program gave the shaders last.
+    /// Latest texts that the program gave to the shaders.
     pub(in crate::intercept::gl) sources: HashMap<u32, Arc<str>>,
     /// Texts at the time when the shaders were compiled. These are linked.
     pub(in crate::intercept::gl) compiled: HashMap<u32, Arc<str>>,
-    /// Shaders that are compiled from a text that was changed for a program.
+    /// Shaders that are compiled from a text that Cupola changed for a linked program.
     pub(in crate::intercept::gl) changed: HashSet<u32>,
     pub(in crate::intercept::gl) uses: Uses,
     pub(in crate::intercept::gl) programs: HashMap<u32, Arc<Program>>,
-    /// Vertex programs in assembly language that were changed.
+    /// Vertex programs in assembly language that Cupola changed.
     pub(in crate::intercept::gl) assembly: HashMap<u32, Arc<AssemblyProgram>>,
 }
 
-/// Programs in use, by their names. A program that is deleted while it is in use lives until it is
-/// not; if others are put in use in between, for our own draws, the driver must not be told
-/// earlier.
+/// Programs in use, by their names. OpenGL keeps a deleted program as long as it is in use. Cupola
+/// puts other programs in use for its own draws. It therefore deletes a program in the driver only
+/// when no context uses it any more.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uses {
-    /// Number of contexts that have it in use.
+    /// Number of contexts that use a program.
     contexts: HashMap<u32, u32>,
-    /// Programs that are to be deleted.
+    /// Programs whose deletion waits.
     deleted: HashSet<u32>,
 }
 
 impl Uses {
-    /// A context uses `new` in place of `old`; 0 = none.
+    /// Notes that a context uses `new` in place of `old`; 0 = none.
     pub fn change(&mut self, old: u32, new: u32) {
         if new != 0 {
             *self.contexts.entry(new).or_insert(0) += 1;
@@ -54,7 +54,7 @@ impl Uses {
         }
     }
 
-    /// The program deletes an object. Whether that has to wait.
+    /// Notes that the program deletes an object. Returns true if the deletion has to wait.
     pub fn delete(&mut self, name: u32) -> bool {
         let used = self.contexts.contains_key(&name);
         if used {
@@ -68,7 +68,7 @@ impl Uses {
         self.deleted.contains(&name)
     }
 
-    /// A deleted program that is used no longer, if there is one.
+    /// Takes a deleted program that no context uses any more, if there is one.
     pub fn take_unused(&mut self) -> Option<u32> {
         let name = self.deleted.iter().copied().find(|name| !self.contexts.contains_key(name))?;
         self.deleted.remove(&name);
@@ -80,48 +80,49 @@ impl Uses {
 pub struct Program {
     /// Its OpenGL name.
     pub name: u32,
-    /// Location of the reprojection matrix; −1 = it is not patched.
+    /// Location of the reprojection matrix; −1 = the program is not patched.
     pub(in crate::intercept::gl) location: i32,
-    /// Location of a view's lens constants; −1 = all views are perspective ones.
+    /// Location of a view's lens constants; −1 = all views are perspective views.
     pub(in crate::intercept::gl) lens_location: i32,
-    /// Indices of our uniforms among the active ones, in their order.
+    /// Indices of Cupola's uniforms among the active ones, in their order.
     pub own_uniforms: Vec<u32>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
     pub(in crate::intercept::gl) stages: u32,
-    /// It uses the fixed-function matrices.
+    /// True if the program uses the fixed-function matrices.
     pub(in crate::intercept::gl) fixed_matrices: bool,
     /// Its samplers of textures that can be drawn into.
     pub samplers: Vec<Sampler>,
-    /// Source of its positions, if it is proven.
+    /// Source of its positions, if the source is proven.
     pub position: Option<Position>,
-    /// Subroutines can be chosen, which is lost when another program is put in use.
+    /// True if subroutines can be chosen. The choice is lost when another program is put in use.
     pub(in crate::intercept::gl) subroutines: bool,
-    /// Its fragments read their window coordinates, those of the framebuffer that is drawn to.
+    /// True if its fragments read window coordinates. These are the coordinates in the framebuffer
+    /// that is drawn to.
     pub reads_frag_coord: bool,
     /// Present if its fragments get the coordinates of the program's window instead.
     pub frag_coord: Option<FragCoord>,
-    /// Its primitives choose a viewport by its index.
+    /// True if its primitives choose a viewport by its index.
     pub chooses_viewport: bool,
-    /// Names that flow into its position; `None` = unknown, so that any may.
+    /// Names that flow into its position; `None` = unknown, so that any name may.
     pub position_names: Option<PositionNames>,
-    /// Some of its matrices are vectors that are set one by one.
+    /// True if some of its matrices are vectors that are set one by one.
     pub(in crate::intercept::gl) has_vectors: bool,
     /// Its 4×4 matrices that may flow into its position.
     pub uniforms: Mutex<Uniforms>,
     /// Its compute shader.
     pub compute: Option<ComputeStage>,
-    /// Some of its stages have choices between its matrices and ours.
+    /// True if some of its stages can choose between its own matrices and those of Cupola.
     pub has_camera_matrices: bool,
-    /// These matrices.
+    /// The matrices between which its stages choose.
     pub camera_matrices: Mutex<CameraMatrices>,
-    /// The 4×4 matrices of its vertices' attributes.
+    /// 4×4 matrices in its vertex attributes.
     pub attribute_matrices: Mutex<Vec<AttributeMatrix>>,
     pub(in crate::intercept::gl) uploaded: Mutex<Uploaded>,
     /// The kinds and texts of its shaders, if its primitives may have to be divided.
     pub texts: Vec<(u32, Arc<str>)>,
-    /// A primitive has the colour of its last vertex.
+    /// True if a primitive has the colour of its last vertex.
     pub flat: bool,
-    /// Variants that divide them.
+    /// Variants that divide its primitives.
     pub variants: Mutex<Variants>,
 }
 
@@ -132,7 +133,7 @@ pub enum BufferWrites {
     Nothing,
     /// Sums and other results of atomic functions.
     Sums,
-    /// Values at places.
+    /// Values at places in a buffer.
     Places,
 }
 
@@ -144,44 +145,44 @@ pub struct ComputeStage {
     /// Locations of other images that it may write: with layers, of one or three dimensions, of
     /// buffers.
     pub other_images: Vec<i32>,
-    /// It has atomic functions on images.
+    /// True if it has atomic functions on images.
     pub image_atomics: bool,
     /// Kind of its writes to buffers.
     pub buffers: BufferWrites,
-    /// It has matrices that may be the camera's, and gets none of a view.
+    /// True if it has matrices that may be the camera's, and does not get those of a view.
     pub loses_cameras: bool,
 }
 
-/// Constants of a view that a program has.
+/// Constants of a view that were uploaded to a program.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uploaded {
     pub(in crate::intercept::gl) rows: Option<ReprojectionMatrix>,
     pub(in crate::intercept::gl) lens: Option<LensConstants>,
-    /// Of [`FragCoord`].
+    /// Value of the uniform of [`FragCoord`].
     pub(in crate::intercept::gl) to_window: Option<[f32; 4]>,
 }
 
 /// Source of the program's window coordinates in fragment shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FragCoord {
-    /// Location of our uniform.
+    /// Location of Cupola's uniform.
     pub location: i32,
-    /// Rows count from above.
+    /// True if rows count from above.
     pub upper_left: bool,
 }
 
 impl FragCoord {
-    /// Our uniform: what is subtracted from the driver's coordinates, and what they are then
-    /// multiplied by.
+    /// Cupola's uniform: the numbers that are subtracted from the driver's coordinates, and the
+    /// factors for the result.
     pub const UNIFORM: &str = "cupola_to_window";
 }
 
 /// Projection with which a program draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// A perspective, and how it was found.
+    /// A perspective projection, and the way in which it was found.
     Perspective(Told, &'static str),
-    /// No perspective.
+    /// No perspective projection.
     Flat,
 }
 
@@ -191,7 +192,7 @@ impl Program {
         self.stages != 0
     }
 
-    /// The bits of its stages before rasterisation.
+    /// Returns the bits of its stages before rasterisation.
     pub fn stages(&self) -> u32 {
         self.stages
     }
@@ -209,20 +210,20 @@ pub struct Sampler {
 /// Array that holds positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Array {
-    /// That of `glVertexPointer`.
+    /// The array of `glVertexPointer`.
     Conventional,
-    /// A generic attribute's, by its location.
+    /// The array of a generic attribute, by its location.
     Generic(u32),
 }
 
-/// Proven source of a program's positions: an array, times matrices.
+/// Proven source of a program's positions: an array that is multiplied by matrices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// The array.
     pub array: Array,
     /// Number of components that count.
     pub components: usize,
-    /// From the left.
+    /// Matrices by which the array is multiplied, from the left.
     pub(in crate::intercept::gl) factors: Vec<Factor>,
 }
 
@@ -230,7 +231,7 @@ pub struct Position {
 pub(in crate::intercept::gl) enum Factor {
     ModelView,
     Projection,
-    /// By its number among the program's matrices.
+    /// A matrix by its index among the program's matrices.
     Uniform(usize),
 }
 

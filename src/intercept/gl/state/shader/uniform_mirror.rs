@@ -1,4 +1,5 @@
-//! The values of one program's uniforms, brought to another that has uniforms of the same names.
+//! Copies of the values of one program's uniforms to another program with uniforms of the same
+//! names.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use std::ffi::{CStr, CString, c_char};
@@ -7,7 +8,7 @@ use std::ffi::{CStr, CString, c_char};
 #[derive(Default)]
 pub struct Mirror {
     uniforms: Vec<Uniform>,
-    /// Index of a block in the one, in the other.
+    /// Index of each common block in the first program and in the second one.
     blocks: Vec<[u32; 2]>,
 }
 
@@ -34,7 +35,7 @@ impl Mirror {
         for index in 0..uniforms {
             let mut text: [c_char; NAME] = [0; NAME];
             let (mut length, mut size, mut kind) = (0, 0, 0);
-            // SAFETY: writes at most so many characters with their NUL.
+            // SAFETY: writes at most `NAME` characters with their NUL.
             let name = unsafe {
                 gl.get_active_uniform(to, index, NAME as i32, &mut length, &mut size, &mut kind, text.as_mut_ptr());
                 CStr::from_ptr(text.as_ptr()).to_string_lossy()
@@ -85,8 +86,8 @@ impl Mirror {
 
 impl Uniform {
     /// # Safety
-    /// The program to copy to must be in use, and both must have a uniform of this kind at the two
-    /// places.
+    /// The program to copy to must be in use, and both programs must have a uniform of this kind at
+    /// the two locations.
     unsafe fn copy(&self, gl: &Gl, from: u32) {
         // SAFETY: as promised.
         unsafe {

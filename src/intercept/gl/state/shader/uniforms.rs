@@ -9,18 +9,18 @@ use crate::intercept::log;
 /// The 4×4 matrices of a program.
 #[derive(Default)]
 pub struct Uniforms {
-    /// Those that may flow into the position.
+    /// Matrices that are followed.
     pub(in crate::intercept::gl) matrices: Vec<Matrix>,
-    /// Arrays that some of them are elements of.
+    /// Arrays of which some of the matrices are elements.
     pub(in crate::intercept::gl) arrays: Vec<ChosenFrom>,
     /// The program's name.
     pub(in crate::intercept::gl) program: u32,
     pub(in crate::intercept::gl) lens: Option<Lens>,
     pub(in crate::intercept::gl) generation: u64,
-    /// A block's buffer is mapped for good: the program may write to it at any time, and no call
-    /// tells.
+    /// True if the buffer of a block is mapped permanently. The program may then write to it at any
+    /// time, without a call.
     pub(in crate::intercept::gl) live: bool,
-    /// Nothing tells which of several lenses is the one that is drawn with.
+    /// True if it is not known with which of several lenses the program draws.
     pub(in crate::intercept::gl) unclear: bool,
     /// Number of times that a value changed.
     changes: u64,
@@ -33,10 +33,11 @@ pub(in crate::intercept::gl) struct Matrix {
     pub(in crate::intercept::gl) order: Order,
     pub(in crate::intercept::gl) value: [f64; 16],
     pub(in crate::intercept::gl) name: Box<str>,
-    /// The buffer that a block's value was read from, and its version then; `None` where it may
-    /// change unseen.
+    /// Buffer from which the value in a block was read, and its version at that time; `None` if the
+    /// value may change without a call that Cupola sees.
     pub(in crate::intercept::gl) read: Option<(u32, u64)>,
-    /// Its array among those that a shader chooses an element of, and its number there.
+    /// Index of its array among those of which a shader chooses an element, and the number of the
+    /// element.
     pub(in crate::intercept::gl) element: Option<(usize, u32)>,
 }
 
@@ -46,8 +47,8 @@ pub(in crate::intercept::gl) enum MatrixLocation {
     Uniform(i32),
     /// The first location of four vectors.
     Vectors(i32),
-    /// Its block, offset in bytes, distance between columns in bytes, row by row, of 64-bit
-    /// numbers.
+    /// A matrix in a block. `offset` and `stride`, the distance between columns, are in bytes;
+    /// `double`: the numbers have 64 bits.
     Block { block: Block, offset: usize, stride: usize, row_major: bool, double: bool },
 }
 
@@ -72,7 +73,7 @@ pub(in crate::intercept::gl) enum IndexLocation {
     Unknown,
     /// The location of an integer.
     Uniform(i32),
-    /// An integer's block, offset in bytes.
+    /// An integer in a block; `offset` is in bytes.
     Block {
         block: Block,
         offset: usize,
@@ -80,20 +81,20 @@ pub(in crate::intercept::gl) enum IndexLocation {
 }
 
 impl Matrix {
-    /// For the search for the lens.
+    /// Returns the matrix as a candidate in the search for the lens.
     pub fn candidate(&self) -> Candidate<'_> {
         Candidate { rank: self.rank, value: &self.value, order: self.order }
     }
 }
 
 impl Uniforms {
-    /// The lens that the matrices hold now.
+    /// Returns the lens that the matrices hold now.
     pub fn lens(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) -> Lens {
         self.refresh(gl, generation, buffers);
         for array in &mut self.arrays {
             if let IndexLocation::Uniform(location) = array.index {
                 let mut number = -1;
-                // SAFETY: writes one integer, which is one in the program, too.
+                // SAFETY: writes one integer; the uniform is an integer in the program, too.
                 unsafe { gl.get_uniformiv(self.program, location, &mut number) };
                 let chosen = u32::try_from(number).ok();
                 if array.chosen != chosen {
@@ -108,7 +109,8 @@ impl Uniforms {
         self.lens.unwrap_or(Lens::Flat)
     }
 
-    /// Reads again what may have changed in blocks since `generation` was another.
+    /// Reads the blocks again if `generation` has changed since the last time, or if a buffer may
+    /// change at any time.
     pub fn refresh(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) {
         if self.generation != generation || self.live {
             self.generation = generation;
@@ -123,12 +125,12 @@ impl Uniforms {
         self.changes += 1;
     }
 
-    /// Number of times that a value changed.
+    /// Returns the number of times that a value changed.
     pub fn changes(&self) -> u64 {
         self.changes
     }
 
-    /// The value of the matrix of this number, as it was when blocks were read last.
+    /// Returns the value of the matrix of this number at the last time when blocks were read.
     pub fn value(&self, number: usize) -> Option<&[f64; 16]> {
         self.matrices.get(number).map(|matrix| &matrix.value)
     }
@@ -138,23 +140,23 @@ impl Uniforms {
         !self.matrices.is_empty()
     }
 
-    /// Names of the matrices, as OpenGL calls them.
+    /// Returns the names of the matrices, as OpenGL calls them.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.matrices.iter().map(|matrix| &*matrix.name)
     }
 
-    /// The name of the matrix of this number.
+    /// Returns the name of the matrix of this number.
     pub fn name(&self, number: usize) -> Option<&str> {
         self.matrices.get(number).map(|matrix| &*matrix.name)
     }
 
-    /// The number of the matrix that OpenGL calls `name`.
+    /// Returns the number of the matrix that OpenGL calls `name`.
     pub fn number(&self, name: &str) -> Option<usize> {
         self.matrices.iter().position(|matrix| *matrix.name == *name)
     }
 
-    /// The matrix of this number, as [`Uniforms::lens`] saw it; `None` where it may have changed
-    /// since.
+    /// Returns the matrix of this number, as [`Uniforms::lens`] saw it; `None` if it may have
+    /// changed since then.
     pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<[f64; 16]> {
         let matrix = self.matrices.get(number)?;
         match (&matrix.place, matrix.read) {
@@ -167,7 +169,7 @@ impl Uniforms {
     }
 
     fn find(&mut self) -> Lens {
-        // An element that is not looked at says nothing.
+        // An element that Cupola does not follow gives no information.
         let is_kept = |array: usize, number: u32| self.matrices.iter().any(|m| m.element == Some((array, number)));
         let chosen = |array: usize| self.arrays.get(array)?.chosen.filter(|number| is_kept(array, *number));
         let is_used = |matrix: &&Matrix| {
@@ -186,16 +188,16 @@ impl Uniforms {
         self.unclear = unclear;
         if unclear {
             log::once(
-                "a shader chooses one of several matrices with different lenses in a way that is not known: what it draws \
-                 is flat. If it is a scene, set camera.lens in the rig",
+                "a shader chooses between matrices with different lenses, and Cupola cannot see which one it takes: its \
+                 draws are flat. If they show a scene, set camera.lens in the rig",
             );
             return Lens::Flat;
         }
         Lens::Perspective(told, told.how())
     }
 
-    /// Reads the matrices in blocks again, and the numbers that choose among them; whether any
-    /// changed.
+    /// Reads the matrices in blocks again, and the numbers that choose among them. Returns true if
+    /// any changed.
     fn read_blocks(&mut self, gl: &Gl, buffers: &Buffers) -> bool {
         let mut changed = false;
         self.live = false;
@@ -224,7 +226,7 @@ impl Uniforms {
         changed
     }
 
-    /// A matrix was set by its location.
+    /// Notes that a matrix was set by its location.
     pub(in crate::intercept::gl) fn set(&mut self, location: i32, value: &[f64; 16]) {
         let mut changed = false;
         for matrix in self.matrices.iter_mut().filter(|matrix| matrix.place == MatrixLocation::Uniform(location)) {
@@ -236,7 +238,7 @@ impl Uniforms {
         }
     }
 
-    /// A vector was set by its location.
+    /// Notes that a vector was set by its location.
     pub(in crate::intercept::gl) fn set_vector(&mut self, location: i32, vector: [f32; 4]) {
         let vector = vector.map(f64::from);
         let mut changed = false;
@@ -259,8 +261,8 @@ impl Uniforms {
     }
 }
 
-/// Sixteen numbers at `offset` of the buffer bound to a block's binding point, whether it is mapped
-/// for good, and its name.
+/// Returns sixteen numbers at `offset` of the buffer bound to a block's binding point, true if the
+/// buffer is mapped permanently, and its name.
 fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: bool) -> Option<([f64; 16], bool, u32)> {
     let width = if double { size_of::<f64>() } else { size_of::<f32>() };
     let matrix = |bytes: &[u8]| {
@@ -277,7 +279,7 @@ fn block_matrix(gl: &Gl, block: Block, offset: usize, stride: usize, double: boo
 }
 
 /// Returns the result of `read` for `length` bytes at `offset` of the buffer bound to a block's
-/// binding point, true if the buffer is mapped for good, and its name.
+/// binding point, true if the buffer is mapped permanently, and its name.
 fn block_bytes<T>(
     gl: &Gl,
     block: Block,
@@ -286,7 +288,7 @@ fn block_bytes<T>(
     read: impl FnOnce(&[u8]) -> T,
 ) -> Option<(T, bool, u32)> {
     // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that
-    // is borrowed for it is put back.
+    // is used for this is put back.
     unsafe {
         let [name, first] = if block.storage {
             [api::GL_SHADER_STORAGE_BUFFER_BINDING, api::GL_SHADER_STORAGE_BUFFER_START]
@@ -337,5 +339,5 @@ fn block_bytes<T>(
     }
 }
 
-/// A matrix with gaps between its columns is not longer than this in bytes.
+/// Greatest length in bytes of a matrix with gaps between its columns.
 const MOST_BYTES: usize = 256;

@@ -1,4 +1,4 @@
-//! Programs of Cupola beside a program of the program's, which divide primitives.
+//! Variants of a program: programs of Cupola that divide primitives.
 
 use crate::backend::gl::CurrentProgram;
 use crate::backend::gl::driver::api::Gl;
@@ -8,13 +8,13 @@ use crate::intercept::gl::state::shader::division_counter::Before;
 use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
 use std::sync::Arc;
 
-/// A program that divides.
+/// A program that divides primitives.
 pub struct Variant {
     pub(in crate::intercept::gl) name: u32,
     /// Locations of the reprojection matrix and of the lens constants.
     pub(in crate::intercept::gl) locations: [i32; 2],
     pub(in crate::intercept::gl) mirror: Mirror,
-    /// It counts what is not fine enough.
+    /// True if it counts primitives that are not divided far enough.
     pub(in crate::intercept::gl) counts: bool,
     /// Number of vertices of a patch, if it draws patches.
     pub(in crate::intercept::gl) patch: Option<i32>,
@@ -22,20 +22,20 @@ pub struct Variant {
 
 /// State before a variant was put in use.
 pub struct InUse {
-    /// The counter's binding.
+    /// Buffer that was bound before the counter.
     pub(in crate::intercept::gl) counter: Option<Before>,
     /// Number of vertices of a patch.
     pub(in crate::intercept::gl) vertices: i32,
-    /// The program's program, if it has subroutines.
+    /// Program object that was in use before, if it has subroutines.
     pub(in crate::intercept::gl) own: Option<CurrentProgram>,
 }
 
 /// Primitives that a variant divides, and the stages that do so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// By a geometry stage.
+    /// Primitives that a geometry stage divides.
     Geometry(Input),
-    /// By tessellation stages.
+    /// Primitives that tessellation stages divide.
     Tessellation(Patch),
 }
 
@@ -45,12 +45,12 @@ pub struct Variants(Vec<(Kind, State)>);
 
 #[derive(Clone, Default)]
 pub(in crate::intercept::gl) enum State {
-    /// No draw has needed it.
+    /// No draw has needed the variant.
     #[default]
     Untried,
-    /// There cannot be one.
+    /// The variant cannot be made.
     Refused,
-    /// There is.
+    /// The variant exists.
     Made(Arc<Variant>),
 }
 
@@ -64,7 +64,7 @@ impl Variants {
         self.0.push((kind, state));
     }
 
-    /// Deletes them.
+    /// Deletes the variants.
     pub fn destroy(&mut self, gl: &Gl) {
         for (_, state) in self.0.drain(..) {
             if let State::Made(variant) = state {

@@ -21,13 +21,13 @@ pub struct Bound {
 
 impl Default for Bound {
     fn default() -> Self {
-        // A new context has none.
+        // A new context has no buffers bound.
         Self { names: [Some(0); TARGETS.len()] }
     }
 }
 
 impl Bound {
-    /// Any of them may have changed.
+    /// Notes that any of the bindings may have changed.
     pub fn forget(&mut self) {
         self.names = [None; TARGETS.len()];
     }

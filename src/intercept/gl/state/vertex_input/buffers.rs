@@ -6,13 +6,13 @@ use std::collections::{HashMap, HashSet};
 #[derive(Default)]
 pub struct Buffers {
     list: HashMap<u32, Buffer>,
-    /// Names that OpenGL has given as those of buffers, not deleted since.
+    /// Names that OpenGL has given as names of bound buffers, and that were not deleted since.
     pub(in crate::intercept::gl) objects: HashSet<u32>,
-    /// Grows with every change of a buffer.
+    /// Number that grows with every change of a buffer.
     version: u64,
-    /// Grows with every frame of any context.
+    /// Number that grows with every frame of any context.
     frame: u64,
-    /// Something went on unseen.
+    /// True if Cupola missed commands.
     lost: bool,
 }
 
@@ -24,23 +24,24 @@ pub(in crate::intercept::gl) struct Buffer {
     known: bool,
 }
 
-/// More buffers are not followed.
+/// Greatest number of buffers that are followed.
 pub(in crate::intercept::gl) const MOST: usize = 1 << 16;
 
 impl Buffers {
-    /// The version of a buffer's content, another one after each change, and whether it has
-    /// outlasted a frame. `None`: it may change unseen.
+    /// Returns the version of a buffer's content, which differs after each change, and true if the
+    /// content has outlasted a frame. `None`: the content may change without a call that Cupola
+    /// sees.
     pub fn content(&self, name: u32) -> Option<(u64, bool)> {
         let buffer = self.list.get(&name).filter(|buffer| buffer.known && !self.lost)?;
         Some((buffer.version, buffer.changed < self.frame))
     }
 
-    /// A frame ended.
+    /// Notes the end of a frame.
     pub fn end_frame(&mut self) {
         self.frame += 1;
     }
 
-    /// The number of the frame.
+    /// Returns the number of the frame.
     pub fn frame(&self) -> u64 {
         self.frame
     }
@@ -50,19 +51,19 @@ impl Buffers {
         self.objects.contains(&name)
     }
 
-    /// OpenGL has said that a buffer of this name is bound.
+    /// Notes that a buffer of this name is bound, as OpenGL has answered.
     pub fn note_object(&mut self, name: u32) {
         if self.objects.len() < MOST {
             self.objects.insert(name);
         }
     }
 
-    /// Commands were not seen: nothing is known from now on.
+    /// Notes that Cupola missed commands. From now on nothing is known about the buffers.
     pub fn lose(&mut self) {
         self.lost = true;
     }
 
-    /// The buffer's content was written. `new`: it may have had none before.
+    /// Notes that the buffer's content was written. `new`: it may have had none before.
     pub(in crate::intercept::gl) fn write(&mut self, name: u32, new: bool) {
         self.version += 1;
         let (version, changed) = (self.version, self.frame);
@@ -73,7 +74,7 @@ impl Buffers {
         }
     }
 
-    /// The buffer may change unseen from now on.
+    /// Notes that the buffer may change from now on without a call that Cupola sees.
     pub(in crate::intercept::gl) fn forget(&mut self, name: u32) {
         self.write(name, false);
         if let Some(buffer) = self.list.get_mut(&name) {
@@ -101,7 +102,7 @@ mod tests {
         assert!(second != first && !rests);
         buffers.forget(2);
         buffers.write(2, true);
-        assert_eq!(buffers.content(2), None, "a name that came back");
+        assert_eq!(buffers.content(2), None, "a forgotten buffer stays unknown");
         assert_eq!(buffers.content(0), None);
         buffers.write(3, true);
         buffers.lose();

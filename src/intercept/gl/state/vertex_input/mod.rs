@@ -1,7 +1,7 @@
 //! Places of vertices, indices and uniform blocks.
 //!
-//! [`buffers`] tells which buffers hold what they held before, [`buffer_bindings`] and
-//! [`vertex_arrays`] what is bound, [`vertex_ranges`] where draws from buffers are.
+//! [`buffers`] follows changes of buffers, [`buffer_bindings`] and [`vertex_arrays`] follow
+//! bindings, [`vertex_ranges`] holds boxes around the vertices of draws from buffers.
 
 pub mod buffer_bindings;
 pub mod buffers;
@@ -29,31 +29,32 @@ pub struct VertexInput {
 #[derive(Default)]
 pub struct BlockBuffers {
     names: HashSet<u32>,
-    /// Buffers were bound for storage blocks.
+    /// True if buffers were bound for storage blocks.
     storage: bool,
     generation: u64,
 }
 
 impl BlockBuffers {
-    /// A buffer was bound for uniform blocks, or for storage blocks; 0 = none.
+    /// Notes that a buffer was bound for uniform blocks, or for storage blocks; 0 = none.
     pub fn bound(&mut self, buffer: u32, storage: bool) {
         self.generation += 1;
         self.storage |= storage;
         self.names.insert(buffer);
     }
 
-    /// The content of a buffer changed. Where it may be a uniform block its matrices are read back,
-    /// which is a wait for the driver; a program that streams vertices must not have it.
+    /// Notes that the content of a buffer changed. If the buffer may hold a uniform block, its
+    /// matrices are read back later, which waits for the driver. A change of other buffers, such as
+    /// streamed vertices, must not cause this wait.
     pub fn changed(&mut self, buffer: u32) {
         self.generation += u64::from(self.names.contains(&buffer));
     }
 
-    /// A buffer of a storage block may have changed, as shaders may write there.
+    /// Notes that a buffer of a storage block may have changed, as shaders may write to it.
     pub fn storage_changed(&mut self) {
         self.generation += u64::from(self.storage);
     }
 
-    /// Grows with every change of a buffer that may hold uniform blocks.
+    /// Returns a number that grows with every change of a buffer that may hold uniform blocks.
     pub fn generation(&self) -> u64 {
         self.generation
     }

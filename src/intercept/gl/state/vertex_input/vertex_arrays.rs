@@ -6,15 +6,16 @@ use std::collections::HashMap;
 /// Format of the numbers of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
-    /// As OpenGL has it: 1 to 4, or `GL_BGRA`.
+    /// Number of components as in OpenGL: 1 to 4, or `GL_BGRA`.
     pub components: usize,
-    /// `GL_FLOAT` and so on.
+    /// Type of a component: `GL_FLOAT` and so on.
     pub kind: u32,
-    /// Integers stand for −1…1 or 0…1.
+    /// True if integers stand for −1…1 or 0…1.
     pub normalised: bool,
-    /// The shader gets integers.
+    /// True if the shader gets integers.
     pub integer: bool,
-    /// The binding that it reads from; the attribute's own number where attributes have none.
+    /// Number of the binding from which the attribute reads. Without bindings, it is the
+    /// attribute's own number.
     pub(in crate::intercept::gl) binding: u32,
     /// Bytes from the beginning of the binding's element.
     pub(in crate::intercept::gl) offset: usize,
@@ -23,7 +24,7 @@ pub struct Format {
 /// Place of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// 0 = the program's memory.
+    /// Name of the buffer; 0 = the program's memory.
     pub buffer: u32,
     /// Address in the program's memory, or offset in the buffer.
     pub start: usize,
@@ -34,11 +35,11 @@ pub struct Source {
 /// The array of `glVertexPointer`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pointer {
-    /// 2 to 4.
+    /// Number of components: 2 to 4.
     pub components: usize,
-    /// `GL_FLOAT` and so on.
+    /// Type of a component: `GL_FLOAT` and so on.
     pub kind: u32,
-    /// Its place.
+    /// Buffer and position of the array.
     pub source: Source,
 }
 
@@ -61,7 +62,7 @@ pub(in crate::intercept::gl) struct Object {
     pub(in crate::intercept::gl) name: u32,
     pub(in crate::intercept::gl) attributes: Vec<Attribute>,
     pub(in crate::intercept::gl) bindings: Vec<Binding>,
-    /// `GL_VERTEX_ARRAY` is on.
+    /// True if `GL_VERTEX_ARRAY` is on; `None` = not known.
     pub(in crate::intercept::gl) conventional_on: Option<bool>,
     pub(in crate::intercept::gl) conventional: Option<Pointer>,
     /// The buffer of indices.
@@ -71,35 +72,35 @@ pub(in crate::intercept::gl) struct Object {
 /// Records of a context's vertex arrays.
 #[derive(Default)]
 pub struct VertexArrays {
-    /// None while it is not known which object is in use.
+    /// Records of the objects; empty while it is not known which object is in use.
     pub(in crate::intercept::gl) objects: Vec<Object>,
-    /// Places in the list, by name.
+    /// Indices in the list, by name.
     pub(in crate::intercept::gl) places: HashMap<u32, usize>,
-    /// The place of the object in use.
+    /// Index of the object in use.
     pub(in crate::intercept::gl) current: Option<usize>,
-    /// The program uses such objects.
+    /// True if the program uses such objects.
     pub(in crate::intercept::gl) used: bool,
 }
 
-/// More objects are not kept.
+/// Greatest number of objects that are recorded.
 pub(in crate::intercept::gl) const MOST_OBJECTS: usize = 1 << 12;
 
 impl VertexArrays {
-    /// Anything may have changed.
+    /// Forgets everything, as anything may have changed.
     pub fn forget(&mut self) {
         self.objects.clear();
         self.places.clear();
         self.current = None;
     }
 
-    /// An object may have changed.
+    /// Forgets the record of an object that may have changed.
     pub(in crate::intercept::gl) fn forget_object(&mut self, name: u32) {
         if let Some(object) = self.places.get(&name).and_then(|place| self.objects.get_mut(*place)) {
             *object = Object { name, ..Object::default() };
         }
     }
 
-    /// The object in use is the one of this name.
+    /// Notes that the object of this name is in use.
     pub(in crate::intercept::gl) fn select(&mut self, name: u32) {
         if self.objects.len() >= MOST_OBJECTS && !self.places.contains_key(&name) {
             self.forget();
@@ -145,12 +146,12 @@ impl Object {
     }
 }
 
-/// The real distance between elements: 0 stands for elements without gaps.
+/// Returns the real distance between elements. A stride of 0 stands for elements without gaps.
 pub(in crate::intercept::gl) fn packed(stride: usize, components: usize, kind: u32) -> usize {
     if stride == 0 { components * width(kind).unwrap_or_default() } else { stride }
 }
 
-/// Bytes of a number of an array; `None` for types that are not looked through.
+/// Returns the bytes of a number of an array; `None` for types that Cupola does not read.
 pub fn width(kind: u32) -> Option<usize> {
     match kind {
         api::GL_BYTE | api::GL_UNSIGNED_BYTE => Some(1),

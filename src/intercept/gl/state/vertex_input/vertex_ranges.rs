@@ -7,9 +7,9 @@ use std::ffi::c_void;
 /// The vertices of a draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Vertices {
-    /// These, one after the other.
+    /// Consecutive vertices.
     Range {
-        /// The first.
+        /// Number of the first vertex.
         first: i32,
         /// Number of vertices.
         count: i32,
@@ -18,27 +18,27 @@ pub enum Vertices {
     Elements {
         /// Number of indices.
         count: i32,
-        /// Their type.
+        /// Type of the indices.
         kind: u32,
-        /// Their address, or their offset in the buffer of indices.
+        /// Address of the indices, or their offset in the buffer of indices.
         indices: *const c_void,
-        /// Number that is added to each.
+        /// Number that is added to each index.
         base: i32,
     },
 }
 
-/// Boxes that are known.
+/// Known boxes around ranges of vertices.
 #[derive(Default)]
 pub struct Ranges {
     pub(in crate::intercept::gl) known: HashMap<Key, Known>,
-    /// The frame of what follows; those of the group count, since a context without a window swaps
-    /// nothing.
+    /// Frame to which the next values belong. The frames of the group count, since a context
+    /// without a window swaps nothing.
     frame: u64,
-    /// Bytes read in this frame.
+    /// Number of bytes that were read in this frame.
     spent: usize,
-    /// There is no room for more in this frame.
+    /// True if there is no room for more ranges in this frame.
     pub(in crate::intercept::gl) full: bool,
-    /// Ranges read so far.
+    /// Number of ranges that were read so far.
     pub reads: u64,
 }
 
@@ -51,19 +51,19 @@ pub(in crate::intercept::gl) struct Key {
 }
 
 pub(in crate::intercept::gl) struct Known {
-    /// Of the buffer of positions, and of that of indices.
+    /// Versions of the buffer of positions and of the buffer of indices.
     pub(in crate::intercept::gl) versions: [u64; 2],
     pub(in crate::intercept::gl) bounds: Bounds,
 }
 
-/// More ranges are not kept.
+/// Greatest number of ranges that are stored.
 pub(in crate::intercept::gl) const MOST_RANGES: usize = 1 << 14;
 
-/// The most bytes that are read in a frame, if it is more than one range.
+/// Greatest number of bytes that are read in a frame. A single range may be larger.
 pub(in crate::intercept::gl) const MOST_BYTES_IN_FRAME: usize = 16 << 20;
 
 impl Ranges {
-    /// Goes on in this frame.
+    /// Begins a new count if the frame has changed.
     pub(in crate::intercept::gl) fn follow(&mut self, frame: u64) {
         if frame != self.frame {
             (self.frame, self.spent, self.full) = (frame, 0, false);
@@ -80,7 +80,7 @@ impl Ranges {
 /// An array of vectors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Layout {
-    /// 0 = the program's memory.
+    /// Name of the buffer; 0 = the program's memory.
     pub buffer: u32,
     /// Address in the program's memory, or offset in the buffer.
     pub start: usize,
@@ -88,7 +88,7 @@ pub struct Layout {
     pub stride: usize,
     pub(in crate::intercept::gl) components: usize,
     pub(in crate::intercept::gl) kind: u32,
-    /// Integers stand for −1…1 or 0…1.
+    /// True if integers stand for −1…1 or 0…1.
     pub(in crate::intercept::gl) normalised: bool,
 }
 
