@@ -146,7 +146,7 @@ fn correct_now(ctx: &mut Context) {
     }
 }
 
-/// Greatest number of failed corrections in a row, after which Cupola leaves the window alone.
+/// Number of failed corrections in a row after which Cupola leaves the window alone.
 const MOST_FAILED_CORRECTIONS: u32 = 2;
 
 /// Logs that a program draws everything flat, or that it leaves out objects beside its own picture.

@@ -26,7 +26,7 @@ struct Used {
     written: Set,
     /// True if it writes numbers for the whole picture.
     numbers: bool,
-    /// True if it cannot be repeated: it writes separate values for each place, or numbers and
+    /// True if it cannot be followed: it writes separate values for each place, or numbers and
     /// pictures at once.
     lost: bool,
 }

@@ -101,8 +101,9 @@ struct Classified {
 /// Classifies a draw to a framebuffer with the images `attached`.
 fn classified(ctx: &mut Context, attached: Set) -> Classified {
     let class = classify_by_projection(ctx);
-    // A draw of the scene samples images at coordinates of its own. Only shaders that use their
-    // window coordinates may sample an image of the scene.
+    // A draw in perspective samples images at coordinates of its own, which are the same for all
+    // views. Only a flat draw, or a shader that uses window coordinates, needs the view's own
+    // image.
     let program = ctx.shaders.program.as_ref();
     let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
     let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());

@@ -54,7 +54,7 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
     ctx.view_copies.inspected = number.map(|number| InspectedPass { number, framebuffer, target });
 }
 
-/// Completes the frame.
+/// Notes the picture of the last pass when the frame is complete.
 pub fn end_frame(ctx: &mut Context) {
     if inspection::is_recording() {
         note_last_picture(ctx);

@@ -15,8 +15,7 @@ pub struct Limits {
     pub components: usize,
     /// True if several invocations of the stage may share a primitive (OpenGL 4.0).
     pub shared: bool,
-    /// Binding of the counter of primitives that are too coarse. `None`: there is no counter
-    /// (before OpenGL 4.2).
+    /// Binding of the counter of primitives that are too coarse. `None`: there is no counter.
     pub counter: Option<u32>,
     /// True for the compatibility profile.
     pub compatibility: bool,

@@ -178,6 +178,6 @@ mod tests {
         assert_eq!(read(layout(api::GL_SHORT, 3, true), &shorts), [-1.0, 0.0, 1.0, 1.0]);
         assert_eq!(read(layout(api::GL_SHORT, 3, false), &shorts), [-32768.0, 0.0, 32767.0, 1.0]);
         assert_eq!(read(layout(api::GL_UNSIGNED_BYTE, 3, true), &[255, 0, 51]), [1.0, 0.0, 0.2, 1.0]);
-        assert!(read(layout(api::GL_INT_2_10_10_10_REV, 1, false), &[0; 4])[0].is_nan(), "not looked through");
+        assert!(read(layout(api::GL_INT_2_10_10_10_REV, 1, false), &[0; 4])[0].is_nan(), "packed formats are not read");
     }
 }

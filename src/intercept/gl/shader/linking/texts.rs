@@ -234,7 +234,7 @@ mod tests {
         let divided = "vec2 p = gl_in[0].gl_Position.xy / gl_in[0].gl_Position.w;";
         let beside = "uniform mat4 other; out vec4 o; void main() { o = other * vec4(1.0);";
         assert!(works_in_clip_space(&main(&format!("void main() {{ {divided} {moved}"))));
-        assert!(works_in_clip_space(&main(&format!("{beside} {divided} {moved}"))), "it is not for positions");
+        assert!(works_in_clip_space(&main(&format!("{beside} {divided} {moved}"))), "other is not for positions");
         assert!(!works_in_clip_space(&main(&format!("void main() {{ {moved}"))), "a billboard of the scene");
         for own in [
             "uniform mat4 P; void main() { gl_Position = P * gl_in[0].gl_Position;",
