@@ -10,7 +10,7 @@
 //!   dispatch          draw::routing           to the window, or to a framebuffer of the program?
 //!   classify          per_view::classify      scene, background or flat, by matrix and viewport
 //!   select            per_view::culling       views that can show the draw
-//!   issue             per_view::issue         per view: window space, projection, the driver's call
+//!   issue             per_view::issue         per view: window space, projection, driver's call
 //!     projection      shader, state::compat, projected_vertices
 //!     factors         queries::scaling        factors for the program's queries
 //! ```
