@@ -6,13 +6,13 @@
 //! # One draw
 //!
 //! ```text
-//! glDrawElements      draw::arrays            hook; vertices that may have to be looked at
-//!   dispatch          draw::routing          to the window, or to a framebuffer of the program?
+//! glDrawElements      draw::arrays            hook; finds the vertices if that is needed
+//!   dispatch          draw::routing           to the window, or to a framebuffer of the program?
 //!   classify          per_view::classify      scene, background or flat, by matrix and viewport
 //!   select            per_view::culling       views that can show the draw
-//!   issue             per_view::issue         per view: window space, projection, the driver's call
+//!   issue             per_view::issue         per view: window space, projection, driver's call
 //!     projection      shader, state::compat, projected_vertices
-//!     weights         queries::scaling        what the program's queries count
+//!     factors         queries::scaling        factors for the program's queries
 //! ```
 //!
 //! # One swap
@@ -20,16 +20,17 @@
 //! ```text
 //! glXSwapBuffers      entry::glx              the driver's function is called in between
 //!   before            frame::present          resolve, correct the views into the window, capture
-//!   after             frame::present          offscreen, cameras, buffers: the frame ends
-//!     size, rig       framebuffer             plan anew where the window or the rig changed
+//!   after             frame::present          end of the frame in offscreen, cameras, buffers
+//!     size, rig       framebuffer             new plan if the window or the rig changed
 //! ```
 //!
-//! # Rooms
+//! # Folders
 //!
-//! A room uses those below it: `entry`, `frame`, `compat`, `app_state`, `draw`, `framebuffer`,
+//! The folders in their order: `entry`, `frame`, `compat`, `app_state`, `draw`, `framebuffer`,
 //! `offscreen`, `per_view`, `projected_vertices`, `shader`, `queries`, `vertex_input`, `context`,
-//! `state`. The data of each feature lies in `state`, below [`context::gl_context::Context`], which
-//! holds it; what a feature does lies in its own room.
+//! `state`. A folder uses only folders that come after it in this list. `state` holds the data of
+//! each feature. [`context::gl_context::Context`] puts these data together. The code of each
+//! feature is in the feature's own folder.
 
 pub mod app_state;
 pub mod compat;

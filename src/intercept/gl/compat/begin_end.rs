@@ -1,9 +1,9 @@
-//! Begin/End: recorded, and then issued like any other draw.
+//! Begin/End: the commands are recorded, and then issued like any other draw.
 //!
-//! While the program is between Begin and End the driver is, too, but gets no vertices: so it says
-//! the program's errors as it would without us. Display lists are called when the draw is issued,
-//! and so are elements of arrays, which go into lists of Cupola. Begin or End may lie in a list of
-//! the program.
+//! While the program is between Begin and End the driver is too, but gets no vertices. So the
+//! driver reports the program's errors as usual. Display lists are called when the draw is issued.
+//! Array elements (`glArrayElement`) are compiled into lists of Cupola, which are called then too.
+//! Begin or End may be part of a display list of the program.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -22,14 +22,15 @@ use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 
-/// Notes an element of arrays, or what goes with it. The driver gets it next, into a list.
+/// Prepares for an array element, or a command that belongs to it: the driver compiles it next,
+/// into a display list of Cupola.
 pub fn note_element(ctx: &mut Context) {
     leave_to_list(ctx);
     if let Some(list) = &mut ctx.lists.recording {
         list.bounds.add_unknown();
     }
     if ctx.compat.immediate.phase == Phase::Recording {
-        // SAFETY: the driver leaves its own Begin/End, in which it has no names for lists.
+        // SAFETY: ends the driver's own Begin/End, since the driver creates no lists there.
         unsafe { ctx.driver.gl.end() };
         if ctx.compat.immediate.used_lists == ctx.compat.immediate.lists.len() {
             let name = list_recording::own_name(ctx);
@@ -39,27 +40,27 @@ pub fn note_element(ctx: &mut Context) {
         immediate.bounds.add_unknown();
         immediate.phase = Phase::Elements;
         let list = immediate.lists.get(immediate.used_lists).copied().unwrap_or_default();
-        // SAFETY: the driver compiles a list of Cupola.
+        // SAFETY: the driver compiles a list of Cupola; `close_elements` ends the list.
         unsafe { ctx.driver.gl.new_list(list, api::GL_COMPILE) };
     }
 }
 
-/// Notes a display list of the driver between Begin and End.
+/// Records the call of a display list of the driver between Begin and End.
 pub fn note_list(ctx: &mut Context, list: u32) {
     ctx.compat.immediate.close_elements(ctx.driver.gl);
     ctx.compat.immediate.bounds.add_unknown();
     ctx.compat.immediate.recorder.push_list(list);
 }
 
-/// Moves the recorded commands to the program's list that is compiled, if there is one. The
-/// commands that follow go there, too.
+/// Moves the recorded commands to the display list that the program compiles, if there is one. The
+/// commands that follow go there directly.
 pub fn leave_to_list(ctx: &mut Context) {
     if ctx.compat.immediate.under_way() && ctx.lists.recording.is_some() {
         give_to_list(ctx);
     }
 }
 
-/// Colour, normal and texture coordinate, those that are wanted.
+/// Current colour, normal and texture coordinate; `None` for those that are not needed.
 struct Current([Option<[f32; 4]>; 3]);
 
 impl Current {
@@ -75,9 +76,9 @@ impl Current {
         }))
     }
 
-    /// Sets them to what they were. Before the first vertex also what is so already: Mesa gives
-    /// vertices a wrong value of an attribute that comes only after them, unless it was set before
-    /// them.
+    /// Restores the current values. Before the first vertex also sets values that are current
+    /// already: if an attribute changes only after some vertices, Mesa gives these vertices a wrong
+    /// value unless the attribute was set before them.
     fn set(&self, gl: &Gl) {
         let [color, normal, texture] = &self.0;
         // SAFETY: reads three or four floats.
@@ -95,15 +96,15 @@ impl Current {
     }
 }
 
-/// True for Begin and End if each is a command of its own. A list that was recorded holds the
-/// other.
+/// True for Begin and End if the command is issued here. Otherwise a recorded display list contains
+/// it.
 #[derive(Clone, Copy)]
 struct Own {
     begin: bool,
     end: bool,
 }
 
-/// Issues what was recorded between Begin and End.
+/// Issues the commands that were recorded between Begin and End.
 fn issue(ctx: &mut Context, mode: u32, own: Own, bounds: Bounds, recorder: &Recorder) {
     ctx.draw.wide_primitives.shape = Shape::of_mode(mode);
     let current = Current::get(ctx.driver.gl, recorder.sets_late());
@@ -132,15 +133,16 @@ fn issue(ctx: &mut Context, mode: u32, own: Own, bounds: Bounds, recorder: &Reco
         return;
     }
     let vertices = projected_vertices::Vertices::of_recorded(ctx.driver.gl, mode, recorder);
-    // SAFETY: the program's own attributes: materials count for all vertices, all else is set with
-    // each of them.
+    // SAFETY: the program's own attributes. A material applies to all vertices; all other
+    // attributes are set with each vertex.
     unsafe { recorder.play_attributes(ctx.driver.gl, 0) };
     divided::draw_read(ctx, changes, bounds, &vertices, whole);
-    // SAFETY: as above; between vertices others were set.
+    // SAFETY: as above. The draw has set other values between the vertices.
     unsafe { recorder.play_attributes(ctx.driver.gl, 0) };
 }
 
-/// Issues what was recorded since Begin. `own_end`: a command of its own ends it.
+/// Issues the commands that were recorded since Begin. `own_end`: End is issued here, it is not
+/// part of a display list.
 fn issue_recorded(ctx: &mut Context, own_end: bool) {
     let immediate = &mut ctx.compat.immediate;
     immediate.phase = Phase::Outside;
@@ -150,13 +152,13 @@ fn issue_recorded(ctx: &mut Context, own_end: bool) {
     ctx.compat.immediate.recorder = recorder;
 }
 
-/// True if Begin/End becomes a command of its own in the list that is compiled, so that it can be
-/// divided when the list runs.
+/// True if Begin/End becomes an item of its own in the display list that is being compiled, so that
+/// its primitives can be divided when the list runs.
 fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
     lists.recording.is_some() && !projected.views_only && methods::division_asked_for()
 }
 
-/// Adds the recorded commands to the list that is compiled, as one command.
+/// Adds the recorded commands to the display list that is being compiled, as one item.
 fn keep_apart(ctx: &mut Context) {
     let (mode, bounds) = (ctx.compat.immediate.mode, ctx.compat.immediate.bounds);
     let recorder = std::mem::take(&mut ctx.compat.immediate.recorder);
@@ -164,8 +166,8 @@ fn keep_apart(ctx: &mut Context) {
     list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, own, bounds, &recorder));
 }
 
-/// Moves the recorded commands to the list that is compiled. The commands until the program's End
-/// go there as they come.
+/// Moves the recorded commands to the display list that is being compiled. The commands until the
+/// program's End go there directly.
 fn give_to_list(ctx: &mut Context) {
     list_recording::will_draw(ctx, false);
     let Some(recording) = &mut ctx.lists.recording else { return };
@@ -179,7 +181,8 @@ fn give_to_list(ctx: &mut Context) {
     }
 }
 
-/// Runs a part of a list of the program that begins or ends a primitive, or lies inside of one.
+/// Runs a part of a display list of the program that begins or ends a primitive, or lies inside
+/// one.
 pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
     let gl = ctx.driver.gl;
     if let (false, Some(mode)) = (ctx.compat.immediate.under_way(), primitive.within) {
@@ -191,15 +194,15 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
             unsafe { gl.call_list(list) };
             return;
         }
-        // What comes until the End is one draw, with this list.
+        // All commands until End are one draw, together with this list.
         ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
         ctx.compat.immediate.begun_by_list = true;
-        // SAFETY: the driver is where the program is.
+        // SAFETY: brings the driver between Begin and End, where the program is.
         unsafe { gl.begin(list_of(mode)) };
     }
     note_list(ctx, list);
     if (primitive.ends, primitive.within) == (true, None) {
-        // SAFETY: the driver leaves its own Begin/End.
+        // SAFETY: ends the driver's own Begin/End.
         unsafe { gl.end() };
         issue_recorded(ctx, false);
     }
@@ -212,7 +215,7 @@ hooks! {
             && !ctx.compiling()
             && gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER) != api::GL_FRAMEBUFFER_COMPLETE
         {
-            // The driver refuses it.
+            // The driver refuses the command.
         } else if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
             ctx.compat.immediate.begin(mode, ctx.driver.profile.generic_attributes);
             return;
@@ -234,7 +237,7 @@ hooks! {
     };
     "glGetError" get_error() -> u32 = |ctx, gl| {
         ctx.compat.immediate.close_elements(gl);
-        // Between Begin and End it is not allowed, which the driver says.
+        // Between Begin and End this call is an error, which the driver reports.
         if ctx.compat.immediate.under_way() { gl.get_error() } else { ctx.driver.error() }
     };
     "glEnd" end() = |ctx, gl| {

@@ -1,8 +1,10 @@
-//! Display lists: real lists between the commands that must not run once per view.
+//! Display lists: lists of the driver, and between them the commands that must not run once per
+//! view.
 //!
-//! A list of the program becomes a sequence of items. What only draws or sets plain state stays
-//! in real lists of the driver (the first under the program's own name); commands that we follow
-//! (matrices, viewport, clears, nested lists …) are kept beside them and run through our hooks.
+//! A list of the program becomes a sequence of items. Commands that only draw or set plain state
+//! stay in lists of the driver, the first of which has the program's name. Commands that Cupola
+//! follows (matrices, viewport, clears, nested lists …) are stored between these lists and run
+//! through Cupola's hooks.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::app_state::window_state;
@@ -20,7 +22,7 @@ use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::Arc;
 
-/// Lists may call lists this deep, as OpenGL says at least.
+/// Greatest depth of lists that call lists: the least value that OpenGL allows for it.
 const DEEPEST: u32 = 64;
 
 /// Runs a list of the program. Between Begin and End its parts are recorded.
@@ -36,7 +38,8 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
         None if ctx.compat.immediate.under_way() => {
             begin_end::note_list(ctx, list);
         }
-        // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
+        // A list that Cupola did not see compiled (a font of glXUseXFont, for example) may contain
+        // any command.
         None => {
             run_real(ctx, list, true, true, &Bounds::UNKNOWN);
             ctx.driver.known_state.forget();
@@ -67,8 +70,8 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
     }
 }
 
-/// Runs the list at an offset from the base. Unlike `glCallList`, `glCallLists` takes a list 0 for
-/// an empty one.
+/// Runs the list at an offset from the list base. For `glCallLists`, unlike `glCallList`, list 0 is
+/// an empty list.
 fn call_at(ctx: &mut Context, offset: u32, depth: u32) {
     let list = ctx.lists.base.wrapping_add(offset);
     if list != 0 {
@@ -76,7 +79,7 @@ fn call_at(ctx: &mut Context, offset: u32, depth: u32) {
     }
 }
 
-/// True if a command runs other lists, which is allowed between Begin and End.
+/// True if a command runs other lists. Such a command is allowed between Begin and End.
 fn calls(command: &Command) -> bool {
     matches!(command, Command::CallList(_) | Command::CallLists(_))
 }
@@ -177,7 +180,7 @@ fn set_list_base(driver: &Driver, lists: &mut ListState, base: u32) {
     unsafe { driver.gl.list_base(base) };
 }
 
-/// The offset at `index` of the array of `glCallLists`.
+/// Returns the offset at `index` of the array of `glCallLists`.
 ///
 /// # Safety
 /// `lists` must hold more than `index` elements of the type `kind`, as the program promises OpenGL.
@@ -206,7 +209,7 @@ unsafe fn offset(kind: u32, lists: *const c_void, index: usize) -> u32 {
 fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     // SAFETY: a question about a name.
     let is_new = unsafe { ctx.driver.gl.is_list(list) } == 0;
-    // SAFETY: the program's own command; execution comes when the list ends.
+    // SAFETY: the program's own command. The list is executed after its end.
     unsafe { ctx.driver.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
     let takes = list != 0 && !ctx.compiling();
     if takes && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) {
@@ -222,13 +225,13 @@ fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
 pub fn finish_recording(ctx: &mut Context) {
     let gl = ctx.driver.gl;
     let Some(mut recording) = ctx.lists.recording.take() else {
-        // SAFETY: an error of the program's, for the driver to say.
+        // SAFETY: an error of the program, which the driver reports.
         unsafe { gl.end_list() };
         return;
     };
     recording.end_part(gl);
     if ctx.session().is_some() && !ctx.redirected() {
-        // What could not be set while the list was compiled.
+        // This state could not be set while the list was compiled.
         ctx.restore_window_space();
     }
     forget(ctx, recording.list, 1);
@@ -239,14 +242,14 @@ pub fn finish_recording(ctx: &mut Context) {
     if recording.execute {
         call(ctx, list, 0);
         if recording.primitive.within.is_some() {
-            // The list ends, but OpenGL refuses the command between Begin and End. In GL_COMPILE
-            // the driver cannot see it.
+            // The list ends, but OpenGL refuses this command between Begin and End. In mode
+            // GL_COMPILE the driver cannot notice that.
             ctx.driver.note_error(api::GL_INVALID_OPERATION);
         }
     }
 }
 
-/// Forgets what the lists were, and empties our parts of them.
+/// Forgets the items of these lists, and empties the lists of Cupola that are parts of them.
 pub(in crate::intercept::gl) fn forget(ctx: &Context, first: u32, count: u32) {
     let mut lists = ctx.share.lists.locked();
     if (count as usize) < lists.items.len() {
@@ -273,8 +276,8 @@ pub fn call_list(ctx: &mut Context, list: u32) {
 pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const c_void) {
     let known = (api::GL_BYTE..=api::GL_4_BYTES).contains(&kind);
     if count < 0 || !known {
-        // The driver says the error, without reading names.
-        // SAFETY: no names are read where the number or the type is wrong.
+        // SAFETY: the driver reports the error. It reads no names if the number or the type is
+        // wrong.
         list_recording::now_or_later(ctx, move |ctx| unsafe {
             ctx.driver.gl.call_lists(count, kind, std::ptr::null())
         });
@@ -293,7 +296,7 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
 hooks! {
     "glNewList" new_list(list: u32, mode: u32) = |ctx, _gl| begin_recording(ctx, list, mode);
     "glIsList" is_list(list: u32) -> u8 = |ctx, gl| {
-        // A part of it may have ended, under its name.
+        // The first part of the list may be complete in the driver, under the list's name.
         let is_compiled = ctx.lists.recording.as_ref().is_some_and(|recording| recording.is_new && recording.list == list);
         if is_compiled { 0 } else { gl.is_list(list) }
     };

@@ -1,4 +1,4 @@
-//! Commands on display lists that are allowed, or mean something, between Begin and End.
+//! Commands on display lists that are allowed between Begin and End, or have an effect there.
 
 use crate::intercept::gl::compat::{begin_end, display_lists};
 use crate::intercept::gl::context::hooks::hooks;
@@ -7,7 +7,7 @@ use std::ffi::c_void;
 hooks! {
     between;
     "glEndList" end_list() = |ctx, gl| {
-        // A primitive whose end is in another list.
+        // The End of the primitive is in another list.
         begin_end::leave_to_list(ctx);
         if ctx.compat.immediate.under_way() { gl.end_list() } else { display_lists::finish_recording(ctx) }
     };

@@ -1,4 +1,4 @@
-//! The fixed-function projection: what the program has in `GL_PROJECTION`, and each view's.
+//! The fixed-function projection: the program's `GL_PROJECTION`, and the projection of each view.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::call_sum;
@@ -129,7 +129,7 @@ mod tests {
         let identity: [f64; 16] = std::array::from_fn(|i| f64::from(u8::from(i % 5 == 0)));
         assert_eq!(multiply(&a, &identity), a);
         assert_eq!(multiply(&identity, &a), a);
-        // (A B)ᵀ = Bᵀ Aᵀ tells the order of the factors.
+        // (A B)ᵀ = Bᵀ Aᵀ shows the order of the factors.
         let b: [f64; 16] = std::array::from_fn(|i| (i * i) as f64);
         assert_eq!(transposed(multiply(&a, &b)), multiply(&transposed(b), &transposed(a)));
     }

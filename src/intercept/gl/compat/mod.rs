@@ -1,10 +1,11 @@
 //! The compatibility profile.
 //!
-//! Answers Begin/End and its commands ([`begin_end`], [`vertex_commands`]), display lists
-//! ([`display_lists`]), matrix commands ([`matrices`]) and the raster position
-//! ([`raster_position`], [`scene_position`]). A Begin/End is recorded and then issued like any
-//! other draw. A display list is split into lists of the driver; between them are the commands that
-//! run once and not once per view. `context::list_recording` records both, this room runs them.
+//! Hooks of Begin/End and its commands are in [`begin_end`] and [`vertex_commands`], those of
+//! display lists in [`display_lists`], those of matrices in [`matrices`], those of the raster
+//! position in [`raster_position`] and [`scene_position`]. A Begin/End is recorded and then issued
+//! like any other draw. A display list is split into lists of the driver; between them are the
+//! commands that run once and not once per view. `context::list_recording` records both, this
+//! folder runs them.
 
 pub mod begin_end;
 pub mod display_lists;

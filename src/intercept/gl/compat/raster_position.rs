@@ -1,8 +1,8 @@
-//! The raster position, and what is drawn at it: bitmaps and pixel rectangles.
+//! The raster position, and drawing at it: bitmaps and pixel rectangles.
 //!
-//! The driver transforms a raster position once, when it is set. On the flat panel that is right.
-//! A position in the scene has another place in every view, so it is kept with its model-view
-//! matrix and set again in each view before something is drawn there.
+//! The driver transforms a raster position once, when it is set. This is correct for the flat
+//! panel. A position in the scene is at another point in each view. So it is stored with its
+//! model-view matrix, and set again in each view before a draw at it.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -42,19 +42,20 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
             ctx.compat.raster.projections.clone_from(&ctx.compat.projection.per_view);
             ctx.compat.raster.scene =
                 Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
-            // The driver's own state too, for queries: as in the program's window.
+            // The driver's own state is set too, for the program's queries, as in the program's
+            // window.
             ctx.set_viewport(ctx.app.viewport);
         } else {
             ctx.compat.raster.origin = flat_window_space(ctx);
         }
     } else if ctx.drawable.target().is_some() {
-        // In a framebuffer of the program's own, or for picking, there are no tiles.
+        // In a framebuffer of the program, or for picking, there are no tiles.
         ctx.set_viewport(ctx.app.viewport);
     }
     // SAFETY: the program's own call.
     unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
     if !is_valid(gl) {
-        // What is clipped leaves its numbers where they were.
+        // A clipped position leaves the driver's coordinates unchanged.
         ctx.compat.raster.origin = old;
     }
     if ctx.compat.raster.scene.is_some() {
@@ -63,12 +64,12 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     }
 }
 
-/// The colour that the raster position took with it: lit, also where it is clipped away in the
-/// program's window and OpenGL has lit none.
+/// Returns the lit colour of the raster position. If the position is clipped in the program's
+/// window, OpenGL has computed no lit colour, so the position is set again where it is not clipped.
 fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
     let gl = ctx.driver.gl;
     let mut color = [0.0; 4];
-    // SAFETY: writes four floats. What is current, the raster position with it, is pushed and
+    // SAFETY: writes four floats. The current values, including the raster position, are pushed and
     // popped.
     unsafe {
         if is_valid(gl) {
@@ -80,7 +81,7 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
             return color;
         }
         gl.push_attrib(api::GL_CURRENT_BIT);
-        // Everything is in the middle of the picture.
+        // This matrix moves every position to the middle of the picture.
         let mut middle = [0.0; 16];
         middle[15] = 1.0;
         projection::load(ctx.driver.gl, ctx.app.matrix_mode, &middle);
@@ -106,7 +107,7 @@ pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
     unsafe { ctx.driver.gl.window_pos3d(x + left, y + bottom, z) };
 }
 
-/// Prepares the flat tile; its origin in the atlas.
+/// Prepares the flat tile. Returns its origin in the atlas.
 fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     want_panel(ctx);
     let tile = ctx.drawable.target().and_then(|t| t.flat_tiles().into_iter().flatten().next());
@@ -119,13 +120,13 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     }
 }
 
-/// Draws at the raster position what `changes` so much. `false` if the caller should treat it as
-/// any other draw.
+/// Draws at the raster position. `changes`: state that the draw changes. Returns false if the
+/// caller must treat it like any other draw.
 pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) -> bool {
     if ctx.app.picking || (!ctx.redirected() && ctx.compat.raster.origin == [0, 0]) {
         return false;
     }
-    // Bitmaps reach over the border of their tile.
+    // Bitmaps may reach beyond the border of their tile.
     ctx.draw.wide_primitives.cut = true;
     if !ctx.redirected() {
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
@@ -145,19 +146,19 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
 /// Draws at a raster position in the scene.
 fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.driver.gl;
-    // Within what is pushed here.
+    // `Placed` pushes one entry.
     let repeats = Repeats::new(changes, ctx, 1);
     ctx.compat.projection.refresh(gl, ctx.drawable.session());
     let Some(mut target) = ctx.drawable.take_target() else { return };
     let before = raster_position(gl);
-    // What is current, the raster position with it, is put back; a full stack has no place left for
-    // it.
+    // The current values, including the raster position, are restored. This is impossible if the
+    // stack is full.
     let keeps = ctx.app.can_push(0);
     let placed = Placed::begin(gl, &position, ctx.app.matrix_mode, keeps);
     draw_in_views(ctx, &placed, &mut target, &mut || repeats.unchanged(gl, false, || issue(gl)));
     placed.end();
-    // Once more where the program's window would be, out of sight: it moves the position as it
-    // should.
+    // Draws once more at the position in the program's window, with an empty scissor. This moves
+    // the raster position as the program expects.
     ctx.set_viewport(ctx.app.viewport);
     ctx.set_scissor(Some(LowerLeftRect::default()));
     issue(gl);
@@ -167,7 +168,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     ctx.drawable.put_target(target);
 }
 
-/// Draws at a position of the scene in each view, and in the program's own picture.
+/// Draws at a position of the scene in each view and in the program's own picture.
 fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebuffer, issue: &mut dyn FnMut()) {
     let (gl, mode) = (ctx.driver.gl, ctx.app.matrix_mode);
     scaling::scale(gl, &mut ctx.queries, QueryScaling::ONCE);
@@ -207,7 +208,7 @@ fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebu
     }
 }
 
-/// Draws at a raster position on the flat panel, and in the other pictures that show it.
+/// Draws at a raster position on the flat panel, and in the other tiles that show flat drawing.
 fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.driver.gl;
     want_panel(ctx);
@@ -221,7 +222,7 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
         own_window_space(ctx, tile);
         move_origin(ctx, tile.origin());
         let begin = raster_position(gl);
-        // Each picture's drawing begins where the first one's began.
+        // Drawing in each tile begins at the same position as in the first tile.
         let [x, y] = [begin[0] - tile.x as f32, begin[1] - tile.y as f32];
         let [first_x, first_y] = *before.get_or_insert([x, y]);
         move_by(gl, first_x - x, first_y - y);
@@ -229,8 +230,8 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     }
 }
 
-/// The driver's raster position gets another tile's origin. One that is not valid cannot be moved,
-/// and draws nothing.
+/// Moves the driver's raster position to the tile with this origin. An invalid position cannot be
+/// moved, and draws nothing.
 fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
     let [x, y] = ctx.compat.raster.origin;
     if [x, y] != origin && is_valid(ctx.driver.gl) {
@@ -239,7 +240,7 @@ fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
     }
 }
 
-/// A command that draws at the raster position.
+/// Handles a command that draws at the raster position.
 pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
     let gl = ctx.driver.gl;
     if ctx.lists.recording.is_some() {
@@ -266,7 +267,7 @@ fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
     }
 }
 
-/// The program's array of N numbers, padded like OpenGL pads positions.
+/// Returns the program's array of N numbers, padded like OpenGL pads positions.
 ///
 /// # Safety
 /// `v` must point at `N` numbers.
@@ -299,7 +300,8 @@ macro_rules! raster_hooks {
                 list_recording::now_or_later(ctx, move |ctx| {
                     let origin = if ctx.reads_redirected() { read_back::prepare(ctx, LowerLeftRect::new(x, y, w, h), kind == api::GL_COLOR) } else { [0, 0] };
                     let (x, y) = (x + origin[0], y + origin[1]);
-                    // SAFETY: the program's own call, moved to where its picture is.
+                    // SAFETY: the program's own call, with the coordinates of its picture in the
+                    // atlas.
                     raster_command(ctx, |gl| unsafe { gl.copy_pixels(x, y, w, h, kind) });
                     read_back::finish(ctx);
                 });

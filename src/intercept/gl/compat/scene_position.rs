@@ -1,24 +1,24 @@
-//! A raster position of the scene in the driver.
+//! Driver state for a raster position of the scene.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 
-/// A position of the scene, for drawing in several views. [`Placed::end`] puts the driver's state
-/// back.
+/// Raster position of the scene during drawing in several views. [`Placed::end`] restores the
+/// driver's state.
 pub(in crate::intercept::gl) struct Placed<'a> {
     gl: &'static Gl,
     position: &'a ScenePosition,
     present: Present,
     /// The program's matrix mode.
     mode: u32,
-    /// True if the current attributes are pushed.
+    /// True if the current attributes were pushed.
     keeps: bool,
 }
 
 impl<'a> Placed<'a> {
-    /// Pushes the model-view matrix and, if it `keeps` these, current attributes, and loads the
-    /// position's matrix.
+    /// Pushes the model-view matrix and loads the matrix of the position. `keeps`: pushes the
+    /// current attributes too.
     pub(in crate::intercept::gl) fn begin(
         gl: &'static Gl,
         position: &'a ScenePosition,
@@ -38,25 +38,25 @@ impl<'a> Placed<'a> {
         Self { gl, position, present: Present::of(gl), mode, keeps }
     }
 
-    /// True if the raster position is put back at the end.
+    /// True if the raster position is restored at the end.
     pub fn keeps(&self) -> bool {
         self.keeps
     }
 
-    /// Sets the position with the projection and the viewport of now.
+    /// Sets the position with the present projection and viewport.
     pub fn set(&self) {
         self.present.set_again(self.gl, self.position);
         move_by(self.gl, self.position.moved[0], self.position.moved[1]);
     }
 
-    /// Sets the position as it is in the program's own window, whatever its viewport and projection
-    /// are now.
+    /// Sets the position that the program has set in its own window, moved to `tile`. The present
+    /// viewport and projection have no effect.
     pub fn as_set(&self, tile: LowerLeftRect) {
         if !self.keeps {
             self.set();
             return;
         }
-        // SAFETY: takes up what `begin` pushed, and leaves it pushed.
+        // SAFETY: restores what `begin` pushed, and pushes it again.
         unsafe {
             self.gl.pop_attrib();
             self.gl.push_attrib(api::GL_CURRENT_BIT);
@@ -66,10 +66,10 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// Pops what was pushed.
+    /// Restores what `begin` pushed.
     pub fn end(&self) {
         let gl = self.gl;
-        // SAFETY: the pairs of the pushes in `begin`.
+        // SAFETY: these pops match the pushes in `begin`.
         unsafe {
             gl.matrix_mode(api::GL_MODELVIEW);
             gl.pop_matrix();
@@ -81,7 +81,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// State that setting a position again would change, as it is when a draw begins.
+/// State at the beginning of a draw that setting the position again would change.
 struct Present {
     /// True for each of [`Present::SWITCHES`] that is on.
     on: [bool; 2],
@@ -91,8 +91,8 @@ struct Present {
 }
 
 impl Present {
-    /// The colour of a position is lit already, and the material, which may follow what is current,
-    /// must not follow it.
+    /// Switches that are off while a position is set again. The colour of a position is lit
+    /// already, and the material must not follow it.
     const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
 
     fn of(gl: &Gl) -> Self {
@@ -107,8 +107,8 @@ impl Present {
         Self { on, color, texture, depths }
     }
 
-    /// Sets a position of the scene again, with the colour and the texture coordinate that it took
-    /// with it, and in the range of depths of that time; all else stays.
+    /// Sets a position of the scene again, with the colour, the texture coordinate and the depth
+    /// range that it was first set with. All other state stays unchanged.
     fn set_again(&self, gl: &Gl, position: &ScenePosition) {
         let [x, y, z, w] = position.object;
         let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
@@ -127,7 +127,7 @@ impl Present {
     }
 }
 
-/// True if the raster position lay within the clip volume when it was set.
+/// True if the raster position was in the clip volume when it was set.
 pub fn is_valid(gl: &Gl) -> bool {
     let mut valid = 0;
     // SAFETY: writes one boolean.

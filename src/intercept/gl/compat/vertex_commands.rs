@@ -1,7 +1,8 @@
-//! Vertices and their attributes: recorded between Begin and End, watched while a list is compiled.
+//! Vertices and their attributes: recorded between Begin and End, examined while a list is
+//! compiled.
 //!
-//! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form,
-//! but are allowed between Begin and End, are below it.
+//! The rows come from the registry (`build/gl_attributes.rs`). Commands that are allowed between
+//! Begin and End, but do not fit that form, are below the rows.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::compat::begin_end;
@@ -13,7 +14,7 @@ use crate::intercept::gl::state::compat::begin_end::Phase;
 use crate::intercept::gl::state::compat::vertex_commands::Command;
 use crate::intercept::gl::state::compat::vertex_recorder::{Number, Sets, add_vertex};
 
-/// Notes a command of the program. `false`: it is to be passed on.
+/// Records a command of the program. Returns false if the driver must get the command too.
 #[inline]
 fn note<T: Number>(
     gl: &Gl,
@@ -31,7 +32,7 @@ fn note<T: Number>(
         && prefix.first().is_some_and(|number| *number >= compat.immediate.generic_attributes.into())
         && compat.immediate.under_way()
     {
-        // An error, for the driver to say.
+        // An error, which the driver reports.
         compat.immediate.close_elements(gl);
         return false;
     }
@@ -49,17 +50,17 @@ fn note<T: Number>(
     compat.immediate.phase == Phase::Recording
 }
 
-/// The program's array of `N` numbers.
+/// Returns the program's array of `N` numbers.
 ///
 /// # Safety
 /// `v` points at `N` numbers.
 unsafe fn array<T: Copy, const N: usize>(v: *const T) -> [T; N] {
-    // SAFETY: as promised above; nothing is said about its alignment.
+    // SAFETY: as promised above; the array may be unaligned.
     std::array::from_fn(|i| unsafe { v.add(i).read_unaligned() })
 }
 
-/// Notes a property of a material, which has as many numbers as its name says. `false`: it is to be
-/// passed on.
+/// Records a property of a material; `name` determines the number of its values. Returns false if
+/// the driver must get the command too.
 fn note_material<T: Number + Default>(
     ctx: &mut Context,
     command: Command,
@@ -70,7 +71,7 @@ fn note_material<T: Number + Default>(
         api::GL_AMBIENT | api::GL_DIFFUSE | api::GL_SPECULAR | api::GL_EMISSION | api::GL_AMBIENT_AND_DIFFUSE => 4,
         api::GL_COLOR_INDEXES => 3,
         api::GL_SHININESS if (0.0..=128.0).contains(&value(0).value()) => 1,
-        // An error, for the driver to say.
+        // An error, which the driver reports.
         _ => return false,
     };
     if !matches!(face, api::GL_FRONT | api::GL_BACK | api::GL_FRONT_AND_BACK) {

@@ -1,9 +1,9 @@
-//! Anisotropic filtering, which Mesa's software renderer cannot do everywhere in a view.
+//! Anisotropic filtering, which Mesa's software renderer cannot do in every view.
 //!
-//! llvmpipe (22.3 and later) adds up all texels of a pixel's footprint, in loops that nothing
-//! limits. In a view that is turned to the side surfaces reach the eye at flatter angles than in
-//! the program's own picture: where a footprint is billions of texels long, drawing does not end.
-//! There, textures are filtered without anisotropy.
+//! llvmpipe (22.3 and later) adds up all texels of a pixel's footprint, in loops without a limit. A
+//! view that is turned to the side shows surfaces at flatter angles than the program's own picture.
+//! If a footprint is billions of texels long, drawing does not end. So in windows with such views
+//! textures are filtered without anisotropy.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::hooks::hooks;
@@ -11,7 +11,7 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
 
-/// True if the parameter is left at its default.
+/// Returns true if the parameter must stay at its default.
 fn left_out(driver: &Driver, drawable: &Drawable, parameter: u32) -> bool {
     let turned = |t: &DefaultFramebuffer| t.session.views().iter().any(|v| !v.program_lens);
     parameter == api::GL_TEXTURE_MAX_ANISOTROPY && driver.endless_anisotropy && drawable.target().is_some_and(turned)

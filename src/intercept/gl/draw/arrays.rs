@@ -1,7 +1,7 @@
-//! Draws from arrays, and where their vertices are.
+//! Draws from arrays, and boxes around their vertices.
 //!
-//! Arrays in the program's memory are looked through at every draw, since they may change without a
-//! call. Arrays in buffers are read once and then known until the buffer changes
+//! Arrays in the program's memory are read at every draw, since they may change without a call.
+//! Arrays in buffers are read once, and again only after the buffer has changed
 //! ([`crate::intercept::gl::vertex_input::ranges`]).
 
 use crate::backend::gl::driver::api::Gl;
@@ -18,10 +18,10 @@ use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width, re
 use crate::intercept::gl::vertex_input::vertex_arrays;
 use std::ffi::c_void;
 
-/// Around `vertices` of the arrays that the program has set.
+/// Returns a box around `vertices` of the arrays that the program has set.
 ///
 /// # Safety
-/// They are the program's, who promises OpenGL that its arrays hold them.
+/// The arrays must hold the vertices, as the program guarantees to OpenGL.
 pub unsafe fn around(ctx: &mut Context, vertices: Vertices) -> Bounds {
     // SAFETY: as promised.
     unsafe { find(ctx, vertices) }.unwrap_or(Bounds::UNKNOWN)
@@ -39,7 +39,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
                 // SAFETY: as promised.
                 Some(unsafe { ranges::in_memory(&layout, layout.start as *const u8, start..start + count) })
             } else if ctx.compiling() {
-                // It is looked through once, when the list takes it over.
+                // The range is read once, when the vertices become part of the display list.
                 ranges::in_buffer(ctx.driver.gl, &ctx.driver.profile, &layout, start..start + count)
             } else {
                 Some(ranges::around(ctx, layout, vertices, 0))
@@ -70,7 +70,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
     }
 }
 
-/// Around all of several draws; `vertices` gives those of each.
+/// Returns a box around the vertices of several draws. `vertices` gives the vertices of each draw.
 ///
 /// # Safety
 /// As for [`around`], for each of the draws.
@@ -86,9 +86,9 @@ unsafe fn around_all(ctx: &mut Context, draws: i32, vertices: impl Fn(usize) -> 
     bounds
 }
 
-/// Hooks of draws whose vertices are those of the arrays that the program has set. Instances show
-/// the same vertices: of what tells them apart nothing is proven, so that the positions of a proven
-/// draw do not depend on it.
+/// Hooks of draws from the arrays that the program has set. All instances have the same vertices.
+/// The prover knows nothing of the attributes that differ between instances, so the position of a
+/// proven draw does not depend on them.
 macro_rules! array_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr $(, from $instance:expr)?; )*) => {
         hooks! {

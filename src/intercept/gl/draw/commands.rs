@@ -11,8 +11,8 @@ use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use std::ffi::c_void;
 
-/// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list
-/// that is compiled, or issued once per view.
+/// Handles a draw command with primitives of `shape` and vertices within `bounds`. The command
+/// becomes part of the display list that is being compiled, or is issued once per view.
 pub fn draw_command(
     ctx: &mut Context,
     shape: Shape,
@@ -33,7 +33,7 @@ pub fn draw_command(
     }
 }
 
-/// Draw commands whose vertices are anywhere.
+/// Hooks of draw commands whose vertices are not known.
 macro_rules! draw_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $shape:expr; )*) => {
         hooks! {

@@ -12,8 +12,8 @@ use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 
-/// Issues a draw whose vertices the processor has read, or could not: divided for views that need
-/// it, by `whole` for others.
+/// Issues a draw after an attempt to read its vertices on the processor. For views that need it,
+/// the processor divides the primitives; for the other views `whole` issues the draw.
 pub fn draw_read(
     ctx: &mut Context,
     changes: Changes,
@@ -38,8 +38,8 @@ pub fn draw_read(
     ctx.projected.fixed_function.processor = Processor::Nothing;
 }
 
-/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is
-/// compiled it becomes a command of its own.
+/// Issues a draw of arrays after an attempt to read its vertices on the processor. While a display
+/// list is compiled, the draw becomes an item of its own in that list.
 pub fn draw_arrays(
     ctx: &mut Context,
     mode: u32,
@@ -74,7 +74,7 @@ pub fn draw_arrays(
     });
 }
 
-/// Returns the current values of the vertices' attributes.
+/// Returns the current values of the attributes that `vertices` have.
 pub(in crate::intercept::gl) fn current(
     ctx: &Context,
     vertices: &Result<Vertices, &'static str>,
@@ -83,10 +83,10 @@ pub(in crate::intercept::gl) fn current(
     attributes.map(|attribute| (*attribute, attribute.current(ctx.driver.gl))).collect()
 }
 
-/// Arrays leave it as it was.
+/// Restores the current values of attributes: a draw from arrays does not change them.
 pub(in crate::intercept::gl) fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
     for (attribute, value) in current {
-        // SAFETY: what `current` found, in the same context.
+        // SAFETY: the values that `current` found, in the same context.
         unsafe { attribute.set(ctx.driver.gl, value) };
     }
 }

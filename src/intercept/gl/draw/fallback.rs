@@ -1,5 +1,5 @@
-//! Programs whose vertices cannot be projected straight to an output get views, as with the method
-//! `fragment`.
+//! Fallback to views, as with the method `fragment`, for programs whose vertices cannot be
+//! projected straight to an output.
 
 use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
@@ -12,8 +12,8 @@ use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 use crate::intercept::log;
 use crate::runtime::session::MatrixClass;
 
-/// Looks whether the next draw can be served where vertices are projected, and puts a program in
-/// the place of the fixed-function pipeline; gives the window views where not.
+/// Prepares the next draw if vertices are projected: a program of Cupola replaces the
+/// fixed-function pipeline. If this draw cannot be projected, the window gets views.
 pub fn look(ctx: &mut Context) {
     let projects = ctx.drawable.target().is_some_and(|target| !target.lenses.is_empty());
     if !projects
@@ -35,8 +35,8 @@ pub fn look(ctx: &mut Context) {
     }
 }
 
-/// The same for a draw of `class` whose primitives have to be divided. Whether the window has views
-/// now.
+/// Does the same for a draw of `class` whose primitives have to be divided. Returns true if the
+/// window gets views by that.
 pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     let in_program = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
@@ -61,15 +61,15 @@ pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     true
 }
 
-/// Gives the window views for a pass whose shader computes places of the scene from pixels.
+/// Gives the window views for a pass whose shader computes points of the scene from pixels.
 pub fn look_screen(ctx: &mut Context) {
     if ctx.drawable.target().is_some_and(|target| !target.lenses.is_empty()) {
         use_views(ctx, "a shader computes directions from the program's pixels");
     }
 }
 
-/// From now on this context's windows have views. The frame that is being drawn begins anew with
-/// the next draw.
+/// Gives this context's windows views from now on. The frame in progress starts again with the next
+/// draw.
 pub fn use_views(ctx: &mut Context, reason: &str) {
     if ctx.projected.views_only {
         return;

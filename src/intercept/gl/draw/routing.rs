@@ -40,8 +40,8 @@ use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
 
-/// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices, asked
-/// for where it matters.
+/// Issues a draw of the program once per view that shows it. `bounds` returns a box around its
+/// vertices and is called only if the box is needed.
 pub fn draw(
     ctx: &mut Context,
     changes: Changes,
@@ -60,7 +60,7 @@ pub fn draw(
     ctx.shaders.assembly = None;
 }
 
-/// Issues a draw once, as the program means it.
+/// Issues a draw once, with the program's own state.
 fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
     scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
@@ -78,8 +78,8 @@ fn draw_to_window(
     ctx.frame.counts.draws_seen += u64::from(!ctx.app.picking);
     if ctx.app.picking || ctx.app.discard {
         // Picking and feedback answer in the program's own window coordinates and draw nothing.
-        // Where nothing reaches the window, what the draw computes (transform feedback, say) it
-        // computes once.
+        // With rasterizer discard nothing reaches the window, and results such as transform
+        // feedback must be computed once.
         ctx.set_viewport(ctx.app.viewport);
         inspect(ctx, DrawClass::Flat, None);
         once(ctx, issue);
@@ -106,7 +106,8 @@ fn draw_to_window(
     per_view::issue::issue(ctx, &Copies { changes, views, count, shown }, &mut window, issue);
 }
 
-/// The class of a draw that goes to the views. `None`: it was flat, and is drawn.
+/// Returns the class of a draw that goes to the views. `None`: the draw is flat and was issued
+/// here.
 fn perspective_or_flat(
     ctx: &mut Context,
     changes: Changes,
@@ -148,17 +149,18 @@ fn perspective_or_flat(
     Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
 }
 
-/// Describes a draw to the window.
+/// Records a draw to the window for `cupola inspect`.
 fn inspect(ctx: &mut Context, class: DrawClass, why: Option<&str>) {
     inspected::note(ctx, &Seen { class, sampled: 0, why });
 }
 
-/// True if a flat draw computes places of the scene from its pixels, of which it has no image.
+/// Returns true if a flat draw computes points of the scene from its pixels and samples no image of
+/// the scene.
 fn is_screen_pass(ctx: &Context) -> bool {
     !several_viewports(ctx) && upload::holds_inverse(ctx) && sampling::sampled(ctx) == 0
 }
 
-/// The atlas of the window, and in it the program's own picture.
+/// Target of draws to the window: the tiles of the views, and the primary view if there is one.
 struct Window {
     session: Arc<Session>,
     primary: Option<LowerLeftRect>,
@@ -209,7 +211,7 @@ impl Target for Window {
     }
 }
 
-/// A draw that belongs to the flat panel, with the program's own matrices and window space.
+/// Issues a draw to the flat panel, with the program's own matrices and window space.
 fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
     want_panel(ctx);

@@ -1,5 +1,4 @@
-//! Transform feedback: whether it is recording, since a draw must be recorded once, not once per
-//! view.
+//! State of transform feedback. While it records, a draw must be recorded once, not once per view.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -8,7 +7,8 @@ use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::driver::Driver;
 
-/// Asks the driver where it knows (OpenGL 4.0, OpenGL ES 3.0); elsewhere `recording` is what it is.
+/// Notes whether transform feedback records. The driver answers this (OpenGL 4.0, OpenGL ES 3.0);
+/// for older versions `recording` is the answer.
 fn follow(driver: &Driver, app: &mut AppState, recording: bool) {
     let known = driver.profile.version >= if driver.profile.es { 30 } else { 40 };
     app.feedback = recording;
@@ -23,8 +23,8 @@ fn follow(driver: &Driver, app: &mut AppState, recording: bool) {
     }
 }
 
-/// Runs a command of the program, which may be a part of a display list; `recording`: whether it
-/// records after it.
+/// Runs a command of the program, which may be part of a display list. `recording`: whether
+/// transform feedback records after this command.
 fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
         issue(ctx.driver.gl);

@@ -1,4 +1,4 @@
-//! Corrected pictures that do not go to the window: captures at an output's own resolution.
+//! Captures of outputs at their own resolution, which do not go to the window.
 
 use crate::backend::gl::{OwnFramebuffer, Target};
 use crate::correct::LowerLeftRect;
@@ -7,13 +7,13 @@ use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::driver::Driver;
 use crate::runtime::run_results::Picture;
 
-/// Output `index` at its own resolution, read back.
+/// Returns the picture of output `index` at its own resolution.
 pub fn picture(driver: &Driver, drawable: &Drawable, index: usize, name: &str) -> Option<Picture> {
     let gl = driver.gl;
     let target = drawable.target()?;
     let whole = LowerLeftRect::of_size(target.session.plan().passes.get(index)?.size);
     let canvas = OwnFramebuffer::new(gl, whole.width, whole.height);
-    // The outputs are presented in order; those before this one go nowhere.
+    // The outputs are presented in order. The outputs before this one get an empty viewport.
     let mut targets = vec![Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::default() }; index];
     targets.push(Target { framebuffer: canvas.framebuffer, viewport: whole });
     target.backend().present(gl, target.texture(), &targets);

@@ -7,7 +7,7 @@ use crate::lock::Lock;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Presented frames of each window, by its window system's handle.
+/// Number of presented frames of each window, by the window's handle.
 static PRESENTED: Mutex<Option<HashMap<usize, u64>>> = Mutex::new(None);
 
 fn with<R>(window: usize, run: impl FnOnce(&mut u64) -> R) -> R {
@@ -15,7 +15,7 @@ fn with<R>(window: usize, run: impl FnOnce(&mut u64) -> R) -> R {
     run(presented.get_or_insert_with(HashMap::new).entry(window).or_insert(0))
 }
 
-/// One more frame of `window` is presented; its number, from 1.
+/// Counts a presented frame of `window`. Returns its number, from 1.
 pub fn count(window: usize) -> u64 {
     with(window, |frames| {
         *frames += 1;
@@ -23,13 +23,13 @@ pub fn count(window: usize) -> u64 {
     })
 }
 
-/// The number that the next frame of `window` will have.
+/// Returns the number that the next frame of `window` will have.
 pub fn next(window: usize) -> u64 {
     with(window, |frames| *frames + 1)
 }
 
-/// A window was swapped that is not that of the thread's current context. Its picture was corrected
-/// when it was left.
+/// Counts the frame of a window that was swapped while the thread's current context draws
+/// elsewhere. The frame was corrected when the context left the window.
 pub fn swapped_elsewhere(window: &Window) {
     let last = || {
         settings().is_some_and(|settings| {
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn windows_have_frames_of_their_own() {
-        // Handles that no test with a window has.
+        // No test with a real window uses these handles.
         let (one, other) = (usize::MAX, usize::MAX - 1);
         assert_eq!((count(one), count(one), count(other)), (1, 2, 1));
         assert_eq!((next(one), next(other)), (3, 2));

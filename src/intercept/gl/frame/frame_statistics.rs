@@ -1,4 +1,4 @@
-//! Statistics and pictures that are kept of a frame.
+//! Statistics and captures of the last frame.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -20,7 +20,7 @@ use crate::lock::Lock;
 use crate::runtime::run_results::{Picture, Statistics, ViewStatistics};
 use std::sync::Arc;
 
-/// Keeps the pictures and the statistics that were asked for.
+/// Stores the statistics and captures that the settings request.
 pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
     if !settings.has_report() {
         return;
@@ -34,8 +34,8 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
     last_frame::store(LastFrame { statistics, times, pictures, views });
 }
 
-/// Returns the kind of the program's drawing to images, in this context and in those that are
-/// current on no thread.
+/// Returns how the program draws to images: in this context, and in the contexts that are current
+/// on no thread.
 pub fn off_screen(ctx: &Context) -> OffScreen {
     let mut found = off_screen_report::off_screen(ctx, &ctx.view_copies.images, &ctx.view_copies.framebuffers);
     each_other(ctx, |other, images, _| {
@@ -47,8 +47,8 @@ pub fn off_screen(ctx: &Context) -> OffScreen {
     found
 }
 
-/// Looks at each context that is current on no thread, with the images of its group and the draws
-/// to them. Those of this context's group are with this context, those of other groups with the
+/// Calls `look` for each context that is current on no thread, with the images of its group and the
+/// draws to them. For this context's group these data are in `ctx`, for other groups in the share
 /// group.
 fn each_other(ctx: &Context, mut look: impl FnMut(&Context, &[Image], &Issued)) {
     registry::each_idle(|other| {
@@ -63,8 +63,8 @@ fn each_other(ctx: &Context, mut look: impl FnMut(&Context, &[Image], &Issued)) 
     });
 }
 
-/// Adds what is counted in `ctx`, which knows these images of its group. Toolkits draw in one
-/// context, and show it in another.
+/// Adds the counts of `ctx`, whose group has these images. Toolkits often draw in one context and
+/// show the result in another.
 fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draws: &Issued) {
     let counts = &ctx.frame.counts;
     statistics.draws_seen += counts.draws_seen;
@@ -132,7 +132,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     statistics
 }
 
-/// The outputs of the frame that was just corrected.
+/// Returns the pictures of the outputs of the frame that was just corrected.
 fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
     let gl = ctx.driver.gl;
     let Some(target) = ctx.drawable.target() else {
@@ -149,7 +149,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
     here.map(|(_, (output, rect))| read_back(gl, 0, &output.name, rect)).collect()
 }
 
-/// Every view, the panel and the program's own picture.
+/// Returns the pictures of all views, of the panel and of the primary view.
 fn view_pictures(driver: &Driver, drawable: &Drawable) -> Vec<Picture> {
     let Some(target) = drawable.target() else { return Vec::new() };
     let session = &target.session;

@@ -1,8 +1,8 @@
-//! Programs that show what they draw without a swap: windows with one buffer, and drawing to the
-//! front.
+//! Programs that show their drawing without a swap: windows with one buffer, and drawing to the
+//! front buffer.
 //!
-//! Such a program ends a picture with `glFlush` or `glFinish`. Each is a frame for us if something
-//! was drawn since the last one.
+//! Such a program ends a picture with `glFlush` or `glFinish`. Each of these calls ends a frame if
+//! the program has drawn since the last one.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::ending;
@@ -14,7 +14,7 @@ use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::drawable::Drawable;
 use std::time::Instant;
 
-/// True if what is drawn is meant to be seen without a swap.
+/// Returns true if the program's drawing appears in the window without a swap.
 pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
     let front = matches!(
         app.draw_buffer,
@@ -28,8 +28,8 @@ pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
     drawable.target().is_some_and(|t| front || !t.config().double_buffered)
 }
 
-/// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left
-/// out.
+/// Shows what the program has drawn. Pictures that follow each other too fast are left out, unless
+/// `finally` is set: then the program waits for the drawing.
 pub fn show(ctx: &mut Context, finally: bool) {
     let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking;
     if ctx.frame.begun
@@ -42,7 +42,7 @@ pub fn show(ctx: &mut Context, finally: bool) {
     }
 }
 
-/// As [`show`], for the window systems' calls that wait for OpenGL.
+/// Does the same as [`show`] for calls of the window system that wait for OpenGL.
 pub fn show_current() {
     let Some(ctx) = current::current().filter(|c| !c.switched_off) else { return };
     if crate::fence::guard(|| show(ctx, true)).is_none() {

@@ -1,5 +1,5 @@
-//! Views in turn: each frame of the program draws one view, and the frames of a round are one on
-//! the dome.
+//! Views in turn: each frame of the program draws one view. The frames of a round together make one
+//! frame on the dome.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -9,8 +9,8 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::log;
 use crate::runtime::Session;
 
-/// Ends a frame of the program. Returns whether the window can be corrected: its views are all
-/// drawn, or they are not drawn in turn.
+/// Ends a frame of the program. Returns true if the window can be corrected: the views are not
+/// drawn in turn, or all of them are drawn.
 pub fn end_frame(ctx: &mut Context) -> bool {
     let Some(turns) = ctx.session().and_then(Session::turns) else { return true };
     let end = turns.end_frame();
@@ -24,7 +24,7 @@ pub fn end_frame(ctx: &mut Context) -> bool {
     end.is_last
 }
 
-/// Copies what was drawn to the atlas: the view, and in the last frame of a round the panel.
+/// Copies a view to the atlas, and after the last frame of a round the panel too.
 fn collect(ctx: &mut Context, view: usize, is_last: bool) {
     let Some(target) = ctx.drawable.take_target() else { return };
     target.resolve(ctx, None);

@@ -1,4 +1,4 @@
-//! Windows that are left before they are swapped: for another window, or at the end.
+//! Windows that a program leaves before it swaps them: for another window, or at its end.
 
 use crate::intercept::gl::context::current::current;
 use crate::intercept::gl::context::gl_context::Context;
@@ -7,13 +7,13 @@ use crate::intercept::gl::offscreen::inspected;
 use crate::intercept::last_frame;
 use crate::intercept::settings;
 
-/// The program turns to another window before it swaps this one.
+/// Corrects the window, since the program selects another window before it swaps this one.
 pub fn leave(ctx: &mut Context) {
     if front_buffer::draws_to_front(&ctx.app, &ctx.drawable) {
         front_buffer::show(ctx, true);
     } else {
         present::correct(ctx);
-        // The frame may be swapped by a thread without a context, which can read nothing.
+        // A thread without a context may swap the frame later. It could read no pictures.
         if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
             && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
@@ -23,13 +23,13 @@ pub fn leave(ctx: &mut Context) {
     }
 }
 
-/// The thread or the process ends. A picture that was asked for and is not swapped any more is kept
-/// now: later the driver may be unable to draw.
+/// Stores a requested picture that the program no longer swaps, when the thread or the process
+/// ends. Later the driver may be unable to draw.
 pub fn at_end() {
     let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
     let next = ctx.drawable.window.as_ref().map(|window| frame_number::next(window.handle()));
     if next.is_some() && settings::settings().is_some_and(|settings| settings.frames == next) {
-        // A panic at the end has nobody left to tell.
+        // Nobody is left at the end to whom a panic could be reported.
         let _ = crate::fence::guard(|| leave(ctx));
     }
 }

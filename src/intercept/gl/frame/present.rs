@@ -1,4 +1,4 @@
-//! The end of a frame: correct it into the window, count, capture.
+//! The end of a frame: correction into the window, counts, captures.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::ending;
@@ -21,28 +21,29 @@ use crate::runtime::frame_times::FrameTimes;
 use crate::system::thread_time;
 use std::sync::Arc;
 
-/// True if the current context draws to `window`.
+/// Returns true if the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
     current().and_then(|c| c.drawable.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
 }
 
-/// True if the current context draws to `window` and corrects what it draws.
+/// Returns true if the current context draws to `window` and Cupola corrects the drawing.
 pub fn corrects(window: &Window) -> bool {
     is_current(window)
         && !ending::has_begun()
         && current().is_some_and(|c| !c.switched_off && c.drawable.target().is_some())
 }
 
-/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its
-/// back buffer. Where the views are drawn in turn and are not complete, there is nothing to swap,
-/// and the answer is `left_out`.
+/// Runs a swap of `window` (`None`: the drawable is not a window), with the corrected picture in
+/// its back buffer. Returns `left_out` without a swap if the views are drawn in turn and are not
+/// complete.
 pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) -> R {
     if ending::has_begun() {
         return swap();
     }
     let ours = window.as_ref().is_some_and(is_current);
     let complete = !ours || before_swap();
-    // The frames of a round of views in turn show one time.
+    // The frames of a round of views in turn have the same time: only a complete frame advances the
+    // clock.
     let shown = match &window {
         Some(window) if complete => nodes::end_frame(window.handle() as u64, || window.size()),
         _ => complete,
@@ -56,14 +57,14 @@ pub fn swap<R>(window: Option<Window>, left_out: R, swap: impl FnOnce() -> R) ->
     answer
 }
 
-/// Before the window is swapped: its back buffer gets the corrected picture. `false`: it is not to
-/// be swapped.
+/// Corrects the frame into the window's back buffer before a swap. Returns false if the window must
+/// not be swapped.
 fn before_swap() -> bool {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return true };
     let show = || {
         let complete = frame(ctx);
         if ctx.drawable.target().is_some_and(|t| !t.config().double_buffered) {
-            // SAFETY: a swap of a window with one buffer is a flush.
+            // SAFETY: changes no state. The swap of a window with one buffer is a flush.
             in_window(ctx, |gl| unsafe { gl.flush() });
         }
         complete
@@ -75,7 +76,7 @@ fn before_swap() -> bool {
     complete.unwrap_or(true)
 }
 
-/// After the window was swapped: the next frame begins.
+/// Begins the next frame after a swap.
 fn after_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
     if crate::fence::guard(|| next_frame(ctx)).is_none() {
@@ -83,17 +84,17 @@ fn after_swap() {
     }
 }
 
-/// A program that draws to the front buffer wants to see it: that is a frame, without a swap.
+/// Ends a frame without a swap, for a program that draws to the front buffer.
 pub fn show_front(ctx: &mut Context) {
     let double = ctx.drawable.target().is_some_and(|t| t.config().double_buffered);
     if double {
-        // SAFETY: state of the window's own framebuffer, which the program never sees.
+        // SAFETY: changes state of the window's own framebuffer, which the program never uses.
         in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
     }
     let complete = frame(ctx);
     in_window(ctx, |gl| {
-        // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only
-        // then.
+        // SAFETY: as above. Drivers show the front buffer only in a flush, and only while it is
+        // bound.
         unsafe {
             gl.flush();
             if double {
@@ -145,10 +146,10 @@ fn correct_now(ctx: &mut Context) {
     }
 }
 
-/// Corrections in a row that may fail before the program gets its window back.
+/// Number of failed corrections in a row after which Cupola leaves the window alone.
 const MOST_FAILED_CORRECTIONS: u32 = 2;
 
-/// Tells of a program that is flat altogether, or leaves out what it does not see itself.
+/// Logs that a program draws everything flat, or that it leaves out objects beside its own picture.
 fn look_for_a_scene(ctx: &mut Context) {
     let (mut flat_program, mut culling_program) = (ctx.frame.flat_program, ctx.frame.culling_program);
     if let Some(session) = ctx.drawable.session() {
@@ -161,7 +162,8 @@ fn look_for_a_scene(ctx: &mut Context) {
     (ctx.frame.flat_program, ctx.frame.culling_program) = (flat_program, culling_program);
 }
 
-/// Corrects the frame, and keeps what is asked for. `false`: its views are not complete.
+/// Corrects the frame, and stores statistics and captures. Returns false if the views are not
+/// complete.
 fn frame(ctx: &mut Context) -> bool {
     if !in_turn::end_frame(ctx) {
         return false;
@@ -204,13 +206,13 @@ fn frame(ctx: &mut Context) -> bool {
     true
 }
 
-/// True if nothing of the window can be seen: neither after the last swap nor now. So windows that
-/// are seen cost one question in a frame, and those that come back are corrected at once.
+/// Returns true if the window was occluded after the last swap and still is. So a visible window
+/// costs one question per frame, and a window that becomes visible again is corrected at once.
 fn is_occluded(drawable: &Drawable) -> bool {
     drawable.occluded && drawable.window.as_ref().is_some_and(|window| window.look().occluded)
 }
 
-/// Measures, if times are asked for.
+/// Measures times if the settings request them.
 fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut DeviceTimes)) {
     if let Some(Times { shared, device }) = &mut ctx.frame.times {
         act(ctx.driver.gl, &mut shared.locked(), device);

@@ -10,13 +10,13 @@ use crate::intercept::publishing::{self, Stamp};
 use crate::intercept::settings;
 use std::sync::Arc;
 
-/// True if frames of the context's window are published.
+/// Returns true if frames of the context's window are published.
 pub fn wants(ctx: &Context) -> bool {
     ctx.drawable.window.as_ref().is_some_and(|window| publishing::wants(window.handle() as u64))
 }
 
-/// Publishes the frame that was just corrected: reads its pictures, and hands on those that were
-/// read before.
+/// Publishes the frame that was just corrected: starts reading its pictures, and publishes the
+/// pictures whose reading is complete.
 pub fn frame(ctx: &mut Context, number: u64) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     let Some(mut publishing) = fitting(ctx) else { return };
@@ -39,14 +39,14 @@ pub fn frame(ctx: &mut Context, number: u64) {
     ctx.frame.publishing = Some(publishing);
 }
 
-/// Hands on what the device has copied since; `all`: waits for it.
+/// Publishes the pictures that the device has copied meanwhile. `all`: waits for all of them.
 pub fn hand_on(ctx: &mut Context, all: bool) {
     if let Some(publishing) = &mut ctx.frame.publishing {
         publishing.publish(ctx.driver.gl, all);
     }
 }
 
-/// Returns the reader of the pictures for the window as it is now; `None` if there are none.
+/// Returns the reader for the window's present size and outputs. `None`: nothing is published.
 fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
     let gl = ctx.driver.gl;
     let session = ctx.drawable.target().map(|target| &target.session);

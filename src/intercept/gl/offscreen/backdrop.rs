@@ -1,8 +1,9 @@
 //! Flat drawing that fills a scene's image before the scene is drawn: a gradient or a picture as
 //! background.
 //!
-//! Drawn to each view as it is, it would have a seam between any two. It is seen as the program
-//! shows it, through the program's lens, and goes on around in the colours of its border.
+//! Without a change there would be a seam between any two views. So each view gets the part of this
+//! picture that it sees through the program's lens. Around the picture the colours of its border
+//! continue.
 
 use crate::backend::gl::Spread;
 use crate::backend::gl::driver::api;
@@ -11,7 +12,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{own_tile, views};
 use crate::intercept::log;
 
-/// Formats of colours that are copied and filtered as they are.
+/// Formats of colours that can be copied and filtered directly.
 const FORMATS: [u32; 9] = [
     api::GL_RGBA8,
     api::GL_RGB8,
@@ -24,8 +25,9 @@ const FORMATS: [u32; 9] = [
     api::GL_R11F_G11F_B10F,
 ];
 
-/// The draw before this call filled each tile of framebuffer `index`, which is bound, with the same
-/// picture. Unless a scene is there already, each view gets its own part of it.
+/// Gives each view its own part of a background. The draw before this call filled each tile of the
+/// bound framebuffer `index` with the same picture. Does nothing if the framebuffer has a scene
+/// already.
 pub(super) fn spread(ctx: &mut Context, index: usize) {
     let framebuffer = &ctx.view_copies.framebuffers[index];
     let mut colours = framebuffer.colours();
@@ -34,7 +36,7 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     let [width, height] = image.size;
     let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens) else { return };
     let Some(session) = ctx.drawable.session() else { return };
-    // A view that is no perspective cannot be filled.
+    // A view with a curved picture cannot be filled.
     let fills = ctx.app.viewport == LowerLeftRect::new(0, 0, width, height);
     if !fills || session.rows(&lens).any(|rows| rows.curved) {
         return;

@@ -1,5 +1,5 @@
-//! Dispatches of compute shaders between the scene and the window: once for each view, in the
-//! program's own images, which have each view's content in turn.
+//! Dispatches of compute shaders between the scene and the window. They are issued once per view in
+//! the program's own images, which get the content of each view in turn.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::errors::drop_errors;
@@ -15,17 +15,19 @@ use crate::intercept::gl::state::offscreen::images::{Image, Name, Set};
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
 use crate::runtime::Session;
 
-/// Texels of an image that may hold numbers for the whole picture, and is no picture itself.
+/// Greatest number of texels of an image that may hold numbers for the whole picture, and is no
+/// picture itself.
 const MOST_NUMBERS: i32 = 256;
 
 /// Images that a dispatch reads and writes.
 struct Used {
     read: Set,
-    /// Pictures.
+    /// Pictures that it writes.
     written: Set,
-    /// It writes numbers for the whole picture.
+    /// True if it writes numbers for the whole picture.
     numbers: bool,
-    /// It writes values of each place, or numbers and pictures at once.
+    /// True if it cannot be followed: it writes separate values for each place, or numbers and
+    /// pictures at once.
     lost: bool,
 }
 
@@ -40,7 +42,7 @@ pub fn dispatch(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&G
     ctx.shaders.program = drawing;
 }
 
-/// Issues a dispatch of the chosen program.
+/// Issues a dispatch of the program in `ctx.shaders.program`.
 fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&Gl)) {
     let gl = ctx.driver.gl;
     if let Some(view) = ctx.session().and_then(Session::turn) {
@@ -88,12 +90,12 @@ fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn F
 
 /// Makes the writes of shaders visible to copies and to shaders.
 fn barrier(gl: &Gl) {
-    // SAFETY: there is the command where there are compute shaders.
+    // SAFETY: every context with compute shaders has this command.
     unsafe { gl.memory_barrier(api::GL_ALL_BARRIER_BITS) };
 }
 
-/// Looks which images a dispatch uses. Those that it writes and that are not known yet are known
-/// from now on, if it makes them from known ones.
+/// Determines the images that a dispatch uses. Written images that were not followed are followed
+/// from now on, if the dispatch makes them from followed ones.
 fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
     let mut used = Used { read: sampling::sampled(ctx), written: 0, numbers: false, lost: stage.loses_cameras };
     let gl = ctx.driver.gl;
@@ -125,14 +127,14 @@ fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
         BufferWrites::Places if !single => used.lost = true,
         BufferWrites::Sums | BufferWrites::Places => used.numbers = true,
     }
-    // With a dispatch for each view they would be gathered several times.
+    // A dispatch for each view would add up these values several times.
     let gathers = stage.buffers != BufferWrites::Nothing || stage.image_atomics;
     used.lost |= gathers && used.written != 0;
     used
 }
 
 impl Used {
-    /// Adds what is bound, which is at `index` in the list.
+    /// Adds a bound image, which is at `index` in the list.
     fn add(&mut self, ctx: &Context, bound: &Bound, index: usize) {
         let [width, height] = ctx.view_copies.images[index].size;
         let bit = if index < 64 { 1 << index } else { 0 };
@@ -148,7 +150,7 @@ impl Used {
     }
 }
 
-/// A texture that is bound as an image.
+/// Texture that is bound as an image.
 struct Bound {
     texture: u32,
     level: i32,
@@ -156,7 +158,7 @@ struct Bound {
     written: bool,
 }
 
-/// Returns the texture that is bound for a program's image at this location.
+/// Returns the texture that is bound for the program's image at this location.
 fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
     let (mut unit, [mut texture, mut level, mut access]) = (0, [0; 3]);
     // SAFETY: each writes one integer.
@@ -170,13 +172,13 @@ fn bound_image(gl: &Gl, program: u32, location: i32) -> Option<Bound> {
     (texture != 0).then_some(Bound { texture: texture as u32, level, read, written })
 }
 
-/// The place in the list of what is bound.
+/// Returns the place of a bound image in the list.
 fn position(ctx: &Context, bound: &Bound) -> Option<usize> {
     let is_it = |image: &Image| matches!(image.name, Name::Texture { name, level, .. } if (name, level) == (bound.texture, bound.level));
     ctx.view_copies.images.iter().position(is_it)
 }
 
-/// Adds what is bound to the list, if it can be followed.
+/// Adds a bound image to the list, if it can be followed.
 fn examine(ctx: &mut Context, bound: &Bound) -> Option<usize> {
     let key = (bound.texture, bound.level);
     if ctx.view_copies.not_followed.contains(&key) {
@@ -193,7 +195,7 @@ fn examine(ctx: &mut Context, bound: &Bound) -> Option<usize> {
     Some(ctx.view_copies.images.len() - 1)
 }
 
-/// Remembers what is made of images.
+/// Notes which images the dispatch makes from which others.
 fn note(ctx: &mut Context, used: &Used) {
     let images = &mut ctx.view_copies.images;
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));

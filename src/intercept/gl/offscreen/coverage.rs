@@ -1,7 +1,7 @@
-//! Coverage of flat draws. A flat draw that samples an image fills the window, as one that shows a
-//! scene does, or a part of it, as a map in a corner does. A draw into such an image fills its
-//! viewport, as a background does, or a part, as a text does. An occlusion query counts this once
-//! for each kind of draw.
+//! Coverage of flat draws. A flat draw to the window that samples an image may fill the window:
+//! then it shows a scene. If it fills only a part, it is something like a map in a corner. A flat
+//! draw into an image may fill its viewport, like a background, or only a part, like a text. An
+//! occlusion query measures this once for each kind of draw.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -12,10 +12,10 @@ use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::queries::Queries;
 
-/// Of more kinds of draws the oldest are forgotten.
+/// Greatest number of kinds of draws. Of more the oldest are forgotten.
 const GREATEST: usize = 64;
 
-/// Tests whether the next draw fills the window; `Err`: it is to be measured, if it can be.
+/// Returns whether the next draw fills the window. `Err`: not known yet, the draw must be measured.
 pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
     let Some(target) = ctx.drawable.target() else { return Ok(false) };
     let (width, height) = target.size();
@@ -23,15 +23,15 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
     known(ctx, sampled, all, false).unwrap_or_else(|| Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled)))
 }
 
-/// Tests whether the next draw, which samples no image that is followed, fills the program's
-/// viewport in a framebuffer with so many samples per pixel; `Err`: it is to be measured.
+/// Returns whether the next draw, which samples no followed image, fills the program's viewport in
+/// a framebuffer with `samples` samples per pixel. `Err`: not known yet, the draw must be measured.
 pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> {
     let [width, height] = ctx.app.viewport.size().map(i64::from);
     known(ctx, 0, width * height * i64::from(samples.max(1)), true).unwrap_or(Ok(true))
 }
 
-/// Returns the known coverage of draws like the next one; `meanwhile` until the result of the
-/// measurement is there. `None`: it cannot be measured.
+/// Returns the known coverage of draws like the next one. `meanwhile`: answer until the result of
+/// the measurement is available. `None`: the coverage cannot be measured.
 fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<Result<bool, Measure>> {
     let program = ctx.shaders.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
     let signature = Signature { program, sampled, viewport: ctx.app.viewport };
@@ -53,7 +53,8 @@ fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<R
     }
 }
 
-/// OpenGL counts samples, OpenGL ES does not; and a query of the program's must not be disturbed.
+/// True if samples can be counted. OpenGL ES cannot count them, and a query of the program must not
+/// be disturbed.
 fn can_measure(driver: &Driver, queries: &Queries) -> bool {
     if driver.profile.es || driver.profile.version < 15 || queries.any() {
         return false;
@@ -71,7 +72,8 @@ fn can_measure(driver: &Driver, queries: &Queries) -> bool {
     })
 }
 
-/// Without a measurement: what has the window's shape and is not small is taken for its picture.
+/// Returns the answer without a measurement: an image with the window's shape that is not small is
+/// taken for the window's picture.
 fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool {
     let Some(target) = drawable.target() else { return false };
     let images = view_copies.images.iter().enumerate().take(64);
@@ -84,11 +86,12 @@ fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool 
     })
 }
 
-/// Issues the draw that is measured, with the program's own window space.
+/// Issues the draw and measures it, with the program's own window space.
 pub fn measure(ctx: &mut Context, what: Measure, issue: impl FnOnce(&mut Context)) {
     let gl = ctx.driver.gl;
     let mut query = 0;
-    // SAFETY: a query of Cupola around the draw; no other counts samples, as `can_measure` saw.
+    // SAFETY: a query of Cupola around the draw. `can_measure` made sure that no other query counts
+    // samples.
     unsafe {
         gl.gen_queries(1, &mut query);
         gl.begin_query(api::GL_SAMPLES_PASSED, query);

@@ -1,5 +1,5 @@
-//! Flat draws to the window that show what was drawn off screen: each view is filled with its own
-//! picture.
+//! Flat draws to the window that show a scene which was drawn off screen. Each view is filled with
+//! its own picture.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -16,7 +16,7 @@ use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use std::cell::Cell;
 
-/// Looks at a flat draw to the window, of which `main` tells whether it has the main viewport.
+/// Determines what a flat draw to the window shows. `main`: the draw has the main viewport.
 pub fn look(ctx: &mut Context, main: bool) -> Shows {
     if in_turn::is_on(ctx) {
         return in_turn::look_at_window(ctx, main);
@@ -41,7 +41,7 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
             if any_copy { Shows::Pictures(sampled) } else { Shows::Nothing }
         }
         Ok(false) => {
-            // A picture in the picture is that of the program's own lens.
+            // A small picture in the window shows the view of the program's own lens.
             supply(ctx, sampled, own_tile(ctx));
             Shows::Nothing
         }
@@ -51,7 +51,7 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
 /// Issues a draw that shows the images in `sampled`.
 pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     ctx.frame.note_scene();
-    // What was flat until now is covered.
+    // The draw covers all earlier flat drawing.
     panel::clear_panel(ctx);
     if in_turn::is_on(ctx) {
         in_turn::show(ctx, changes, issue);
@@ -72,8 +72,8 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
     });
 }
 
-/// Makes the canvases, once. `false` where there can be none: in OpenGL ES a picture with one
-/// sample is not copied to a window with several.
+/// Makes the canvases at the first call. Returns false if there can be none: OpenGL ES cannot copy
+/// a picture with one sample to a window with several.
 fn make_canvases(ctx: &mut Context) -> bool {
     let Some(target) = ctx.drawable.target() else { return false };
     if ctx.driver.profile.es && target.config().samples > 0 {
@@ -88,8 +88,9 @@ fn make_canvases(ctx: &mut Context) -> bool {
     true
 }
 
-/// Returns the format of a canvas. Its content is scaled afterwards; more bits than the window's
-/// keep that from rounding twice. OpenGL ES has no such format, and sRGB has only 8 bits.
+/// Returns the format of a canvas. The content of a canvas is scaled afterwards, so it has more
+/// bits than the window to avoid rounding twice. OpenGL ES has no such format, and sRGB has only 8
+/// bits.
 fn canvas_format(ctx: &Context) -> u32 {
     match window_format(&ctx.drawable) {
         api::GL_RGBA8 if !ctx.driver.profile.es => api::GL_RGBA16,
@@ -101,10 +102,11 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
     let Some(target) = ctx.drawable.target() else { return };
     let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(&ctx.drawable));
     let whole = LowerLeftRect::of_size(target.size());
-    // This draw is counted already.
+    // True if the last draw to the window used the canvases too, so that they are up to date. This
+    // draw is counted already.
     let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts.draws_seen);
     let view_now = Cell::new(0);
-    // Copies between a canvas and a view's tile; the canvas stays bound for drawing.
+    // Copies between a canvas and a view's tile. The canvas remains bound for drawing.
     let copy = |ctx: &mut Context, view: usize, to_view: bool| {
         let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), ctx.drawable.target()) else {
             return;
@@ -138,15 +140,15 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             target.issued(view);
         }
         if let Some(canvas) = ctx.view_copies.displayed.canvases.get(view) {
-            // SAFETY: a framebuffer of Cupola in place of the window's, which is ours too and put
-            // back below.
+            // SAFETY: a framebuffer of Cupola, bound instead of the stand-in framebuffer, which is
+            // bound again below.
             unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
         window_space::own_window_space(ctx, whole);
         window_space::program_window_space(ctx);
         DrawClass::Flat
     });
-    // SAFETY: what stands for the program's window.
+    // SAFETY: the stand-in framebuffer of the program's window.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
     ctx.view_copies.displayed.current = Some(ctx.frame.counts.draws_seen);
 }

@@ -26,8 +26,8 @@ use crate::rig::Duplicate;
 use crate::runtime::session::Session;
 use std::cell::Cell;
 
-/// A draw of vertices within `bounds` to a framebuffer of the program's. `false`: it is single and
-/// is to be drawn as it is.
+/// Issues a draw with vertices within `bounds` to a framebuffer of the program. Returns false if
+/// the framebuffer is drawn only once: the caller issues the draw then.
 pub fn draw(
     ctx: &mut Context,
     changes: Changes,
@@ -55,7 +55,7 @@ pub fn draw(
     let part = panel_part(ctx, index);
     let framebuffer = &mut ctx.view_copies.framebuffers[index];
     framebuffer.has_scene |= part.is_none() && matches!(class, DrawClass::Scene(_) | DrawClass::FixedScene);
-    // Axes, say, in a corner of a scene that is drawn already.
+    // An example is a display of the axes in a corner, after the scene was drawn.
     let corner = part.filter(|_| framebuffer.has_scene && sampled == 0);
     let class = if corner.is_some() { DrawClass::Flat } else { class };
     let shown = match ctx.queries.primitives() {
@@ -88,21 +88,22 @@ pub fn draw(
     true
 }
 
-/// The class of a draw to a framebuffer of the program's, and what it samples.
+/// Class of a draw to a framebuffer of the program, and the images that it samples.
 struct Classified {
     class: DrawClass,
-    /// Images with a copy per view that it samples.
+    /// Sampled images that have per-view copies.
     sampled: Set,
-    /// True if its fragment shader asks for its place in the framebuffer, and no shader of Cupola
-    /// answers.
+    /// True if the fragment shader uses its position in the framebuffer, and Cupola could not
+    /// change the shader.
     in_framebuffer: bool,
 }
 
 /// Classifies a draw to a framebuffer with the images `attached`.
 fn classified(ctx: &mut Context, attached: Set) -> Classified {
     let class = classify_by_projection(ctx);
-    // What is drawn into the scene samples by places of its own, but for shaders that ask where on
-    // the screen they are.
+    // A draw in perspective samples images at coordinates of its own, which are the same for all
+    // views. Only a flat draw, or a shader that uses window coordinates, needs the view's own
+    // image.
     let program = ctx.shaders.program.as_ref();
     let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
     let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
@@ -112,7 +113,8 @@ fn classified(ctx: &mut Context, attached: Set) -> Classified {
     Classified { class: if screen { DrawClass::Screen } else { class }, sampled, in_framebuffer }
 }
 
-/// The part of the panel that the viewport is, if it is not the main one of its framebuffer.
+/// Returns the part of the panel that corresponds to the viewport, if this is not the main viewport
+/// of its framebuffer.
 fn panel_part(ctx: &Context, index: usize) -> Option<PanelPart> {
     let framebuffer = ctx.view_copies.framebuffers.get(index)?;
     let [width, height] = ctx.view_copies.image(framebuffer.images().next()?)?.size;
@@ -121,8 +123,8 @@ fn panel_part(ctx: &Context, index: usize) -> Option<PanelPart> {
     (!is_main && !several_viewports(ctx)).then(|| PanelPart::of(ctx.app.viewport, [width, height]))
 }
 
-/// Draws into the tile of each view in framebuffer `index`; each samples its own of the images
-/// `sampled`. `false`: there are no tiles.
+/// Draws to the tile of each view in framebuffer `index`. Each view samples its own version of the
+/// images `sampled`. Returns false if there are no tiles.
 fn draw_in_tiles(
     ctx: &mut Context,
     index: usize,
@@ -155,9 +157,9 @@ fn draw_in_tiles(
 /// Class of a flat draw in the views, and its coverage.
 struct Placed {
     class: DrawClass,
-    /// It is to be measured.
+    /// Measurement of the coverage, if it is needed.
     measure: Option<Measure>,
-    /// It fills the picture.
+    /// True if the draw fills the picture.
     fills: bool,
 }
 
@@ -167,8 +169,8 @@ impl Placed {
     }
 }
 
-/// Returns the class of a flat draw that samples no image of the scene. One that fills the picture
-/// fills each view; a text goes to the panel's place.
+/// Returns the class of a flat draw that samples no image of the scene. A draw that fills the
+/// picture fills each view; a text goes to the position of the panel.
 fn place(ctx: &mut Context, index: usize) -> Placed {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);
@@ -183,8 +185,9 @@ fn place(ctx: &mut Context, index: usize) -> Placed {
     Placed { class, measure, fills }
 }
 
-/// Draws in perspective that sample these images by places of their own find the last view's
-/// content, whether it was drawn to or not.
+/// Makes sure that the sampled images have the last view's content afterwards, whether the draw
+/// went to this view or not. Draws in perspective, which sample these images at coordinates of
+/// their own, get this content.
 fn supply_last(ctx: &mut Context, sampled: Set, count: usize, shown: Views) {
     let last = count.saturating_sub(1);
     if !shown.contain(last) {
@@ -192,8 +195,8 @@ fn supply_last(ctx: &mut Context, sampled: Set, count: usize, shown: Views) {
     }
 }
 
-/// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer,
-/// which has each view's content in turn.
+/// Issues a draw whose shader uses window coordinates that Cupola cannot change. It draws to the
+/// program's own framebuffer, which gets the content of each view in turn.
 fn draw_through(
     ctx: &mut Context,
     attached: Set,
@@ -224,7 +227,7 @@ fn draw_through(
     supply_last(ctx, sampled | attached, count, shown);
 }
 
-/// Remembers what a draw says about the framebuffer at `index`.
+/// Notes what a draw reveals about the images of the framebuffer at `index`.
 fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
     let Some(window) = ctx.session().map(Session::window) else { return };
     let [width, height] = ctx.app.viewport.size();
@@ -236,7 +239,8 @@ fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
     }
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
     let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
-    // Depths are of the scene where colours are; those alone are a shadow map's.
+    // A depth image belongs to the scene if the framebuffer has colours too. A framebuffer with
+    // depth only is a shadow map.
     let is_colour = |name: Name| framebuffers[index].colours().any(|colour| colour == name);
     let has_colours = framebuffers[index].colours().next().is_some();
     for name in framebuffers[index].images().filter(|_| has_colours) {

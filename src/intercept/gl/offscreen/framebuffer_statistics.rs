@@ -9,8 +9,8 @@ use crate::intercept::scene::obstacle::Obstacle;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
-/// Number of `framebuffers` that are drawn once per view, and of the others by the reason. `images`
-/// are those of the context's group.
+/// Returns the number of `framebuffers` that are drawn once per view, and the numbers of the others
+/// for each reason. `images`: the images of the context's group.
 pub fn status(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> (u64, BTreeMap<String, u64>) {
     let mut single: BTreeMap<String, u64> = BTreeMap::new();
     let mut duplicated = 0;
@@ -27,7 +27,7 @@ pub fn status(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> 
     (duplicated, single)
 }
 
-/// Returns the kind of the program's drawing to `framebuffers`.
+/// Returns how the program draws to `framebuffers`.
 pub fn off_screen(ctx: &Context, images: &[Image], framebuffers: &[Framebuffer]) -> OffScreen {
     let holds_scene = |framebuffer: &&Framebuffer| any_colour(images, framebuffer, |image| image.scene);
     match framebuffers.iter().find(holds_scene) {
@@ -59,7 +59,7 @@ fn obstacle(ctx: &Context, images: &[Image], framebuffer: &Framebuffer) -> Optio
     } else if framebuffer.colours().next().is_none() {
         "it has no colours, as a shadow map"
     } else if any(|image| image.refused) {
-        "the driver gives no copies of it"
+        "the driver cannot make copies of it"
     } else if any(|image| image.lost) {
         "it is read or written by compute shaders that cannot be followed"
     } else if any(|image| image.other_shape && !image.scene) {

@@ -1,9 +1,9 @@
-//! Off-screen drawing where the views are drawn in turn: into the program's own images, with the
-//! lens of the view.
+//! Off-screen drawing if the views are drawn in turn: to the program's own images, with the lens of
+//! the present view.
 //!
-//! Nothing is copied, so that whatever a program makes of its images is that view's: it needs no
-//! following. What has to be known is only which draws are the scene, and which flat draw to the
-//! window shows it.
+//! There are no copies. Everything that a program computes from its images belongs to the present
+//! view, so images need not be followed. Only two facts are needed: which draws are the scene, and
+//! which flat draw to the window shows it.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
@@ -23,7 +23,8 @@ use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::intercept::scene::viewport;
 use crate::runtime::Session;
 
-/// A draw to a framebuffer of the program's. `false`: it is to be drawn as it is.
+/// Issues a draw to a framebuffer of the program. Returns false if the caller must issue it
+/// unchanged.
 pub fn draw(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Context, &Gl)) -> bool {
     let Some((view, views, window)) = ctx.session().and_then(|s| Some((s.turn()?, s.views().len(), s.window()))) else {
         return false;
@@ -31,7 +32,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Conte
     if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback {
         return false;
     }
-    // Flat draws to the window are compared with what is attached.
+    // Needed because flat draws to the window are compared with the attached images.
     look(ctx);
     let [width, height] = ctx.app.viewport.size();
     let class = match classify_by_projection(ctx) {
@@ -47,7 +48,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Conte
     true
 }
 
-/// Looks at a flat draw to the window, of which `main` tells whether it has the main viewport.
+/// Determines what a flat draw to the window shows. `main`: the draw has the main viewport.
 pub fn look_at_window(ctx: &mut Context, main: bool) -> Shows {
     if main && upload::holds_inverse(ctx) {
         return Shows::Pictures(0);
@@ -64,7 +65,7 @@ pub fn look_at_window(ctx: &mut Context, main: bool) -> Shows {
     }
 }
 
-/// Issues a draw to the window that shows what was drawn off screen.
+/// Issues a draw to the window that shows a scene which was drawn off screen.
 pub fn show(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Context, &Gl)) {
     let Some((view, views)) = ctx.session().and_then(|session| Some((session.turn()?, session.views().len()))) else {
         return;

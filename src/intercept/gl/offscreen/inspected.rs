@@ -17,9 +17,9 @@ use crate::intercept::inspection::{self, DrawNote, MatrixNote};
 use crate::intercept::lens::{Candidate, field_of_view};
 use crate::lock::Lock;
 
-/// Facts about a draw that are not in the state.
+/// Facts about a draw that the state does not contain.
 pub struct Seen<'a> {
-    /// Its class.
+    /// Class of the draw.
     pub class: DrawClass,
     /// Followed images that its shaders read.
     pub sampled: Set,
@@ -34,7 +34,7 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
     }
     let target = target(ctx);
     if ctx.view_copies.inspected.as_ref().is_some_and(|pass| pass.target != target) {
-        // What was drawn to before is complete.
+        // The drawing to the previous target is complete.
         note_last_picture(ctx);
     }
     let draw = DrawNote {
@@ -54,7 +54,7 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
     ctx.view_copies.inspected = number.map(|number| InspectedPass { number, framebuffer, target });
 }
 
-/// The frame is complete.
+/// Notes the picture of the last pass when the frame is complete.
 pub fn end_frame(ctx: &mut Context) {
     if inspection::is_recording() {
         note_last_picture(ctx);
@@ -109,7 +109,7 @@ fn target(ctx: &Context) -> String {
     text
 }
 
-/// The framebuffer of the program that is bound for drawing.
+/// Returns the framebuffer of the program that is bound for drawing.
 fn bound(ctx: &Context) -> Option<&Framebuffer> {
     let index = ctx.view_copies.position(ctx.app.draw_framebuffer)?;
     ctx.view_copies.framebuffers.get(index)
@@ -225,7 +225,8 @@ fn matrices(ctx: &Context) -> Vec<MatrixNote> {
     }
 }
 
-/// The matrices that shaders have beside their positions, of which each view gets its own.
+/// Describes the matrices that shaders use in addition to that of the position, and that each view
+/// has its own version of.
 fn camera_matrices(program: &Program) -> Vec<MatrixNote> {
     let camera = program.camera_matrices.locked();
     let substitutes = camera.substitutes.iter().filter_map(|substitute| {
@@ -236,7 +237,7 @@ fn camera_matrices(program: &Program) -> Vec<MatrixNote> {
         };
         let says = match &substitute.function {
             Some((_, lens)) => format!("a matrix of the camera with {}: each view has its own", field_of_view(lens)),
-            None => "no matrix of the camera: it stays".to_owned(),
+            None => "no matrix of the camera: it is not changed".to_owned(),
         };
         Some(MatrixNote { name, form, says })
     });
@@ -252,7 +253,7 @@ fn form(matrix: &Matrix) -> &'static str {
     }
 }
 
-/// Gives the last pass a picture of what it drew to.
+/// Gives the last pass a picture of its target.
 fn note_last_picture(ctx: &mut Context) {
     let Some(InspectedPass { number, framebuffer, .. }) = ctx.view_copies.inspected.take() else { return };
     let Some(index) = ctx.view_copies.position(framebuffer).filter(|_| framebuffer != 0) else { return };
@@ -271,8 +272,8 @@ fn note_last_picture(ctx: &mut Context) {
     let gl = ctx.driver.gl;
     ctx.driver.take_errors();
     let picture = read_back(gl, source, name, rect);
-    // Integers, and pictures with samples, cannot be read so.
-    // SAFETY: asks for the error flag.
+    // Pictures with integers or with several samples cannot be read in this way.
+    // SAFETY: reads the error flag.
     if unsafe { gl.get_error() } == api::GL_NO_ERROR {
         inspection::note_picture(number, picture);
     }

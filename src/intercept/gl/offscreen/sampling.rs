@@ -7,14 +7,14 @@ use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::shader::Shaders;
 
-/// The most samplers of a program that are asked about.
+/// Greatest number of samplers of a program that are examined.
 const SAMPLERS: usize = 16;
 
-/// Calls `look` with each texture that the next draw samples.
+/// Calls `look` for each texture that the next draw samples.
 fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
     let gl = driver.gl;
     let mut active = 0;
-    // SAFETY: asks which textures are bound where the program samples; the active unit is put back.
+    // SAFETY: reads which textures the program's samplers use; the active unit is put back.
     unsafe {
         gl.get_integerv(api::GL_ACTIVE_TEXTURE, &mut active);
         match &shaders.program {
@@ -42,7 +42,8 @@ fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
     }
 }
 
-/// The texture that is bound at the active unit; 0 for targets that the context does not have.
+/// Returns the texture that is bound at the active unit; 0 for targets that the context does not
+/// have.
 pub fn bound(driver: &Driver, target: u32) -> u32 {
     let Profile { es, version, .. } = driver.profile;
     let binding = match target {
@@ -57,7 +58,7 @@ pub fn bound(driver: &Driver, target: u32) -> u32 {
     texture as u32
 }
 
-/// The images that the next draw samples.
+/// Returns the followed images that the next draw samples.
 pub fn sampled(ctx: &Context) -> Set {
     let images = &ctx.view_copies.images;
     if !images.iter().any(|image| matches!(image.name, Name::Texture { .. })) {

@@ -3,8 +3,8 @@
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::scene::image_graph::{ImageGraph, Made};
 
-/// Returns for each image whether it is to be drawn once per view. `always`: also where it was not
-/// seen on its way to the window.
+/// Returns for each image whether it is to be drawn once per view. `always`: includes images that
+/// no draw was seen to bring to the window.
 pub fn wanted(images: &[Image], always: bool) -> Vec<bool> {
     let mut graph = ImageGraph::default();
     for image in images {

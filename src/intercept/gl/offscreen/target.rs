@@ -1,4 +1,4 @@
-//! The target of draws that go to copies per view off screen.
+//! Target of draws to the per-view copies off screen.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
@@ -10,7 +10,7 @@ use crate::intercept::scene::query_scaling::QueryScaling;
 use crate::runtime::session::Session;
 use std::sync::Arc;
 
-/// Copies per view, of which `prepare` sets the window space and says what is drawn.
+/// Per-view copies. `prepare` sets the window space and returns the class of the draw.
 struct CopiesPerView<F> {
     session: Option<Arc<Session>>,
     share: f64,
@@ -19,8 +19,8 @@ struct CopiesPerView<F> {
     prepare: F,
 }
 
-/// Issues a draw for each of `count` views that `shown` names. What is beyond the number of the
-/// rig's views is the program's own picture.
+/// Issues a draw for each of `count` views that `shown` contains. Views beyond the number of the
+/// rig's views are the program's own picture.
 pub fn each_view(
     ctx: &mut Context,
     changes: Changes,

@@ -1,4 +1,5 @@
-//! Copies between framebuffers, and from them into textures, where one side is once per view.
+//! Copies between framebuffers, and from framebuffers to textures, if one side is drawn once per
+//! view.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -15,23 +16,24 @@ use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 
-/// A rectangle by two corners, as `glBlitFramebuffer` has it.
+/// Rectangle given by two corners, as in `glBlitFramebuffer`.
 pub type Corners = [i32; 4];
 
 /// One side of a copy.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
-    /// The window: its views.
+    /// The window with its views.
     Window,
-    /// A framebuffer that is drawn once per view, by its place in the list.
+    /// Framebuffer that is drawn once per view, by its place in the list.
     ViewCopies(usize),
-    /// An image with a view copy, by its place in the list.
+    /// Image with a view copy, by its place in the list.
     Image(usize),
-    /// A framebuffer or image that is drawn once only.
+    /// Framebuffer or image that is drawn only once.
     Single,
 }
 
-/// `glBlitFramebuffer` between the program's framebuffers. `false`: it is to be done as it is.
+/// Performs `glBlitFramebuffer` between the program's framebuffers. Returns false if the caller
+/// must perform it unchanged.
 pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32, filter: u32) -> bool {
     if !possible(ctx) {
         return false;
@@ -54,7 +56,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
     }
 }
 
-/// True if a copy covers (nearly) all of the window.
+/// True if a copy covers all, or nearly all, of the window.
 pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
     let Some(target) = drawable.target() else { return false };
     let (width, height) = target.size();
@@ -62,8 +64,8 @@ pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
 }
 
-/// True if the window's views show anything: a program that draws nothing in perspective has its
-/// picture on the panel.
+/// True if the window's views show anything. The picture of a program without drawing in
+/// perspective is on the panel.
 fn window_has_scene(frame: &Frame, view_copies: &ViewCopies) -> bool {
     let shown = || view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
     frame.has_scene() || shown()
@@ -87,7 +89,7 @@ fn draw_side(ctx: &mut Context) -> Side {
     if duplicated { Side::ViewCopies(index) } else { Side::Single }
 }
 
-/// Remembers what a copy says about images.
+/// Notes what a copy reveals about images.
 fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
     if mask & api::GL_COLOR_BUFFER_BIT == 0 {
         return;
@@ -114,14 +116,14 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
     }
 }
 
-/// Remembers that an image of colours is a copy of others, or of the window.
+/// Notes that a colour image is a copy of others, or of the window.
 fn note_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Name>], from_window: bool) {
     if view_copies.image(name).is_some_and(Image::is_colour) {
         note_any_copy(view_copies, name, sources, from_window);
     }
 }
 
-/// Remembers that an image is a copy of others, or of the window.
+/// Notes that an image is a copy of others, or of the window.
 fn note_any_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Name>], from_window: bool) {
     let Some(image) = view_copies.image_mut(name) else { return };
     let mut learnt = from_window && !image.copies_window;
@@ -135,7 +137,7 @@ fn note_any_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Nam
     view_copies.learnt |= learnt;
 }
 
-/// The colour images of the read framebuffer.
+/// Returns the colour images of the read framebuffer.
 fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
     let index = ctx.view_copies.position(ctx.app.read_framebuffer);
     let mut colours = [None; framebuffers::COLOURS];
@@ -147,13 +149,13 @@ fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
     colours
 }
 
-/// The depth image of the read framebuffer.
+/// Returns the depth image of the read framebuffer.
 fn depth_of_read(ctx: &Context) -> Option<Name> {
     let index = ctx.view_copies.position(ctx.app.read_framebuffer).filter(|_| ctx.app.read_framebuffer != 0)?;
     ctx.view_copies.framebuffers[index].depth()
 }
 
-/// Framebuffer of a side for a view, and the place of its picture there.
+/// Framebuffer of a side for a view, and the position of its picture there.
 struct Region {
     framebuffer: u32,
     rect: LowerLeftRect,
@@ -164,7 +166,7 @@ struct Region {
 }
 
 impl Region {
-    /// `mask`: what of it is copied.
+    /// Returns the region of a side. `mask`: the buffers that are copied.
     fn of(ctx: &mut Context, side: Side, view: usize, mask: u32, reads: bool) -> Option<Self> {
         match side {
             Side::Window => {
@@ -193,7 +195,7 @@ impl Region {
         }
     }
 
-    /// Corners of the program's, in the framebuffer.
+    /// Converts the program's corners to corners in the framebuffer.
     fn corners(&self, corners: Corners) -> Corners {
         let LowerLeftRect { x, y, width, height } = self.rect;
         let scale = |value: i32, size: i32, full: i32| {
@@ -206,7 +208,7 @@ impl Region {
     }
 }
 
-/// Copies for each view, and for the program's own picture.
+/// Copies each view, and the program's own picture.
 fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
     for side in [from.0, to.0] {
@@ -233,7 +235,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
     let mut buffer = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_integerv(api::GL_READ_BUFFER, &mut buffer) };
-    // The window has no tile for the program's own picture; it keeps what it was given last.
+    // The window has no tile for the program's own picture, so that picture does not change.
     let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { copy_count(ctx) };
     // SAFETY: framebuffers of Cupola, or as the program bound them; the bindings are put back.
     unsafe {
@@ -264,19 +266,19 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
     }
 }
 
-/// One end of a copy between the bound framebuffers.
+/// Side of a copy between the bound framebuffers.
 #[derive(Clone, Copy)]
 pub(in crate::intercept::gl) struct End {
     /// Rectangle of the picture.
     pub corners: Corners,
     /// Samples per pixel; 0 = not multisampled.
     pub samples: i32,
-    /// The format of its colours.
+    /// Format of the colours.
     pub format: u32,
 }
 
-/// Copies between the bound framebuffers. To another size it goes by a canvas: samples cannot be
-/// scaled, and a filter would mix in what lies beside the rectangle.
+/// Copies between the bound framebuffers. A copy to another size goes through a canvas: OpenGL
+/// cannot scale multisampled pictures, and a filter would mix in texels beside the rectangle.
 pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
     let extent = |[x0, y0, x1, y1]: Corners| [(x1 - x0).abs(), (y1 - y0).abs()];
@@ -290,7 +292,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
         convert_depth(ctx, from, to);
         return;
     }
-    // Samples are resolved, or given, in their own format only.
+    // Multisampled pictures can be copied to the same format only.
     let alike = from.format == to.format || (from.samples == 0 && to.samples == 0);
     if here == there && alike {
         issue(from.corners, to.corners, mask, if mask == api::GL_COLOR_BUFFER_BIT { filter } else { api::GL_NEAREST });
@@ -307,7 +309,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     let ([w, h], [across, up]) = (here, there);
     let (resolved, scaled) = (canvas(ctx, here, from.format), (to.samples > 0).then(|| canvas(ctx, there, to.format)));
     let Some(resolved) = resolved else { return };
-    // SAFETY: between framebuffers of Cupola and those that were bound, which are put back.
+    // SAFETY: copies between framebuffers of Cupola and the bound ones; the bindings are put back.
     unsafe {
         let bindings = Bindings::save(gl);
         let scissor = ctx.driver.scissor();
@@ -330,13 +332,14 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     }
 }
 
-/// Copies depth to another format, which only a copy into a texture can do. Stencil is not copied.
+/// Copies depth to another format by a copy into a texture, as no other command can do it. Does not
+/// copy stencil.
 fn convert_depth(ctx: &mut Context, from: End, to: End) {
     let ([x0, y0, x1, y1], gl) = (from.corners, ctx.driver.gl);
     let (corner, size) = ([x0.min(x1), y0.min(y1)], [(x1 - x0).abs(), (y1 - y0).abs()]);
     let converters = &mut ctx.view_copies.depth_converters;
     if !converters.iter().any(|converter| converter.is(size, to.format)) {
-        // One of each format is kept.
+        // One converter of each format is kept.
         if let Some(index) = converters.iter().position(|converter| converter.format() == to.format) {
             converters.swap_remove(index).destroy(gl);
         }
@@ -348,12 +351,12 @@ fn convert_depth(ctx: &mut Context, from: End, to: End) {
     }
 }
 
-/// The format of the window's colours.
+/// Returns the format of the window's colours.
 pub(in crate::intercept::gl) fn window_format(drawable: &Drawable) -> u32 {
     if drawable.target().is_some_and(|target| target.config().srgb) { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 }
 }
 
-/// A framebuffer of Cupola of this size and format; it is kept.
+/// Returns a framebuffer of Cupola with this size and format, and keeps it for later calls.
 fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
     if let Some(canvas) = ctx.view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
         return Some(canvas.framebuffer());
@@ -364,8 +367,8 @@ fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
     Some(framebuffer)
 }
 
-/// The program copies a rectangle of its read framebuffer into a texture. `true`: it was done for
-/// each view, and the texture itself is not to be touched.
+/// Performs a copy of a rectangle of the program's read framebuffer into a texture, for each view.
+/// Returns true if it was performed, and the texture itself must not be changed.
 pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2], source: LowerLeftRect) -> bool {
     let from = read_side(ctx);
     let Some(index) = image_of(&ctx.view_copies, texture, level).filter(|_| possible(ctx) && from != Side::Single)
@@ -382,7 +385,7 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
     from != Side::Window || copy_count(ctx) == views(ctx)
 }
 
-/// The program has copied a rectangle of its read framebuffer into a texture itself.
+/// Notes that the program has copied a rectangle of its read framebuffer into a texture.
 pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: LowerLeftRect) {
     let whole = fills_window(&ctx.drawable, source.corners());
     let from_window = ctx.reads_redirected() && whole && window_has_scene(&ctx.frame, &ctx.view_copies);

@@ -1,18 +1,18 @@
-//! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
+//! Scenes that a program draws off screen and then shows. Each view gets its own picture.
 //!
-//! The `images` of the program's framebuffers remember the draws, the sampled images and the copies
-//! that go into them. From the next frame on each image that lies between a scene and the window
-//! (`scene_graph`) has a *view copy* with a tile for each view, and framebuffers of Cupola with
-//! view copies stand for the program's (`framebuffers`), so that draws of the scene change no
-//! framebuffer. A tile has the size of the program's own image, so the sizes, texels and viewports
-//! that the program has set stay true. Before a flat draw that samples such an image (`sampling`)
-//! is issued to a view, the view's tile is copied into the program's own image: filter, wrapping
-//! and sampler objects hold without being followed.
+//! The `images` of the program's framebuffers record draws, sampled images and copies. From the
+//! next frame on, each image that lies between a scene and the window (`scene_graph`) has a *view
+//! copy* with a tile for each view. Framebuffers of Cupola with view copies replace the program's
+//! (`framebuffers`), so draws of the scene need no change of the framebuffer. A tile has the size
+//! of the program's own image, so sizes, texels and viewports that the program has set remain
+//! valid. Before a flat draw that samples such an image (`sampling`) goes to a view, the view's
+//! tile is copied to the program's own image. So filters, wrapping and sampler objects work without
+//! being followed.
 //!
 //! `draws` issues draws to the view copies, except to those of views that cannot show them.
-//! `displayed` brings the pictures into the window's views, `transfers` does for
-//! `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
-//! its corner.
+//! `displayed` brings the pictures into the window's views. `transfers` does the same for
+//! `glBlitFramebuffer` and similar commands. `coverage` distinguishes the whole picture from a map
+//! in its corner.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::correct::LowerLeftRect;
@@ -33,8 +33,8 @@ pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
 
-/// True if images have copies: there are views of Cupola, which are not the program's own picture,
-/// and not drawn in turn.
+/// True if images can have copies: some views have other lenses than the program's, and views are
+/// not drawn in turn.
 pub(super) fn possible(ctx: &Context) -> bool {
     let has_other_lenses = |s: &Session| s.turns().is_none() && s.views().iter().any(|v| !v.program_lens);
     duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(has_other_lenses)
@@ -45,12 +45,13 @@ pub(super) fn views(ctx: &Context) -> usize {
     ctx.session().map_or(0, |session| session.views().len())
 }
 
-/// The context became current: what the group knows together is its own until it is not.
+/// Takes over the data that the group shares, when the context becomes current. It gives them back
+/// when it is current no longer.
 pub fn collect(ctx: &mut Context) {
     let taken = ctx.share.off_screen.locked().take();
     let Some(taken) = taken else { return };
     if !ctx.view_copies.images.is_empty() {
-        // Those of a time when another thread had the group's.
+        // These data come from a time in which a context of another thread had the group's data.
         clear(ctx);
     }
     ctx.view_copies.shared = true;
@@ -87,13 +88,14 @@ pub(super) fn copy_count(ctx: &Context) -> usize {
     views(ctx) + usize::from(ctx.view_copies.own_picture)
 }
 
-/// The tile that is the program's own picture, or nearest to it: that of the view ahead.
+/// Returns the tile of the program's own picture. If there is none, returns the tile of the view
+/// ahead.
 pub(super) fn own_tile(ctx: &Context) -> usize {
     let ahead = || ctx.session().map_or(0, |session| session.ahead());
     if ctx.view_copies.own_picture { views(ctx) } else { ahead() }
 }
 
-/// The program's draw framebuffer is bound itself again, for calls that name its binding.
+/// Binds the program's own draw framebuffer again, for calls that use its binding.
 pub fn leave(ctx: &mut Context) {
     if std::mem::take(&mut ctx.view_copies.bound) {
         // SAFETY: what the program bound.
@@ -106,12 +108,13 @@ pub fn leave(ctx: &mut Context) {
     }
 }
 
-/// The binding changed: nothing of Cupola stands in its place.
+/// Notes that the program has changed the binding, so that no framebuffer of Cupola is bound.
+/// Returns true if one was bound.
 pub fn rebound(view_copies: &mut ViewCopies) -> bool {
     std::mem::take(&mut view_copies.bound)
 }
 
-/// Attachments or draw buffers of a framebuffer change: they are asked for again.
+/// Notes a change of a framebuffer's attachments or draw buffers, which are examined again later.
 pub fn forget(ctx: &mut Context, name: u32) {
     let Some(index) = ctx.view_copies.position(name) else { return };
     if ctx.app.draw_framebuffer == name {
@@ -122,20 +125,20 @@ pub fn forget(ctx: &mut Context, name: u32) {
     framebuffer.destroy_view_copy(ctx.driver.gl);
 }
 
-/// A framebuffer was deleted: its name is free.
+/// Forgets a framebuffer that was deleted.
 pub fn delete(ctx: &mut Context, name: u32) {
     forget(ctx, name);
     ctx.view_copies.framebuffers.retain(|framebuffer| framebuffer.name != name);
 }
 
-/// The images for which `which` holds were deleted or got another size or format: they are new
-/// ones.
+/// Forgets the images for which `which` returns true. They were deleted, or got another size or
+/// format.
 fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     while let Some(index) = ctx.view_copies.images.iter().position(&which) {
         leave(ctx);
         let mut image = ctx.view_copies.images.remove(index);
         let ViewCopies { left, deleted, .. } = &mut ctx.view_copies;
-        // Images have other places, even if it had no view copy.
+        // The places of images in the list change, even if the image had no view copy.
         *deleted += u64::from(image.view_copy.is_none());
         destroy_view_copy(&mut image, ctx.driver.gl, ctx.driver.id, left, deleted);
         for framebuffer in &mut ctx.view_copies.framebuffers {
@@ -144,32 +147,32 @@ fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
                 framebuffer.destroy_view_copy(ctx.driver.gl);
             }
         }
-        // They are known by their places in the list.
+        // Coverage identifies images by their places in the list.
         ctx.view_copies.coverage.clear(ctx.driver.gl);
     }
 }
 
-/// `forget_images` for a texture.
+/// Does the same as `forget_images` for a texture.
 pub fn forget_texture(ctx: &mut Context, texture: u32) {
     forget_images(ctx, |image| image.is_texture(texture));
-    // Where no image is followed, deletions are not seen.
+    // If no image is followed, deletions are not seen.
     let followed = ctx.view_copies.any();
     ctx.view_copies.not_followed.retain(|(name, _)| followed && *name != texture);
 }
 
-/// `forget_images` for a renderbuffer.
+/// Does the same as `forget_images` for a renderbuffer.
 pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
     forget_images(ctx, |image| image.name == Name::Renderbuffer(renderbuffer));
 }
 
-/// True if a texture is followed that has this size and format already, so that nothing changes.
+/// True if a followed texture has this size and format already, so that nothing changes.
 pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
     let images = ctx.view_copies.images.iter();
     let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
     same.any(|image| image.is_texture(texture) && image.size == size)
 }
 
-/// The program put texels of its own into a texture: they are in every view.
+/// Copies texels that the program has uploaded to a texture to the tiles of all views.
 pub fn uploaded(ctx: &mut Context, texture: u32) {
     if !ctx.view_copies.images.iter().any(|image| image.is_texture(texture) && image.view_copy.is_some()) {
         return;
@@ -184,7 +187,8 @@ pub fn uploaded(ctx: &mut Context, texture: u32) {
     });
 }
 
-/// The program makes smaller pictures of a texture. `true`: they are made when it is sampled.
+/// Notes that the program generates mipmaps of a texture. Returns true if Cupola generates them
+/// when the texture is sampled.
 pub fn mipmaps(view_copies: &mut ViewCopies, texture: u32) -> bool {
     let mut view_copy = false;
     for image in view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
@@ -195,12 +199,12 @@ pub fn mipmaps(view_copies: &mut ViewCopies, texture: u32) -> bool {
     view_copy
 }
 
-/// The program is about to read a texture: it gets its own picture.
+/// Gives a texture its own picture before the program reads it.
 pub fn before_reading_texture(ctx: &mut Context, texture: u32) {
     before_reading(ctx, |image| image.is_texture(texture));
 }
 
-/// The program is about to read its read framebuffer: it gets its own picture.
+/// Gives the images of the read framebuffer their own picture before the program reads it.
 pub fn before_reading_framebuffer(ctx: &mut Context) {
     let Some(index) = ctx.view_copies.position(ctx.app.read_framebuffer) else { return };
     let attachments = ctx.view_copies.framebuffers[index].attachments;
@@ -216,8 +220,8 @@ fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     supply(ctx, set, own_tile(ctx));
 }
 
-/// The program reads these images, as it draws them with its own lens: there is a tile for that
-/// from the next frame on.
+/// Notes that the program reads these images. From the next frame on they have a tile that is drawn
+/// with the program's own lens.
 pub(super) fn before_reading_images(ctx: &mut Context, set: Set) {
     for (_, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
         ctx.view_copies.learnt |= !image.read_back;
@@ -225,7 +229,7 @@ pub(super) fn before_reading_images(ctx: &mut Context, set: Set) {
     }
 }
 
-/// The views changed: all is learnt anew.
+/// Forgets all after a change of the views.
 pub fn clear(ctx: &mut Context) {
     leave(ctx);
     let gl = ctx.driver.gl;
@@ -249,7 +253,7 @@ pub fn clear(ctx: &mut Context) {
     std::mem::take(&mut ctx.view_copies.displayed).destroy(gl);
 }
 
-/// A frame ended: what was seen to lie between a scene and the window gets its view copy.
+/// Ends a frame. Images that were seen to lie between a scene and the window get view copies.
 pub fn end_frame(ctx: &mut Context) {
     let gl = ctx.driver.gl;
     let ViewCopies { coverage, images, learnt, .. } = &mut ctx.view_copies;
@@ -268,7 +272,7 @@ pub fn end_frame(ctx: &mut Context) {
         destroy_view_copies(ctx);
     }
     if !wanted.contains(&true) && ctx.view_copies.images.iter().any(|image| image.lost && image.view_copy.is_some()) {
-        // Compute shaders that came later cannot be followed: it is flat from now on.
+        // A compute shader that cannot be followed was used later. The scene is flat from now on.
         destroy_view_copies(ctx);
     }
     for index in (0..wanted.len()).filter(|index| wanted[*index]) {
@@ -289,7 +293,7 @@ fn destroy_view_copies(ctx: &mut Context) {
     }
 }
 
-/// Makes the view copy of the image at `index`, if it has none yet.
+/// Makes the view copy of the image at `index`, if it has none yet. Returns true if there is one.
 fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
     let image = &ctx.view_copies.images[index];
     if image.view_copy.is_some() || image.refused {
@@ -303,9 +307,9 @@ fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
         image.refused = !image.make_view_copy(ctx.driver.gl, ctx.driver.id, count);
     });
     if ctx.view_copies.images[index].refused {
-        // Whatever the driver said about it is answered by this.
+        // The refusal is handled here, so the driver's errors are not needed.
         drop_errors(ctx.driver.gl);
-        log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
+        log::once("a scene that the program draws off screen is shown flat: the driver cannot make copies of it");
     }
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
     !ctx.view_copies.images[index].refused
@@ -320,8 +324,8 @@ pub(super) fn without_scissor(ctx: &mut Context, run: impl FnOnce(&mut Context))
     }
 }
 
-/// Returns the index of the program's draw framebuffer. Its attachments are asked for if they are
-/// not known.
+/// Returns the index of the program's draw framebuffer. Examines its attachments if they are not
+/// known.
 pub(super) fn look(ctx: &mut Context) -> usize {
     let name = ctx.app.draw_framebuffer;
     let index = ctx.view_copies.position(name).unwrap_or_else(|| {
@@ -333,14 +337,15 @@ pub(super) fn look(ctx: &mut Context) -> usize {
         ctx.driver.take_errors();
         let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
         framebuffers[index].examine(ctx.driver.gl, images);
-        // Questions that a driver need not know are nobody's errors.
+        // The examination asks questions that some drivers do not know. Their errors have no
+        // meaning.
         drop_errors(ctx.driver.gl);
     }
     index
 }
 
-/// Asks what is attached to the program's read framebuffer, if compute shaders may have made it:
-/// nothing was drawn to it then.
+/// Examines the attachments of the program's read framebuffer, if compute shaders may have written
+/// its images. In that case no draw has examined it.
 pub(super) fn look_at_read(ctx: &mut Context) {
     let name = ctx.app.read_framebuffer;
     if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer {
@@ -355,7 +360,7 @@ pub(super) fn look_at_read(ctx: &mut Context) {
     }
     ctx.driver.take_errors();
     let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
-    // SAFETY: a framebuffer of the program's; the bindings are put back.
+    // SAFETY: a framebuffer of the program; the bindings are put back.
     unsafe {
         let bindings = Bindings::save(ctx.driver.gl);
         ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, name);
@@ -365,8 +370,8 @@ pub(super) fn look_at_read(ctx: &mut Context) {
     drop_errors(ctx.driver.gl);
 }
 
-/// Puts the view copy of the program's draw framebuffer, which is at `index`, in its place.
-/// `false`: it has none.
+/// Replaces the program's draw framebuffer, which is at `index`, by its view copy. Returns false if
+/// it has none.
 pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     if ctx.view_copies.bound {
         return true;
@@ -379,13 +384,12 @@ pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     }
     ctx.view_copies.bound = true;
     let view_copy = ctx.view_copies.framebuffers[index].view_copy;
-    // SAFETY: a framebuffer of Cupola; `leave` puts the program's back.
+    // SAFETY: a framebuffer of Cupola; `leave` binds the program's again.
     unsafe { ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, view_copy) };
     true
 }
 
-/// Makes the framebuffer that stands for the one at `index`, with view copies of all that is
-/// attached.
+/// Makes the framebuffer that replaces the one at `index`, with view copies of all attached images.
 pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
     let attached = ctx.view_copies.framebuffers[index].attachments;
     let places: [Option<usize>; framebuffers::COLOURS + 2] =
@@ -402,13 +406,13 @@ pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
         drop_errors(ctx.driver.gl);
     }
     if !complete {
-        ctx.view_copies.framebuffers[index].obstacle = Some("the driver gives no copies of it".into());
-        log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
+        ctx.view_copies.framebuffers[index].obstacle = Some("the driver cannot make copies of it".into());
+        log::once("a scene that the program draws off screen is shown flat: the driver cannot make copies of it");
     }
     complete
 }
 
-/// Copies tile `view` of the images in `set` into the program's own.
+/// Copies tile `view` of the images in `set` to the program's own images.
 pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
     let has_view_copy = |ctx: &Context| {
         let images = ctx.view_copies.images.iter().enumerate().take(64);
@@ -425,13 +429,14 @@ pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
     });
 }
 
-/// A clear of a framebuffer of the program's. `false`: it is single.
+/// Runs a clear of a framebuffer of the program. Returns false if the framebuffer is drawn only
+/// once.
 pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
     if ctx.app.draw_framebuffer == 0 || ctx.app.picking || !possible(ctx) {
         return false;
     }
     let index = look(ctx);
-    // What is cleared for a picture in a corner leaves the scene.
+    // A clear of a part, as for a picture in a corner, does not remove the scene.
     let name = ctx.view_copies.framebuffers[index].images().next();
     let size = name.and_then(|name| ctx.view_copies.image(name)).map_or([0; 2], |image| image.size);
     let part = ctx.app.scissor_test && !ctx.app.scissor.contains(LowerLeftRect::new(0, 0, size[0], size[1]));

@@ -1,6 +1,6 @@
-//! Flat drawing behind the scene ([`crate::intercept::scene::frame_order`]): it goes into the views
-//! themselves, where the panel would be. A flat clip position is a point of the panel, seen with
-//! the panel's opening as a lens.
+//! Flat drawing behind the scene ([`crate::intercept::scene::frame_order`]). It goes to the views
+//! themselves, at the position of the panel. A flat clip position is a point of the panel. The
+//! panel's opening is the lens.
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
@@ -17,7 +17,7 @@ pub fn is_behind(ctx: &mut Context) -> bool {
     (whole || !ctx.app.scissor_test) && prepare(ctx, PanelPart::default())
 }
 
-/// Makes the matrices by which what is flat lies in the views. `false`: there are none.
+/// Computes the matrices from flat clip positions to the views. Returns false if there are none.
 pub fn prepare(ctx: &mut Context, part: PanelPart) -> bool {
     let Some(session) = ctx.drawable.session() else { return false };
     ctx.frame.background.prepare(session, &ctx.compat.projection.matrix, part)

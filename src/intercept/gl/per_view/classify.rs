@@ -15,7 +15,7 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
     if main_viewport(&ctx.app, &ctx.frame) { classify_by_projection(ctx) } else { DrawClass::Flat }
 }
 
-/// True if primitives of a draw may go to viewports that differ.
+/// True if the primitives of a draw may go to different viewports.
 pub fn several_viewports(ctx: &Context) -> bool {
     let chooses = || ctx.shaders.program.as_ref().is_some_and(|program| program.chooses_viewport);
     ctx.app.arrays().is_some_and(WindowArrays::differ) && chooses()
@@ -49,7 +49,7 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
     }
 }
 
-/// The class of what a program draws with `lens`.
+/// Returns the class of a draw with `lens`.
 fn of_lens(ctx: &mut Context, lens: Lens) -> DrawClass {
     let (Lens::Perspective(told, how), Some(session)) = (lens, ctx.drawable.session()) else {
         return DrawClass::Flat;
@@ -61,7 +61,7 @@ fn of_lens(ctx: &mut Context, lens: Lens) -> DrawClass {
     DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))
 }
 
-/// True if the viewport is the program's main one; pictures within the picture are flat.
+/// True if the viewport is the program's main one. Drawing to smaller viewports is flat.
 pub fn main_viewport(app: &AppState, frame: &Frame) -> bool {
     let [width, height] = app.viewport.size().map(f64::from);
     viewport::is_main(width, height, frame.main_area() as f64)

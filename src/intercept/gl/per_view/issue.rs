@@ -15,11 +15,11 @@ use crate::intercept::gl::state::shader::variants::{InUse, Variant};
 use crate::intercept::scene::query_scaling::QueryScaling;
 use std::sync::Arc;
 
-/// Target of the copies of a draw: the atlas of the window, or copies per view of a framebuffer of
-/// the program.
+/// Target of the copies of a draw: the atlas of the window, or the per-view copies of a framebuffer
+/// of the program.
 pub trait Target {
-    /// Sets the window space for `view` and returns the class that it is drawn with. `None`: it is
-    /// the program's own picture, with the program's own matrices.
+    /// Sets the window space for `view`. Returns the draw class for it. `None`: the view is the
+    /// program's own picture, with the program's own matrices.
     fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass>;
 
     /// Factors of the view in the program's queries.
@@ -38,7 +38,7 @@ pub struct Copies {
     pub changes: Changes,
     /// Number of the rig's views.
     pub views: usize,
-    /// Number of copies: those of the rig's views and, after these, the program's own picture,
+    /// Number of copies: the rig's views and after them, if it exists, the program's own picture,
     /// which gets all draws.
     pub count: usize,
     /// Views that can show the draw.
@@ -78,8 +78,8 @@ pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: 
     restore_projection(ctx, &mut projection_loaded);
 }
 
-/// Gives the program or the fixed-function pipeline the projection of a view. Returns what divides
-/// the primitives of the draw, if something does.
+/// Sets the projection of a view in the program or in the fixed-function pipeline. Returns the
+/// variant of the program that divides the draw's primitives, if there is one.
 fn load_view(
     ctx: &mut Context,
     class: Option<DrawClass>,
@@ -128,7 +128,7 @@ fn load_view(
     None
 }
 
-/// Sends the rows and the lens of a view to the program that draws.
+/// Sends the reprojection matrix and the lens of a view to the program in use.
 fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Option<(Arc<Variant>, InUse)> {
     let lens = ctx.drawable.target().and_then(|target| target.lenses.get(view)).copied();
     programs::upload_view(ctx, rows, lens.as_ref());
@@ -137,51 +137,52 @@ fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Optio
     projected_vertices::begin_view(ctx, rows, lens.as_ref(), division)
 }
 
-/// Puts the program's own projection back, if a view's was loaded.
+/// Restores the program's own projection if the projection of a view was loaded.
 fn restore_projection(ctx: &Context, loaded: &mut bool) {
     if std::mem::take(loaded) {
         projection::load(ctx.driver.gl, ctx.app.matrix_mode, &ctx.compat.projection.matrix);
     }
 }
 
-/// Programs that we patched draw untouched where the picture is the program's own.
+/// Makes patched programs draw as the original ones, for the program's own picture.
 pub fn plain_program(ctx: &mut Context) {
     plain_rows(ctx);
     upload::load_own(ctx);
 }
 
-/// Positions are those of the program, and window coordinates those of the present window space.
+/// Sends the identity as reprojection matrix, and the present window space.
 fn plain_rows(ctx: &mut Context) {
     programs::upload(ctx, &crate::intercept::gl::state::shader::programs::IDENTITY);
     frag_coord::upload(ctx);
 }
 
-/// Keeps a draw that is issued several times one draw for the program: vertex attributes (and what
-/// else it may set) are put back in between, and transform feedback records it once.
+/// Keeps repetitions of a draw invisible to the program. Vertex attributes and other state that the
+/// draw sets are restored in between, and transform feedback records the draw once.
 pub struct Repeats {
     mask: u32,
-    /// The material follows the colour.
+    /// True if the material follows the colour.
     follows: bool,
     feedback: bool,
 }
 
 impl Repeats {
-    /// `pushed`: number of entries of Cupola's on the attribute stack, beside the program's.
+    /// `pushed`: number of entries of Cupola on the attribute stack, in addition to the program's.
     pub fn new(changes: Changes, ctx: &Context, pushed: usize) -> Self {
         let mask = match changes {
             _ if !ctx.driver.profile.compatibility() => 0,
-            // No place is left on the stack; a pop would take what is the program's.
+            // The stack is full: a pop would remove an entry of the program.
             _ if !ctx.app.can_push(pushed) => 0,
             Changes::Nothing | Changes::Alike => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
         let follows = mask != 0 && ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_COLOR_MATERIAL);
-        // Without a pause (OpenGL before 4.0) there is no drawing without recording.
+        // Before OpenGL 4.0 there is no pause, so every repetition is recorded.
         Self { mask, follows, feedback: ctx.app.feedback && ctx.driver.gl.has_pause_transform_feedback() }
     }
 
-    /// Runs `issue` for the `number`-th time; unless it is the `last`, what it changes is put back.
+    /// Runs `issue` for the `number`-th time. Restores what it changes, unless it is the `last`
+    /// time.
     pub(in crate::intercept::gl) fn around(&self, gl: &Gl, number: usize, last: bool, issue: impl FnOnce()) {
         if self.feedback && number == 1 {
             // SAFETY: transform feedback is active and not paused.
@@ -194,7 +195,7 @@ impl Repeats {
         }
     }
 
-    /// Runs `issue`; unless it is the `last`, what it changes is put back.
+    /// Runs `issue`. Restores what it changes, unless it is the `last` time.
     pub fn unchanged(&self, gl: &Gl, last: bool, issue: impl FnOnce()) {
         if self.mask == 0 || last {
             issue();
@@ -203,8 +204,8 @@ impl Repeats {
         // SAFETY: pushed and popped in pairs around one draw.
         unsafe { gl.push_attrib(self.mask) };
         issue();
-        // SAFETY: as above; the material is made to follow the colour that is current again, which
-        // Mesa forgets to do.
+        // SAFETY: as above. The material has to be made to follow the restored colour, which Mesa
+        // forgets.
         unsafe {
             gl.pop_attrib();
             if self.follows {

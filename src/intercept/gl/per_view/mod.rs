@@ -4,12 +4,12 @@
 //! classify → culling::select → issue(target)
 //! ```
 //!
-//! [`classify`] tells scenes from flat drawing, [`culling`] leaves out views that cannot show a
+//! [`classify`] separates scenes from flat drawing, [`culling`] leaves out views that cannot show a
 //! draw, [`issue`] is the loop over the views. Its target is passed in: the atlas of the window
-//! (`draw::routing`) or copies per view (`offscreen::target`). [`window_space`] moves the
-//! program's viewport and scissor to a tile, [`panel`] has the blending and the clears of the flat
-//! panel, [`background`] the flat drawing behind the scene, [`wide_primitives`] cuts points and
-//! lines at their tile.
+//! (`draw::routing`) or the per-view copies of a framebuffer (`offscreen::target`).
+//! [`window_space`] moves the program's viewport and scissor to a tile. [`panel`] has the blending
+//! and the clears of the flat panel, [`background`] the flat drawing behind the scene.
+//! [`wide_primitives`] cuts points and lines at the border of their tile.
 
 pub mod background;
 pub mod classify;

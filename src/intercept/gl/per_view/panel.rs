@@ -5,7 +5,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 
-/// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
+/// Blending for draws to the panel: its alpha collects how much of it is covered, for the
+/// correction.
 pub(in crate::intercept::gl) struct PanelBlend {
     factors: [u32; 4],
 }
@@ -31,10 +32,12 @@ impl PanelBlend {
     }
 }
 
-/// The panel is a pane of glass: what is cleared away is seen through.
+/// Clears the panel to transparent. It acts like a pane of glass: cleared parts show the scene
+/// behind.
 pub fn clear_panel(ctx: &mut Context) {
     if let Some(panel) = ctx.drawable.target().and_then(|t| t.panel()) {
-        // The gutter goes with it, or the filter would mix the clear colour into its borders.
+        // The gutter is cleared too. Otherwise the filter would mix its old colour into the
+        // borders.
         ctx.set_scissor(Some(LowerLeftRect::new(panel.x - 1, panel.y - 1, panel.width + 2, panel.height + 2)));
         clear_transparent(ctx.driver.gl, &ctx.driver.known_state);
     }

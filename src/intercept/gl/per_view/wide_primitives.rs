@@ -1,15 +1,15 @@
 //! Points and lines that are wider than the space between two tiles.
 //!
-//! A viewport cuts triangles, but of a point or a line only its middle: the rest would be drawn
-//! into the neighbouring tile. Changing the scissor with each view is dear on software renderers,
-//! so tiles are cut for these only.
+//! A viewport clips triangles, but of a point or a line only its middle. The rest would be drawn
+//! into the neighbouring tile. A change of the scissor for each view is slow on software renderers,
+//! so only these primitives are cut at their tile.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::draw::primitives::{Patch, Shape};
 
-/// Finds out whether the next draw may leave its tile.
+/// Determines whether the next draw may reach beyond its tile.
 pub fn look(ctx: &mut Context) {
     let shape = std::mem::take(&mut ctx.draw.wide_primitives.shape);
     ctx.draw.wide_primitives.drawn = shape;
@@ -24,7 +24,7 @@ pub fn look(ctx: &mut Context) {
     ctx.draw.wide_primitives.cut = match shape {
         _ if emits => wide,
         Shape::Unknown | Shape::Lines => wide,
-        // Shaders of OpenGL ES always set the size of points.
+        // In OpenGL ES shaders always set the size of points.
         Shape::Points => wide || ctx.driver.profile.es,
         Shape::Triangles | Shape::Filled => wide && ctx.draw.wide_primitives.polygons,
     };

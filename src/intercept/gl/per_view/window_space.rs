@@ -4,12 +4,12 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::scene::to_window::ToWindow;
 
-/// Height of what is drawn to, if that stands for the window.
+/// Returns the height of the stand-in image if drawing goes to it, else 0.
 fn surface_height(ctx: &Context) -> i32 {
     ctx.session().filter(|_| ctx.redirected()).map_or(0, |session| session.surface_size().1 as i32)
 }
 
-/// The tile of a view is drawn to, with the lens of the view.
+/// Sets the window space for a view's tile, with the lens of the view.
 pub fn view_window_space(ctx: &mut Context, tile: LowerLeftRect, scissor: Option<LowerLeftRect>) {
     let height = ctx.session().map_or(0, |session| session.window().1 as i32);
     ctx.draw.to_window = ToWindow::of_view(tile.into(), ctx.app.viewport.into(), height, surface_height(ctx));
@@ -17,13 +17,13 @@ pub fn view_window_space(ctx: &mut Context, tile: LowerLeftRect, scissor: Option
     ctx.set_viewport(tile);
 }
 
-/// The program's own window space, for its own framebuffers and for what is drawn nowhere.
+/// Sets the program's own window space, for its own framebuffers and for draws that reach no image.
 pub fn program_window_space(ctx: &mut Context) {
     ctx.draw.to_window = ToWindow::default();
 }
 
-/// The program's own viewports and scissors, moved to a tile of the window's size and kept inside
-/// it.
+/// Moves the program's own viewports and scissors to a tile of the window's size, and limits them
+/// to it.
 pub fn own_window_space(ctx: &mut Context, tile: LowerLeftRect) {
     ctx.draw.to_window = ToWindow::of_tile(tile.into(), surface_height(ctx));
     if let Some(arrays) = ctx.app.arrays().map(|arrays| arrays.moved_into(tile)) {

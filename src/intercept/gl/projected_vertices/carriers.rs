@@ -1,11 +1,11 @@
-//! Outputs of a stage, carried to a stage of Cupola behind it.
+//! Stage outputs in carrier variables, for a stage of Cupola that follows.
 
 use crate::intercept::gl::projected_vertices::geometry_stage;
 use crate::intercept::gl::projected_vertices::interface::Interface;
 use crate::intercept::gl::shader::source::patch::{end_of_version_line, strip_comments, version};
 
-/// `source`, a stage of desktop OpenGL that hands on what `interface` says, with its outputs in
-/// carriers for a stage of Cupola behind it.
+/// Returns `source`, a stage of desktop OpenGL with the outputs `interface`, with these outputs in
+/// carrier variables for a stage of Cupola that follows.
 pub fn carry(source: &str, interface: &Interface) -> String {
     let edited = interface.edited(source);
     let bare = strip_comments(&edited);

@@ -1,6 +1,6 @@
-//! The geometry stage that divides triangles and lines: `correct::projected::division` with what a
-//! program's own shaders hand on. What is not divided far enough is counted where there are atomic
-//! counters.
+//! The geometry stage that divides triangles and lines: `correct::projected::division` with the
+//! stage outputs of the program's own shaders. If there are atomic counters, primitives that could
+//! not be divided finely enough are counted.
 
 use crate::correct::projected::division::{Input, cuts, division};
 use crate::intercept::gl::projected_vertices::interface::Interface;
@@ -13,32 +13,32 @@ pub struct Limits {
     pub vertices: usize,
     /// `GL_MAX_GEOMETRY_TOTAL_OUTPUT_COMPONENTS`.
     pub components: usize,
-    /// Runs of the stage may share a primitive (OpenGL 4.0).
+    /// True if several invocations of the stage may share a primitive (OpenGL 4.0).
     pub shared: bool,
-    /// The binding of the counter of what is not fine enough, if there can be one (OpenGL 4.2).
+    /// Binding of the counter of primitives that are too coarse. `None`: there is no counter.
     pub counter: Option<u32>,
-    /// It is the compatibility profile.
+    /// True for the compatibility profile.
     pub compatibility: bool,
 }
 
-/// Values that are handed on besides the stage's own outputs.
+/// Values that the stage passes on in addition to the outputs of the stage before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passing {
-    /// The fragment stage asks for the number of the primitive.
+    /// True if the fragment stage uses the number of the primitive.
     pub number: bool,
-    /// A primitive has the built-in colours of its last vertex.
+    /// True if a primitive has the built-in colours of its last vertex.
     pub flat: bool,
 }
 
-/// Name of the counter of what is not fine enough.
+/// Name of the counter of primitives that are too coarse.
 pub const COUNTER: &str = "cupola_coarse";
 
-/// Name of the carriers of values, followed by a number.
+/// Name of the carrier variables, followed by a number.
 pub const CARRIER: &str = "cupola_carried_";
 
-/// The text of the stage for a primitive of `input` whose stage before hands on `interface` and the
-/// built-in outputs `built_in`. `functions`: our uniform and the functions that project. `None`
-/// where the context allows too few vertices.
+/// Returns the text of the stage for primitives of `input`, behind a stage with the outputs
+/// `interface` and the built-in outputs `built_in`. `functions`: Cupola's uniform and the functions
+/// that project. `None`: the context allows too few vertices.
 pub fn text(
     input: Input,
     interface: &Interface,
@@ -87,8 +87,8 @@ pub fn text(
     Some(text)
 }
 
-/// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners
-/// give it.
+/// Returns `cupola_emit(c, u)`, which emits a vertex at `c`. The weights `u` of the corners give
+/// its values.
 fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, corners: usize) -> String {
     let mut text = "void cupola_emit(vec4 c, vec3 u) {\n".to_owned();
     let mixed = |of: &dyn Fn(usize) -> String| {
@@ -97,7 +97,7 @@ fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, c
     };
     for (number, value) in interface.values.iter().enumerate() {
         let carried = |i: usize| format!("{CARRIER}{number}[{i}]");
-        // What is not interpolated is that of the last vertex.
+        // A value that is not interpolated comes from the last vertex.
         let value_at = if value.flat { carried(corners - 1) } else { mixed(&carried) };
         let _ = writeln!(text, "{} = {value_at};", value.handed);
     }
@@ -113,8 +113,8 @@ fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, c
     text
 }
 
-/// Returns the declarations and copies that are put behind the `main` of the stage before: they
-/// take the values into their carriers.
+/// Returns the declarations and copies for the end of the stage before. They copy the outputs of
+/// its `main` into the carrier variables.
 pub fn carriers(interface: &Interface, out: &str) -> (String, String) {
     let (mut declarations, mut copies) = (String::new(), String::new());
     for (number, value) in interface.values.iter().enumerate() {
@@ -137,7 +137,7 @@ mod tests {
     fn a_stage_is_as_large_as_the_context_allows() {
         let interface = interface::read("out vec3 shade;\nflat out int kind;\nvoid main() {}\n").expect("can be read");
         let text = text(Input::Triangles, &interface, &[], Passing::default(), "", &LIMITS).expect("there is room");
-        // 8 components each: 128 vertices, 42 triangles.
+        // There are 8 components: 128 vertices, 42 triangles.
         assert!(text.contains("max_vertices = 126)") && text.contains("int cupola_left = 42;"), "{text}");
         assert!(text.contains("flat in int cupola_carried_1[];") && text.contains("kind = cupola_carried_1[2];"));
         assert!(

@@ -1,57 +1,57 @@
-//! Outputs of a stage before rasterisation, found in its text, so that a stage of Cupola can be put
-//! behind it.
+//! Outputs of a stage before rasterisation, found in its text, so that a stage of Cupola can follow
+//! it.
 //!
 //! The outputs become plain variables, which are copied into outputs of Cupola at the end of
-//! `main`; the stage behind reads these and has outputs with the names, qualifiers and places that
-//! the fragment stage expects.
+//! `main`. The stage of Cupola reads these, and has outputs with the names, qualifiers and
+//! locations that the fragment stage expects.
 
 use crate::intercept::gl::shader::source::patch;
 use std::ops::Range;
 
-/// A value that is handed on.
+/// Stage output, or element of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Value {
-    /// Its name in the stage itself.
+    /// Name in the stage itself.
     pub own: String,
-    /// Its name in the stage behind.
+    /// Name in the stage of Cupola.
     pub handed: String,
-    /// Its type.
+    /// Type.
     pub kind: String,
-    /// It is not interpolated.
+    /// True if the value is not interpolated.
     pub flat: bool,
 }
 
-/// The outputs of a stage.
+/// Outputs of a stage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
-    /// All values, arrays element by element.
+    /// All values. Arrays are listed element by element.
     pub values: Vec<Value>,
-    /// The declarations of the outputs of the stage behind.
+    /// Declarations of the outputs of the stage of Cupola.
     pub declarations: Vec<String>,
     /// Texts that replace the declarations in the stage's own text.
     edits: Vec<(Range<usize>, String)>,
 }
 
-/// Built-in outputs of the compatibility profile that are handed on where a text names them.
+/// Built-in outputs of the compatibility profile that are passed on if a text names them.
 const BUILT_IN: [&str; 5] =
     ["gl_FrontColor", "gl_BackColor", "gl_FrontSecondaryColor", "gl_BackSecondaryColor", "gl_FogFragCoord"];
 
-/// Built-in outputs that are not handed on.
+/// Built-in outputs that cannot be passed on.
 const LEFT_OUT: [&str; 5] = ["gl_ClipDistance", "gl_CullDistance", "gl_ClipVertex", "gl_Layer", "gl_ViewportIndex"];
 
-/// Longest array that is handed on element by element.
+/// Longest array that is passed on element by element.
 const LONGEST: usize = 32;
 
-/// The built-in outputs that `bare` names, with their types.
+/// Returns the built-in outputs that `bare` names, with their types.
 pub fn built_in(bare: &str) -> Vec<(&'static str, &'static str)> {
     let kind = |name: &str| if name == "gl_FogFragCoord" { "float" } else { "vec4" };
     BUILT_IN.into_iter().filter(|name| patch::mentions(bare, name)).map(|name| (name, kind(name))).collect()
 }
 
-/// The outputs of `bare`, a stage's text without comments.
+/// Returns the outputs of `bare`, a stage's text without comments.
 ///
 /// # Errors
-/// The reason why they cannot be handed on, for the log.
+/// The reason why the outputs cannot be passed on, for the log.
 pub fn read(bare: &str) -> Result<Interface, &'static str> {
     if LEFT_OUT.iter().any(|name| patch::mentions(bare, name)) {
         return Err("a shader sets clip distances, layers or viewports");
@@ -66,7 +66,7 @@ pub fn read(bare: &str) -> Result<Interface, &'static str> {
             continue;
         }
         if conditional {
-            return Err("a shader's outputs depend on its preprocessor");
+            return Err("a shader's outputs depend on preprocessor conditions");
         }
         match text.split_once('{') {
             Some((head, rest)) => interface.block(head, rest, range)?,
@@ -77,16 +77,16 @@ pub fn read(bare: &str) -> Result<Interface, &'static str> {
 }
 
 impl Interface {
-    /// The elements of `gl_TexCoord` that `bare` names.
+    /// Adds the elements of `gl_TexCoord` that `bare` names.
     ///
     /// # Errors
-    /// The reason why they cannot be handed on, for the log.
+    /// The reason why they cannot be passed on, for the log.
     pub fn add_texture_coordinates(&mut self, bare: &str) -> Result<(), &'static str> {
         for part in bare.split("gl_TexCoord").skip(1) {
             let index = part.trim_start().strip_prefix('[').and_then(|rest| rest.split(']').next());
             let index: usize = index
                 .and_then(|index| index.trim().parse().ok())
-                .ok_or("a shader computes which gl_TexCoord it sets")?;
+                .ok_or("a shader uses gl_TexCoord with a computed index")?;
             let name = format!("gl_TexCoord[{index}]");
             if self.values.iter().all(|value| value.own != name) {
                 self.values.push(Value { own: name.clone(), handed: name, kind: "vec4".to_owned(), flat: false });
@@ -95,14 +95,14 @@ impl Interface {
         Ok(())
     }
 
-    /// The stage's text with plain variables in place of its outputs.
+    /// Returns the stage's text with plain variables instead of its outputs.
     pub fn edited(&self, text: &str) -> String {
         let mut edited = String::with_capacity(text.len());
         let mut end = 0;
         for (range, replacement) in &self.edits {
             edited.push_str(&text[end..range.start]);
             edited.push_str(replacement);
-            // Lines keep their numbers.
+            // Line numbers stay the same.
             edited.extend(text[range.clone()].chars().filter(|c| *c == '\n'));
             end = range.end;
         }
@@ -110,7 +110,7 @@ impl Interface {
         edited
     }
 
-    /// `flat out vec2 a, b[3];`
+    /// Reads a declaration like `flat out vec2 a, b[3];`.
     fn plain(&mut self, text: &str, range: Range<usize>) -> Result<(), &'static str> {
         let (layout, rest) = layout(text);
         let mut words = rest.split_whitespace();
@@ -119,7 +119,7 @@ impl Interface {
             match word {
                 "out" | "varying" | "highp" | "mediump" | "lowp" | "precise" => {}
                 "flat" | "smooth" | "noperspective" | "centroid" | "sample" => qualifiers.push(word),
-                "invariant" | "patch" => return Err("a shader's outputs have qualifiers that are not followed"),
+                "invariant" | "patch" => return Err("a shader's outputs have unsupported qualifiers"),
                 _ => {
                     kind = word;
                     break;
@@ -144,19 +144,19 @@ impl Interface {
         Ok(())
     }
 
-    /// `out Name { flat int a; vec2 b; } instance;`
+    /// Reads a declaration like `out Name { flat int a; vec2 b; } instance;`.
     fn block(&mut self, head: &str, rest: &str, range: Range<usize>) -> Result<(), &'static str> {
-        let (members, tail) = rest.split_once('}').ok_or("a shader's block does not end")?;
+        let (members, tail) = rest.split_once('}').ok_or("a block in a shader has no end")?;
         let (layout, head) = layout(head);
         let name = head.split_whitespace().last().unwrap_or_default();
         let instance = tail.trim().trim_end_matches(';').trim();
         if name == "gl_PerVertex" {
-            // The built-in block declared again: the same without it.
+            // A declaration of the built-in block is not needed.
             self.edits.push((range, String::new()));
             return Ok(());
         }
         if instance.contains('[') {
-            return Err("a shader hands on arrays of blocks");
+            return Err("a shader outputs arrays of blocks");
         }
         let handed = format!("cupola_{name}");
         let mut fields = String::new();
@@ -187,7 +187,7 @@ impl Interface {
         Ok(())
     }
 
-    /// The values of a variable, or of each element of an array.
+    /// Adds the value of a variable, or the values of an array's elements.
     fn values_of(
         &mut self,
         own: &str,
@@ -201,7 +201,7 @@ impl Interface {
             || ["vec2", "vec3", "vec4", "mat2", "mat3", "mat4"].contains(&kind)
             || kind.strip_prefix("mat").is_some_and(|rest| rest.len() == 3 && rest.as_bytes()[1] == b'x');
         if !whole && !real {
-            return Err("a shader hands on structures or double numbers");
+            return Err("a shader outputs structures or double-precision numbers");
         }
         let elements = match size {
             None => vec![String::new()],
@@ -218,7 +218,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Components of all values.
+    /// Returns the number of components of all values.
     pub fn components(&self) -> usize {
         let digits =
             |kind: &str| kind.bytes().filter(u8::is_ascii_digit).map(|d| usize::from(d - b'0')).collect::<Vec<_>>();
@@ -232,17 +232,17 @@ impl Interface {
     }
 }
 
-/// A name with the length of its array.
+/// Splits a declared name into the name and the length of its array.
 fn array(text: &str) -> Result<(&str, Option<usize>), &'static str> {
     let Some((name, rest)) = text.split_once('[') else { return Ok((text.trim(), None)) };
     let size = rest.trim().strip_suffix(']').and_then(|size| size.trim().parse().ok());
     match size.filter(|size| (1..=LONGEST).contains(size)) {
         Some(size) => Ok((name.trim(), Some(size))),
-        None => Err("a shader hands on arrays of lengths that are not followed"),
+        None => Err("a shader outputs arrays that are too long, or whose length is not a plain number"),
     }
 }
 
-/// A leading `layout(…)`, and the rest.
+/// Splits a text into a leading `layout(…)` and the rest.
 fn layout(text: &str) -> (&str, &str) {
     let text = text.trim();
     match text.strip_prefix("layout").and_then(|rest| rest.find(')')) {
@@ -251,7 +251,7 @@ fn layout(text: &str) -> (&str, &str) {
     }
 }
 
-/// The declarations and definitions at the outermost level, and whether each depends on the
+/// Returns the declarations and definitions at the outermost level, and whether each depends on the
 /// preprocessor.
 fn statements(bare: &str) -> Vec<(Range<usize>, bool)> {
     let mut found = Vec::new();

@@ -1,10 +1,10 @@
-//! Methods `vertex` and `primitive`: a view that is an output's own picture, to which the vertices
-//! of the program are projected in its last stage before rasterisation.
+//! Methods `vertex` and `primitive`: a view is the picture of an output. The program's last stage
+//! before rasterisation projects the vertices to it.
 //!
-//! `correct::projected::projection` is what that stage computes. For `primitive` there are
-//! [`variants`] of the program: they hand the outputs of its shaders (`interface`) to a stage that
-//! divides (`geometry_stage`) and get the values of its uniforms (`mirror`). Where a program cannot
-//! be served, `fallback` gives its window views.
+//! `correct::projected::projection` has the text for that stage. For `primitive` there are
+//! [`variants`] of the program. They pass the outputs of its shaders (`interface`) to a stage that
+//! divides primitives (`geometry_stage`), and get the values of its uniforms (`mirror`). If a
+//! program does not allow this, `fallback` makes its window use views.
 
 use crate::correct::projected::division::Input;
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
@@ -17,8 +17,8 @@ use crate::intercept::gl::state::shader::variants::{InUse, Kind, Variant};
 use crate::runtime::session::Division;
 use std::sync::Arc;
 
-/// Returns the kinds of stages that divide the draw that is being issued, the best first. Points
-/// need not be divided.
+/// Returns the kinds of stages that can divide the present draw, the best first. Points need no
+/// division.
 fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
     let patch = ctx.draw.wide_primitives.patch.filter(|_| tessellation_asked_for());
     let input = match ctx.draw.wide_primitives.drawn {
@@ -29,14 +29,14 @@ fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
     [patch.map(Kind::Tessellation), input.map(Kind::Geometry)]
 }
 
-/// A variant of the program that draws that divides what is drawn.
+/// Returns a variant of the program in use that divides the primitives of the present draw.
 pub fn variant(ctx: &mut Context) -> Option<Arc<Variant>> {
     kinds(ctx).into_iter().flatten().find_map(|kind| variants::of(ctx, kind))
 }
 
-/// Puts a variant of the program that draws in use that divides what is drawn, for a view with
-/// these rows and lens, unless nothing has to be divided or the processor does it. `division`: how
-/// the view's primitives are divided.
+/// Uses a variant of the program that divides the primitives of the present draw, for a view with
+/// these rows and lens. Does nothing if no division is needed or the processor divides. `division`:
+/// how the view's primitives are divided.
 pub fn begin(
     ctx: &mut Context,
     rows: &ReprojectionMatrix,
@@ -48,7 +48,7 @@ pub fn begin(
         ctx.projected.fixed_function.view = Some((division, *rows));
         return None;
     }
-    // Feedback records what the program's own stages make.
+    // Transform feedback must record the outputs of the program's own stages.
     if ctx.app.feedback {
         return None;
     }

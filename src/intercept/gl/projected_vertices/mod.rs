@@ -1,9 +1,9 @@
 //! Methods `vertex` and `primitive`: vertices are projected straight to an output.
 //!
-//! Shaders get the lens of an output beside the matrix ([`begin_view`]). Where primitives have to
-//! be divided, a variant of the program with a geometry or tessellation stage is put in use
-//! (`variants`), or the processor divides them ([`draw_divided`]). For the fixed-function pipeline
-//! a program of Cupola stands in ([`begin_stand_in`]). Other rooms use what is exported here.
+//! Shaders get the lens of an output in addition to the matrix ([`begin_view`]). If primitives have
+//! to be divided, a variant of the program with a geometry or tessellation stage is used
+//! (`variants`), or the processor divides them ([`draw_divided`]). A program of Cupola replaces the
+//! fixed-function pipeline ([`begin_stand_in`]). Other folders use only the exports of this file.
 //!
 //! ```text
 //! vertex shader → [geometry or tessellation stage that divides] → lens of the output

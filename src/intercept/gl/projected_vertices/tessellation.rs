@@ -1,11 +1,11 @@
-//! The tessellation stages that divide triangles, lines and quadrilaterals: as many parts along
-//! each edge as it needs.
+//! The tessellation stages that divide triangles, lines and quadrilaterals. Each edge gets the
+//! number of parts that it needs.
 //!
-//! The number of an edge's parts and the places at which they meet follow from the directions in
-//! which the viewer sees its two ends, so they are the same for two primitives that share the edge.
-//! All parts of an edge are equally wide in the chord between these directions, so that nearness to
-//! the viewer costs nothing. No driver has to make more than 64 parts; edges that would need more
-//! are counted if there are atomic counters.
+//! The number of an edge's parts, and the points between them, depend only on the directions in
+//! which the viewer sees its two ends. So they are the same for two primitives that share the edge.
+//! All parts of an edge have the same length on the chord between these directions, so an edge
+//! close to the viewer needs no more parts. Drivers need not support more than 64 parts. If there
+//! are atomic counters, edges that would need more are counted.
 
 use crate::correct::projected::division;
 use crate::intercept::gl::projected_vertices::geometry_stage::{CARRIER, COUNTER, Limits, Passing};
@@ -13,14 +13,14 @@ use crate::intercept::gl::projected_vertices::interface::{Interface, Value};
 use crate::intercept::gl::state::draw::primitives::Patch;
 use std::fmt::Write;
 
-/// Name of the values of the control stage, followed by a number.
+/// Name of the outputs of the control stage, followed by a number.
 const HANDED: &str = "cupola_handed_";
 
-/// Half the aperture of a fisheye, radians, from which on what is around the antipode of its axis
-/// is seen: three quarters of the way there.
+/// Half the aperture of a fisheye, in radians, above which points around the antipode of its axis
+/// are visible: three quarters of the way to the antipode.
 const SHOWN_BEHIND: f64 = 0.75 * std::f64::consts::PI;
 
-/// `cupola_parts(a, b)`: how many parts the edge between two vertices needs.
+/// `cupola_parts(a, b)`: number of parts that the edge between two vertices needs.
 const PARTS: &str = "bool cupola_coarse_edge = false;
 float cupola_parts(vec4 first, vec4 second) {
 bool turned = cupola_after(first, second);
@@ -41,7 +41,7 @@ return 64.0;
 }
 ";
 
-/// `interface` with the built-in outputs `built_in` as values of their own.
+/// Returns `interface` with the built-in outputs `built_in` as additional values.
 pub fn with_built_in(mut interface: Interface, built_in: &[(&str, &str)], passing: Passing) -> Interface {
     interface.values.extend(built_in.iter().map(|(name, kind)| Value {
         own: (*name).to_owned(),
@@ -52,8 +52,8 @@ pub fn with_built_in(mut interface: Interface, built_in: &[(&str, &str)], passin
     interface
 }
 
-/// The texts of the control and the evaluation stage for patches behind a stage that hands on
-/// `interface`. `functions`: our uniform and the functions that project.
+/// Returns the texts of the control and the evaluation stage for patches, behind a stage with the
+/// outputs `interface`. `functions`: Cupola's uniform and the functions that project.
 pub fn texts(patch: Patch, interface: &Interface, functions: &str, limits: &Limits) -> [String; 2] {
     let version = if limits.counter.is_some() { "420" } else { "400" };
     let profile = if limits.compatibility { "compatibility" } else { "core" };
@@ -88,7 +88,7 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
     text
 }
 
-/// Returns the declarations before the functions of the control stage.
+/// Returns the declarations that stand before the functions of the control stage.
 fn control_declarations(corners: usize, interface: &Interface, limits: &Limits) -> String {
     let mut text = format!("layout(vertices = {corners}) out;\n");
     if let Some(binding) = limits.counter {
@@ -105,10 +105,11 @@ fn control_declarations(corners: usize, interface: &Interface, limits: &Limits) 
     text
 }
 
-/// Sets `inner`, the number of parts inside a patch.
+/// Returns the text that sets `inner`, the number of parts inside a patch.
 fn inner_parts(corners: usize) -> String {
     let mut text = String::new();
-    // Around a fisheye's antipode edges may be straight enough, and what is amid them is not.
+    // Around a fisheye's antipode the edges may be straight enough while the inside of the patch is
+    // not.
     let middle: Vec<String> = (0..corners)
         .map(|corner| {
             let at = format!("gl_in[{corner}].gl_Position");
@@ -117,13 +118,14 @@ fn inner_parts(corners: usize) -> String {
         .collect();
     let _ = writeln!(text, "vec4 middle = {};\nfloat inner = 1.0;", middle.join(" + "));
     for corner in 0..corners {
-        // Two of these lead through the patch.
+        // A path through the patch consists of two of these edges.
         let _ = writeln!(
             text,
             "inner = max(inner, min(64.0, 2.0 * cupola_parts(middle, gl_in[{corner}].gl_Position) - 1.0));"
         );
     }
-    // The antipode itself is a whole circle: what is around it has no end of parts.
+    // The antipode itself becomes a whole circle, so a patch around it would need an unlimited
+    // number of parts.
     let turn = |corner: usize| {
         let next = (corner + 1) % corners;
         format!("cross(cupola_seen(gl_in[{corner}].gl_Position), cupola_seen(gl_in[{next}].gl_Position)).z")
@@ -138,11 +140,11 @@ fn inner_parts(corners: usize) -> String {
     text
 }
 
-/// Sets the tessellation levels, and counts edges that are too coarse.
+/// Returns the text that sets the tessellation levels, and counts patches that are too coarse.
 fn levels(patch: Patch, limits: &Limits) -> String {
     let mut text = String::new();
     let all: Vec<String> = (0..patch.edges().len()).map(|number| format!("edge{number}")).collect();
-    // What is straight and beside the picture is left out.
+    // A patch with straight edges that is beside the picture is left out.
     let _ = writeln!(text, "bool shown = cupola_near() || {} > {}.0;", all.join(" + "), all.len());
     if limits.counter.is_some() {
         let _ = writeln!(text, "if (cupola_coarse_edge) atomicCounterIncrement({COUNTER});");
@@ -188,7 +190,7 @@ fn evaluation(patch: Patch, interface: &Interface, functions: &str) -> String {
         let _ = writeln!(text, "u{corner} = u{corner} / sum;");
     }
     for (number, value) in interface.values.iter().enumerate() {
-        // What is not interpolated is that of the last vertex.
+        // A value that is not interpolated comes from the last vertex.
         let value_at = match value.flat {
             true => format!("{HANDED}{number}[{}]", corners - 1),
             false => sum(&|corner| format!("u{corner} * {HANDED}{number}[{corner}]")),
@@ -226,8 +228,8 @@ mod tests {
         }
     }
 
-    /// The weights of a patch's corners are 1 at that corner, and each outer level is of the edge
-    /// on which it lies.
+    /// At each corner of a patch the weight of this corner is 1, and each outer level belongs to
+    /// the edge that it names.
     #[test]
     fn corners_are_where_opengl_has_them() {
         for (patch, places) in [

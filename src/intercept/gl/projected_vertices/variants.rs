@@ -1,9 +1,9 @@
-//! Programs of Cupola beside the program's: the same shaders with a stage behind them that divides
-//! lines or triangles.
+//! Variants of the application's programs: the same shaders, followed by a stage of Cupola that
+//! divides lines or triangles.
 //!
-//! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's
-//! own. The variant is linked when a draw first needs it; before each draw it gets the values of
-//! the program's uniforms.
+//! A program with a geometry stage draws only one kind of primitive, so the application's own
+//! program cannot get this stage. A variant is linked when a draw first needs it. Before each draw
+//! it gets the values of the program's uniforms.
 
 use crate::backend::gl::CurrentProgram;
 use crate::backend::gl::driver::api::{self, Gl};
@@ -27,8 +27,8 @@ use crate::lock::Lock;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::Arc;
 
-/// The variant of this kind of the program that draws, linked if it is new; `None` where there can
-/// be none.
+/// Returns the variant of this kind of the program in use, and links it if it is new. `None`: there
+/// can be no variant.
 pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
     let program = ctx.shaders.program.clone()?;
     let state = program.variants.locked().state(kind);
@@ -62,14 +62,14 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
 }
 
 impl Variant {
-    /// Puts it in use in place of the program that draws, with the values of its uniforms, for a
-    /// view of these rows and lens.
+    /// Uses the variant instead of the program, with the values of its uniforms, for a view with
+    /// these rows and this lens.
     pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
         let gl = ctx.driver.gl;
         let counter = ctx.projected.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
         let subroutines = ctx.shaders.program.as_ref().is_some_and(|program| program.subroutines);
         let own = subroutines.then(|| CurrentProgram::save(gl, ctx.driver.profile.version as i32));
-        // SAFETY: a program of Cupola; the locations are those of the two halves of our array.
+        // SAFETY: a program of Cupola. The locations are those of the two halves of Cupola's array.
         unsafe {
             gl.use_program(self.name);
             gl.uniform4fv(self.locations[0], projection::ROWS, rows.to_array().as_ptr());
@@ -81,7 +81,7 @@ impl Variant {
         self.mirror.copy(gl, ctx.shaders.pipelines.used, self.name);
         let mut vertices = 0;
         if let Some(own) = self.patch {
-            // SAFETY: asks for and sets a number that OpenGL 4.0 has, put back in `end`.
+            // SAFETY: reads and sets a number that OpenGL 4.0 has; `end` restores it.
             unsafe {
                 gl.get_integerv(api::GL_PATCH_VERTICES, &mut vertices);
                 gl.patch_parameteri(api::GL_PATCH_VERTICES, own);
@@ -91,11 +91,11 @@ impl Variant {
         InUse { counter, vertices, own }
     }
 
-    /// Puts the program's own in use again.
+    /// Uses the application's own program again.
     pub fn end(&self, ctx: &mut Context, in_use: &InUse) {
         if self.patch.is_some() {
             ctx.draw.wide_primitives.as_patches = false;
-            // SAFETY: as `begin` found it.
+            // SAFETY: restores the value that `begin` found.
             unsafe { ctx.driver.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.vertices) };
         }
         if let (Some(counter), Some(before)) = (&ctx.projected.coarse, &in_use.counter) {
@@ -103,7 +103,7 @@ impl Variant {
         }
         match &in_use.own {
             Some(own) => own.restore(ctx.driver.gl),
-            // SAFETY: what the program has in use.
+            // SAFETY: the program that the application uses.
             None => unsafe { ctx.driver.gl.use_program(ctx.shaders.pipelines.used) },
         }
     }
@@ -135,7 +135,7 @@ fn limits(driver: &Driver, kind: Kind) -> Limits {
 
 fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'static str> {
     if ctx.shaders.pipelines.used != program.name {
-        return Err("it belongs to a pipeline");
+        return Err("it is part of a program pipeline");
     }
     let index = dividable(ctx.driver.profile, program, kind)?;
     let limits = limits(&ctx.driver, kind);
@@ -176,8 +176,8 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     })
 }
 
-/// The index, among the program's shaders, of the last one before those that divide; or why there
-/// can be none.
+/// Returns the index, among the program's shaders, of the last one before the stages that divide,
+/// or the reason why the program cannot have such stages.
 fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, &'static str> {
     if profile.es || profile.version < 32 {
         return Err("there are no geometry shaders before OpenGL 3.2");
@@ -205,7 +205,7 @@ struct Stage {
     text: String,
 }
 
-/// The stages that divide behind the shader of this index, and what it hands on to them.
+/// Returns the stages that divide, and the outputs that the shader of this index passes to them.
 fn dividing_stages(
     program: &Program,
     index: usize,
@@ -242,7 +242,7 @@ fn fragments(program: &Program) -> impl Iterator<Item = &str> {
     program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).map(|(_, source)| &**source)
 }
 
-/// A shader of Cupola; what the driver says of it the link tells.
+/// Compiles a shader of Cupola. The driver's messages are logged if the program does not link.
 fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
     let length = source.len() as i32;
     let start = source.as_ptr().cast::<c_char>();
@@ -255,10 +255,11 @@ fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
     }
 }
 
-/// Links with attributes and fragment outputs where the program `original` has them.
+/// Links a program with the attribute and fragment output locations of the program `original`.
 fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Result<u32, &'static str> {
     let mut linked = 0;
-    // SAFETY: objects of Cupola; names end with NUL; queries write what they have room for.
+    // SAFETY: objects of Cupola. Names end with NUL. Queries write no more than the buffers can
+    // hold.
     unsafe {
         let name = gl.create_program();
         for shader in shaders {
@@ -289,7 +290,7 @@ fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Resul
         tell(gl, name, shaders);
         gl.delete_program(name);
     }
-    Err("it does not link with a stage that divides")
+    Err("it does not link with the stage that divides primitives")
 }
 
 /// Logs the driver's messages about a program that does not link.
@@ -298,14 +299,14 @@ fn tell(gl: &Gl, program: u32, shaders: &[u32]) {
     let mut say = |read: &dyn Fn(*mut c_char)| {
         buffer[0] = 0;
         read(buffer.as_mut_ptr());
-        // SAFETY: the driver ends what it writes with NUL.
+        // SAFETY: the driver ends its text with NUL.
         let words = unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().trim().to_owned();
         if !words.is_empty() {
             log::once(&format!("the driver says: {words}"));
         }
     };
     for shader in shaders {
-        // SAFETY: writes at most as much as there is room for.
+        // SAFETY: writes at most the size of the buffer.
         say(&|to| unsafe { gl.get_shader_info_log(*shader, 512, &mut 0, to) });
     }
     // SAFETY: as above.

@@ -1,4 +1,5 @@
-//! Conditional rendering: it holds for what the program draws, not for our own work in between.
+//! Conditional rendering. It applies to the drawing of the program, not to internal drawing of
+//! Cupola.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::hooks::hooks;
@@ -9,9 +10,10 @@ use crate::intercept::gl::state::queries::Queries;
 
 fn begin(driver: &mut Driver, queries: &mut Queries, query: u32, mode: u32) {
     let object = scaling::condition(driver.gl, queries, query);
-    // Only its error says whether the driver takes it.
+    // The error is the only sign whether the driver accepts the call.
     driver.take_errors();
-    // SAFETY: the program's own call; an object of Cupola in place of its query saw the same.
+    // SAFETY: the program's own call. If `object` is an object of Cupola, it counted the same draws
+    // as the program's query.
     let error = unsafe {
         driver.gl.begin_conditional_render(object, mode);
         driver.gl.get_error()

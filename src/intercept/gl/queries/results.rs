@@ -1,4 +1,5 @@
-//! Answers to a program about its queries: its own names, and the sums of their parts.
+//! Answers to the program's questions about its queries: the program's own names, and the sums of
+//! the parts of each query.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::{hooks, list_recording};
@@ -7,7 +8,8 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::queries::{Count, Queries, available};
 use crate::intercept::gl::vertex_input::buffers;
 
-/// Returns true if the program's query runs; then it notes the error of asking for its result.
+/// Returns true if the program's query is running. In that case records the error that OpenGL gives
+/// to a question for its result.
 fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
     let runs = queries.running.iter().any(|r| r.name == name);
     if runs {
@@ -16,12 +18,12 @@ fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
     runs
 }
 
-/// Returns the answer to the program's question about a query whose result is in several objects;
+/// Returns Cupola's answer to a question about a query whose result is spread over several objects.
 /// `None`: the driver answers.
 fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u64> {
     let count = queries.split.get(&name)?;
     let ready = || count.parts.iter().all(|part| available(driver.gl, part.0));
-    // Questions of Cupola write numbers, wherever the program wants its own answer.
+    // With a buffer bound for results, the driver would write Cupola's own reads into that buffer.
     let buffer = unbind_results(driver);
     let answer = match what {
         api::GL_QUERY_RESULT => Some(count.total(driver.gl, queries.wide)),
@@ -33,7 +35,7 @@ fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u6
     answer
 }
 
-/// Takes the program's buffer for results away; its name, or 0.
+/// Unbinds the program's buffer for results. Returns its name, or 0.
 fn unbind_results(driver: &Driver) -> u32 {
     let mut buffer = 0;
     if !driver.profile.es && driver.profile.version >= 44 {
@@ -53,10 +55,11 @@ fn bind_results(driver: &Driver, buffer: u32) {
     }
 }
 
-/// Writes an answer where the program wants it: to its memory, or to its buffer at that offset.
+/// Writes an answer to the program's memory or, if a buffer for results is bound, to that buffer.
 ///
 /// # Safety
-/// `values` must be a place for a `T`, or an offset while a buffer for results is bound.
+/// `values` must point at writable memory for a `T`, or be an offset if a buffer for results is
+/// bound.
 unsafe fn write<T>(driver: &Driver, value: T, values: *mut T) {
     let buffer = unbind_results(driver);
     bind_results(driver, buffer);
@@ -65,17 +68,18 @@ unsafe fn write<T>(driver: &Driver, value: T, values: *mut T) {
         // SAFETY: the driver checks the offset.
         unsafe { driver.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast()) };
     } else if !values.is_null() {
-        // SAFETY: as promised.
+        // SAFETY: `values` points at memory for a `T`, as the caller guarantees.
         unsafe { values.write(value) };
     }
 }
 
-/// The program's name for the query of this kind that runs, if the driver has another object.
+/// Returns the program's name of the running query of this target. `None` if no query of the
+/// program is known to run there.
 fn current(queries: &Queries, target: u32, index: u32) -> Option<u32> {
     queries.running.iter().find(|r| r.target == target && r.index == index).map(|r| r.name)
 }
 
-/// Queries were deleted.
+/// Forgets deleted queries.
 fn forget(gl: &Gl, queries: &mut Queries, names: &[u32]) {
     for name in names.iter().filter(|name| **name != 0) {
         if let Some(number) = queries.running.iter().position(|r| r.name == *name) {
@@ -89,7 +93,7 @@ fn forget(gl: &Gl, queries: &mut Queries, names: &[u32]) {
     }
 }
 
-/// Objects of Cupola are nothing to the program.
+/// Returns true if `name` is a query object of Cupola, which the program must not see.
 fn is_own(queries: &Queries, name: u32) -> bool {
     let part = |count: &Count, of: u32| name != of && count.parts.iter().any(|part| part.0 == name);
     queries.own.iter().any(|own| own.1 == name)

@@ -1,18 +1,18 @@
-//! Queries that count what the program draws, though each draw is issued once per view.
+//! Scaling of query results, as each draw is issued once per view.
 //!
-//! OpenGL cannot pause a query. So what must not be counted as it is (our own work, a picture that
-//! shows the same once more, the repetitions of a draw) is kept apart by ending the object that
-//! counts and going on with one of Cupola's. The program gets the sum of these parts, each times
-//! its factor:
+//! OpenGL cannot pause a query. Three kinds of drawing need a factor of their own: internal drawing
+//! of Cupola, the repetitions of a draw, and further pictures of the same draw. So the running
+//! query object of the driver ends there and another one begins. The program gets the sum of these
+//! parts, each multiplied by its factor:
 //!
-//! - samples: all views together, scaled so that what fills the program's own picture counts as
-//!   many as that has. Samples outside the program's own picture count too: otherwise the program
-//!   would not draw what only the dome shows. A count is at least 1 if anything was seen. Flat
-//!   drawing counts once;
-//! - primitives and the work of shaders on them: divided by the number of times that the draw was
-//!   issued;
-//! - time: without our own work;
-//! - whether any samples passed: yes if any passed in any view.
+//! - Samples: the sum over all views, scaled so that drawing that fills the program's own picture
+//!   counts as many samples as that picture has. Samples outside the program's own picture count
+//!   too. Otherwise the program would leave out objects that are only visible on the dome. The
+//!   result is at least 1 if any sample passed. Flat drawing counts once.
+//! - Primitives, and the shader invocations for them: divided by the number of times that the draw
+//!   was issued.
+//! - Time: without internal drawing of Cupola.
+//! - Whether any sample passed: true if any sample passed in any view.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -21,12 +21,12 @@ use crate::intercept::gl::state::queries::{Count, Queries, Running, begin_real, 
 use crate::intercept::scene::query_scaling::{QueryScaling, factor};
 use crate::runtime::Session;
 
-/// The next draw counts with these factors.
+/// Sets the factors for the next draw.
 ///
 /// A query of the program is a sequence of queries of the driver, its parts, each with one factor.
-/// A part whose factor is not chosen yet takes the first that is wanted. With another factor the
-/// part ends and the next one begins; a factor of 0 needs no part. At the end the results are added
-/// up, each times its factor.
+/// A part without a factor gets the first factor that is set. A different factor ends the part and
+/// begins the next one. A factor of 0 needs no part. At the end the results of the parts are
+/// multiplied by their factors and added.
 pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     for number in 0..queries.running.len() {
         let running = &mut queries.running[number];
@@ -44,9 +44,9 @@ pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
     }
 }
 
-/// Returns the number of samples of the program's own picture that one of the views' is worth.
-/// Drawing that fills that picture counts as many samples as it has. `off_screen`: each view has as
-/// many samples as that picture.
+/// Returns the factor from samples in all views to samples in the program's own picture. Drawing
+/// that fills that picture counts as many samples as the picture has. `off_screen`: each view has
+/// as many samples as that picture.
 pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
     let Some(lens) = ctx.frame.lens else { return 1.0 };
     let seen = Some((lens, ctx.app.viewport, off_screen));
@@ -64,12 +64,13 @@ pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32
     let gl = driver.gl;
     let collides = |r: &Running| (kind(r.target) == kind(target) && r.index == index) || r.name == name;
     if queries.running.iter().any(collides) {
-        // The driver may have another object of that kind now, or none.
+        // The driver may not see this error: it may have another query object of that kind, or
+        // none.
         return driver.note_error(api::GL_INVALID_OPERATION);
     }
     driver.take_errors();
     begin_real(gl, target, index, name);
-    // SAFETY: asks for the error flag. Only that says whether the driver takes the query.
+    // SAFETY: reads the error flag, which is the only sign whether the driver accepts the query.
     match unsafe { gl.get_error() } {
         api::GL_NO_ERROR => {
             if let Some(old) = queries.split.remove(&name) {
@@ -86,7 +87,7 @@ pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32
 /// `glEndQuery`, `glEndQueryIndexed`.
 pub fn end(gl: &Gl, queries: &mut Queries, target: u32, index: u32) {
     let Some(number) = queries.running.iter().position(|r| r.target == target && r.index == index) else {
-        // An error of the program's, for the driver to say.
+        // An error of the program, which the driver reports.
         end_real(gl, target, index);
         return;
     };
@@ -98,8 +99,8 @@ pub fn end(gl: &Gl, queries: &mut Queries, target: u32, index: u32) {
     }
 }
 
-/// The object that conditional rendering goes by, in place of the program's query: one that saw
-/// something.
+/// Returns the object that conditional rendering uses in place of the program's query: a part of
+/// the query with a result above 0, if there is one.
 pub fn condition(gl: &Gl, queries: &Queries, name: u32) -> u32 {
     let seen = |count: &Count| count.parts.iter().find(|part| result(gl, queries.wide, part.0) > 0).map(|part| part.0);
     queries.split.get(&name).and_then(seen).unwrap_or(name)

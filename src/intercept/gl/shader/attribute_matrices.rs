@@ -1,7 +1,7 @@
-//! Matrices that shaders have from vertex attributes: a camera for each instance.
+//! Matrices that shaders get from vertex attributes, such as a camera for each instance.
 //!
-//! They are looked at where no uniform holds a lens. The value for the first instance is believed
-//! to have the lens of all.
+//! They are examined if no uniform has a lens. The lens of the first instance is used for all
+//! instances.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
@@ -17,13 +17,14 @@ use std::ffi::{CStr, c_char};
 pub enum Found {
     /// A lens.
     Lens(Told),
-    /// None of them holds one.
+    /// None of them has a lens.
     Nothing,
     /// One of them cannot be read.
     Unreadable,
 }
 
-/// Those of a linked program that may flow into its position, all if that is not known.
+/// Returns the matrices of a linked program that may flow into its position; all matrices if that
+/// is not known.
 pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Vec<AttributeMatrix> {
     let mut found = Vec::new();
     let mut count = 0;
@@ -32,7 +33,7 @@ pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Ve
     for index in 0..u32::try_from(count).unwrap_or(0) {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes at most 256 characters with their NUL, which name an attribute.
+        // SAFETY: writes at most 256 characters with their NUL, which are the name of an attribute.
         let (name, location) = unsafe {
             gl.get_active_attrib(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
             (CStr::from_ptr(text.as_ptr()).to_string_lossy(), gl.get_attrib_location(program, text.as_ptr()))
@@ -47,7 +48,7 @@ pub fn of_program(gl: &Gl, program: u32, position: Option<&PositionNames>) -> Ve
     found
 }
 
-/// The lens of the draw that is issued.
+/// Returns the lens of the present draw.
 pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> Found {
     let mut readable = true;
     for matrix in &mut *matrices {
@@ -60,11 +61,11 @@ pub fn lens(ctx: &mut Context, matrices: &mut [AttributeMatrix]) -> Found {
     }
 }
 
-/// Reads a matrix anew if it may have changed; `None` where it cannot be read.
+/// Reads a matrix again if it may have changed. `None`: the matrix cannot be read.
 fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
     if !vertex_arrays::is_on(ctx, matrix.location) {
-        // In the compatibility profile attribute 0 has no value but that of a vertex.
+        // In the compatibility profile attribute 0 has no current value, only values of vertices.
         if matrix.location == 0 && profile.compatibility() {
             return None;
         }
@@ -82,7 +83,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
         *layout = Some(Layout::of_instances(ctx, location, instance)?);
     }
     let layouts = layouts.map(Option::unwrap_or_default);
-    // What changes unseen is read anew for each draw.
+    // Memory and buffers whose changes Cupola does not see are read again for each draw.
     let version = buffers::of(&ctx.share).content(layouts[0].buffer).map(|content| content.0);
     let same_buffer = layouts.iter().all(|layout| layout.buffer == layouts[0].buffer);
     let read = version.filter(|_| same_buffer).map(|version| (layouts, version));
@@ -95,7 +96,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
             unsafe { layout.position(layout.start as *const u8) }
         } else {
             let bytes = ranges::read(gl, &profile, layout.buffer, layout.start, layout.size())?;
-            // SAFETY: as many bytes as the vector has.
+            // SAFETY: `bytes` has the size of the vector.
             unsafe { layout.position(bytes.as_ptr()) }
         };
         column.copy_from_slice(&position);

@@ -1,4 +1,5 @@
-//! Introspection: the answers to a program's questions about its shaders leave out our uniforms.
+//! Introspection: answers to the program's questions about its shaders, without Cupola's own
+//! uniforms.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -7,7 +8,7 @@ use crate::intercept::gl::shader::programs;
 use crate::lock::Lock;
 use std::ffi::c_char;
 
-/// Indices of our uniforms among the program's active ones, in their order.
+/// Indices of Cupola's own uniforms among the active ones, in ascending order.
 struct Own {
     indices: Vec<u32>,
 }
@@ -21,12 +22,12 @@ impl Own {
         self.indices.len() as i32
     }
 
-    /// The driver's index for the program's, which does not count ours.
+    /// Returns the driver's index for the program's index, which does not count own uniforms.
     fn shifted(&self, index: u32) -> u32 {
         self.indices.iter().fold(index, |index, ours| if index >= *ours { index.saturating_add(1) } else { index })
     }
 
-    /// The program's index for the driver's.
+    /// Returns the program's index for the driver's index.
     fn unshifted(&self, index: u32) -> u32 {
         let before = self.indices.iter().filter(|ours| **ours < index).count() as u32;
         if index == api::GL_INVALID_INDEX { index } else { index - before }
@@ -37,13 +38,13 @@ fn own_uniforms(ctx: &Context, program: u32) -> Own {
     Own { indices: programs::record(&ctx.share, program).map_or(Vec::new(), |program| program.own_uniforms.clone()) }
 }
 
-/// The location for the driver: none where the program's number is one of Cupola's.
+/// Returns the location for the driver; −1 if the program's location is that of an own uniform.
 fn location(ctx: &Context, program: u32, location: i32) -> i32 {
     let gl = ctx.driver.gl;
     let is_ours = |index: &u32| {
         let mut name = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes one number each, and no more characters than there is room for.
+        // SAFETY: writes one number each, and no more characters than the buffer can hold.
         let first = unsafe {
             gl.get_active_uniform(program, *index, 256, &mut length, &mut size, &mut kind, name.as_mut_ptr());
             gl.get_uniform_location(program, name.as_ptr())
@@ -54,17 +55,18 @@ fn location(ctx: &Context, program: u32, location: i32) -> i32 {
     if record.is_some_and(|record| record.own_uniforms.iter().any(is_ours)) { -1 } else { location }
 }
 
-/// True if a program is to be deleted once it is in use no longer.
+/// True if the program has deleted a program that is still in use.
 fn is_deleted(ctx: &Context, program: u32) -> bool {
     ctx.share.programs.locked().uses.is_deleted(program)
 }
 
-/// The driver's index for the program's.
+/// Returns the driver's index for the program's index.
 fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
     own_uniforms(ctx, program).shifted(index)
 }
 
-/// Length of the longest name of the program's active uniforms, with its zero; 0 = it has none.
+/// Returns the length of the longest name of the program's active uniforms, with its NUL; 0 = there
+/// are no uniforms.
 fn longest_name(ctx: &Context, program: u32) -> i32 {
     let gl = ctx.driver.gl;
     let (mut count, mut longest) = (0, 0);
@@ -74,19 +76,19 @@ fn longest_name(ctx: &Context, program: u32) -> i32 {
     let ours = own_uniforms(ctx, program);
     for index in (0..count as u32).filter(|index| !ours.indices.contains(index)) {
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes one number each, and no more characters than there is room for.
+        // SAFETY: writes one number each, and no more characters than the buffer can hold.
         unsafe { gl.get_active_uniform(program, index, 1024, &mut length, &mut size, &mut kind, name.as_mut_ptr()) };
         longest = longest.max(length + 1);
     }
     longest
 }
 
-/// The driver's index of a resource.
+/// Returns the driver's index of a resource.
 fn resource(ctx: &Context, program: u32, interface: u32, index: u32) -> u32 {
     if interface == api::GL_UNIFORM { shifted(ctx, program, index) } else { index }
 }
 
-/// Takes our uniforms out of `count` indices that the driver gave.
+/// Renumbers `count` indices from the driver, so that they do not count own uniforms.
 ///
 /// # Safety
 /// `indices` must be null or point at `count` numbers.
@@ -111,7 +113,8 @@ hooks! {
             match name {
                 api::GL_ACTIVE_UNIFORMS => *value -= ours.count(),
                 api::GL_ACTIVE_UNIFORM_MAX_LENGTH => *value = longest_name(ctx, program),
-                // A program that keeps binaries would keep our uniform, and miss it without us.
+                // A stored binary would contain the own uniforms, and would not work without
+                // Cupola.
                 api::GL_PROGRAM_BINARY_LENGTH => *value = 0,
                 _ => {}
             }
@@ -191,8 +194,8 @@ hooks! {
         gl.get_program_resource_name(program, interface, resource(ctx, program, interface, index), room, length, name);
     "glGetProgramResourceiv" get_program_resourceiv(program: u32, interface: u32, index: u32, count: i32, what: *const u32, room: i32, length: *mut i32, values: *mut i32) = |ctx, gl| {
         gl.get_program_resourceiv(program, interface, resource(ctx, program, interface, index), count, what, room, length, values);
-        // A block's list of its uniforms, asked for alone as everybody does, or the numbers around
-        // it would be hit.
+        // Renumbers a block's list of uniforms only if it is the only question, as is usual.
+        // Otherwise other values in the array would be changed.
         if count == 1 && !what.is_null() && *what == api::GL_ACTIVE_VARIABLES && interface == api::GL_UNIFORM_BLOCK {
             let mut one = 0;
             let of_block = [api::GL_NUM_ACTIVE_VARIABLES];
@@ -204,7 +207,8 @@ hooks! {
         if !own_uniforms(ctx, program).any() {
             gl.get_program_binary(program, room, length, format, binary);
         } else {
-            // As where a driver has no format for binaries, which is what we say.
+            // Drivers without a format for binaries report this error, and Cupola reports that
+            // there is no format.
             if !length.is_null() {
                 *length = 0;
             }
@@ -218,7 +222,7 @@ mod tests {
     use super::Own;
     use crate::backend::gl::driver::api;
 
-    /// The program counts on where the driver has uniforms of Cupola.
+    /// The program's indices skip the driver's indices of own uniforms.
     #[test]
     fn indices_do_not_count_ours() {
         let own = |ours: &[u32]| Own { indices: ours.to_vec() };

@@ -1,11 +1,11 @@
 //! The program's shaders.
 //!
-//! Answers compiling and linking ([`programs`], [`linking`]), pipelines ([`program_pipelines`]),
-//! matrices ([`uniforms`], [`uniform_commands`], [`attribute_matrices`]) and questions about
-//! programs ([`introspection`]). [`source`] reads the texts of shaders and changes them,
-//! [`assembly`] those of ARB programs. [`camera_matrices`] lets shaders choose between the
-//! program's matrices of its camera and those of a view. [`position`] finds what the text proves in
-//! the linked program.
+//! Hooks of compiling and linking are in [`linking`], those of using programs in [`program_use`]
+//! and [`program_pipelines`], those of matrices in [`uniform_commands`], those of questions about
+//! programs in [`introspection`]. [`programs`], [`uniforms`] and [`attribute_matrices`] find the
+//! lens. [`source`] reads the texts of shaders and changes them, [`assembly`] those of ARB
+//! programs. [`camera_matrices`] lets shaders choose between the program's matrices of its camera
+//! and those of a view. [`position`] finds in the linked program what the text proves.
 
 pub mod assembly;
 pub mod attribute_matrices;

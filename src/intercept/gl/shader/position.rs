@@ -1,4 +1,4 @@
-//! Positions of a program that are proven from the text of its vertex shader.
+//! Position of a program, proven from the text of its vertex shader.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::shader::source::prover::{self, Attribute, Proof};
@@ -15,7 +15,7 @@ impl Position {
             Attribute::Conventional => Array::Conventional,
             Attribute::Named(name) => {
                 let name = CString::new(name).ok()?;
-                // SAFETY: a name that ends with a zero.
+                // SAFETY: a name that ends with NUL.
                 let location = unsafe { gl.get_attrib_location(program, name.as_ptr()) };
                 Array::Generic(u32::try_from(location).ok()?)
             }

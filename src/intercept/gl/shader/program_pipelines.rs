@@ -1,4 +1,4 @@
-//! Program pipelines: separable programs, of which the last before rasterisation draws the view.
+//! Program pipelines: separable programs. The last program before rasterisation draws the view.
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -23,12 +23,12 @@ pub fn choose(ctx: &mut Context) {
     }
 }
 
-/// The program that `glUniform` sets where none is in use.
+/// Returns the program that `glUniform` sets if no program is in use.
 pub fn active(ctx: &Context) -> Option<Arc<Program>> {
     programs::record(&ctx.share, ctx.shaders.pipelines.stages().active)
 }
 
-/// The lens of what draws: in a pipeline, of the last program that holds one.
+/// Returns the lens of the present draw. In a pipeline it is that of the last program that has one.
 pub fn lens(ctx: &mut Context, program: &Program) -> Lens {
     let lens = program.lens(ctx);
     if ctx.shaders.pipelines.used != 0 || lens != Lens::Flat {

@@ -21,7 +21,7 @@ pub fn select(ctx: &mut Context, name: u32) {
     program_pipelines::choose(ctx);
 }
 
-/// The program that the driver uses: it goes on with it if it refuses another one.
+/// Returns the program that the driver uses. It does not change if the driver refuses another one.
 fn used(ctx: &Context) -> u32 {
     let mut name = 0;
     // SAFETY: writes one integer.
@@ -29,17 +29,17 @@ fn used(ctx: &Context) -> u32 {
     name as u32
 }
 
-/// Deletes the programs that waited for it.
+/// Deletes the programs whose deletion was delayed until they are out of use.
 fn delete_unused(ctx: &Context) {
     loop {
         let Some(name) = ctx.share.programs.locked().uses.take_unused() else { return };
-        // SAFETY: the program's own call, which waited.
+        // SAFETY: the program's own call, which was delayed.
         unsafe { ctx.driver.gl.delete_program(name) };
         programs::forget_program(ctx, name);
     }
 }
 
-/// The program deletes an object, by `issue`.
+/// Deletes an object by `issue`, or notes that it must be deleted when it is out of use.
 fn delete(ctx: &Context, name: u32, issue: impl FnOnce(&Gl)) {
     if !ctx.share.programs.locked().uses.delete(name) {
         issue(ctx.driver.gl);
@@ -56,7 +56,7 @@ hooks! {
         gl.uniform_subroutinesuiv(stage, count, indices);
     };
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, _gl| {
-        // Programs and shaders have names of one space.
+        // Programs and shaders share one set of names.
         delete(ctx, object, |gl| gl.delete_object_arb(object));
     };
     "glDeleteProgram" delete_program(program: u32) = |ctx, _gl| {

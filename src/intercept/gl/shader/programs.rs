@@ -1,4 +1,4 @@
-//! The program's shaders: which lens they draw with, and what they get of a view.
+//! The program's shaders: the lens that they draw with, and the values that they get for a view.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
@@ -15,7 +15,7 @@ use crate::runtime::session::{MatrixClass, Session};
 use std::sync::Arc;
 
 impl Program {
-    /// The lens that its matrices hold now.
+    /// Returns the lens in the present matrices.
     pub fn lens(&self, ctx: &mut Context) -> Lens {
         if self.location < 0 {
             return Lens::Flat;
@@ -42,8 +42,8 @@ impl Program {
                 let lens = given(ctx);
                 if ctx.session().and_then(Session::given_lens).is_none() {
                     log::once(
-                        "a shader has its matrix from a vertex attribute that cannot be read: what it draws is flat. If it \
-                         is a scene, set camera.lens in the rig",
+                        "a shader gets its matrix from a vertex attribute that cannot be read: its drawing appears flat. \
+                         If it is a scene, set camera.lens in the rig",
                     );
                 }
                 lens
@@ -51,7 +51,8 @@ impl Program {
         }
     }
 
-    /// The lens that its uniforms hold now, and whether that says everything about uniforms.
+    /// Returns the lens in the present uniforms, and whether the uniforms are sufficient to decide
+    /// this.
     fn uniforms_lens(&self, ctx: &Context) -> (Lens, bool) {
         let mut uniforms = self.uniforms.locked();
         if !uniforms.any() && !self.fixed_matrices {
@@ -63,7 +64,7 @@ impl Program {
     }
 }
 
-/// The rig's lens, for what is drawn with a depth test by a program without a matrix.
+/// Returns the rig's lens, for draws with a depth test by a program without a matrix.
 pub fn given(ctx: &Context) -> Lens {
     match ctx.session().and_then(Session::given_lens) {
         Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
@@ -73,7 +74,7 @@ pub fn given(ctx: &Context) -> Lens {
     }
 }
 
-/// Sends `rows` to the program that draws, unless it has them.
+/// Sends `rows` to the program in use, unless it has them already.
 pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
     if let Some(program) = &ctx.shaders.assembly {
         assembly::upload(ctx, program, rows);
@@ -82,7 +83,7 @@ pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
     }
 }
 
-/// Sends `rows` to a program, which is the one in use or belongs to a pipeline.
+/// Sends `rows` to a program, which is the one in use or part of a pipeline.
 pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
     if program.location < 0 {
         return;
@@ -94,8 +95,8 @@ pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
     }
 }
 
-/// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if
-/// they lead to one.
+/// Sends the rows of a view to the program in use, and the lens if the rows lead to the axes of
+/// one.
 pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
     upload(ctx, rows);
     let (Some(program), Some(lens)) = (&ctx.shaders.program, lens) else { return };
@@ -106,11 +107,11 @@ pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensC
     }
 }
 
-/// Sets vectors of Cupola.
+/// Sets vectors in a uniform of Cupola.
 pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32]) {
     let count = vectors.len() as i32 / 4;
-    // SAFETY: the location is that of the array, of its second half or of a vector; where no
-    // program is in use, there are pipelines and with them the command that takes a name.
+    // SAFETY: the location is that of the array, of its second half or of a vector. If no program
+    // is in use, there are pipelines, and with them the command that takes a program's name.
     unsafe {
         if ctx.shaders.pipelines.used == program.name {
             ctx.driver.gl.uniform4fv(location, count, vectors.as_ptr());
@@ -120,9 +121,9 @@ pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vecto
     }
 }
 
-/// Sets a 4×4 matrix of Cupola, given by columns.
+/// Sets a 4×4 matrix in a uniform of Cupola, given by columns.
 pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix: &[f32; 16]) {
-    // SAFETY: the location is that of the matrix; otherwise as for `set_vectors`.
+    // SAFETY: the location is that of the matrix; the rest as for `set_vectors`.
     unsafe {
         if ctx.shaders.pipelines.used == program.name {
             ctx.driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ptr());
@@ -132,9 +133,9 @@ pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix
     }
 }
 
-/// Sets a number of Cupola.
+/// Sets a number in a uniform of Cupola.
 pub(super) fn set_number(ctx: &Context, program: &Program, location: i32, number: f32) {
-    // SAFETY: the location is that of the number; otherwise as for `set_vectors`.
+    // SAFETY: the location is that of the number; the rest as for `set_vectors`.
     unsafe {
         if ctx.shaders.pipelines.used == program.name {
             ctx.driver.gl.uniform1fv(location, 1, &number);
@@ -144,12 +145,12 @@ pub(super) fn set_number(ctx: &Context, program: &Program, location: i32, number
     }
 }
 
-/// The record of a program, for queries about it.
+/// Returns the record of a program.
 pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
     share.programs.locked().programs.get(&name).cloned()
 }
 
-/// A block of `name` was bound elsewhere: its matrices are found anew.
+/// Reads the matrices of `name` again after one of its blocks was bound elsewhere.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(&ctx.share, name) else { return };
     let (gl, profile) = (ctx.driver.gl, &ctx.driver.profile);
@@ -160,13 +161,13 @@ pub fn read_again(ctx: &mut Context, name: u32) {
     }
 }
 
-/// Nothing is known of a program any more.
+/// Forgets all about a program.
 pub(super) fn forget_program(ctx: &Context, name: u32) {
     let record = ctx.share.programs.locked().programs.remove(&name);
     forget(ctx.driver.gl, record);
 }
 
-/// A program's record is out of use, and what stood beside the program with it.
+/// Deletes the variants of a program that is no longer recorded.
 pub(super) fn forget(gl: &Gl, record: Option<Arc<Program>>) {
     if let Some(record) = record {
         record.variants.locked().destroy(gl);

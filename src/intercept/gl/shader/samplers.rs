@@ -4,7 +4,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::shader::programs::Sampler;
 use std::ffi::{CStr, c_char};
 
-/// Returns the texture target that a uniform of this type samples, if that can be drawn into.
+/// Returns the texture target that a uniform of this type samples, if programs can draw to such
+/// textures.
 pub(in crate::intercept::gl) fn target_of(kind: u32) -> Option<u32> {
     match kind {
         api::GL_SAMPLER_2D | api::GL_SAMPLER_2D_SHADOW | api::GL_INT_SAMPLER_2D | api::GL_UNSIGNED_INT_SAMPLER_2D => {
@@ -21,7 +22,7 @@ pub(in crate::intercept::gl) fn target_of(kind: u32) -> Option<u32> {
     }
 }
 
-/// The samplers of a linked program.
+/// Returns the samplers of a linked program.
 pub fn of_program(gl: &Gl, program: u32) -> Vec<Sampler> {
     let mut count = 0;
     // SAFETY: writes one integer.
@@ -30,14 +31,14 @@ pub fn of_program(gl: &Gl, program: u32) -> Vec<Sampler> {
     for index in 0..u32::try_from(count).unwrap_or(0) {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked
-        // by.
+        // SAFETY: writes at most 256 characters with their NUL, which are the name for the
+        // location.
         let location = unsafe {
             gl.get_active_uniform(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
             gl.get_uniform_location(program, CStr::from_ptr(text.as_ptr()).as_ptr())
         };
         if let Some(target) = target_of(kind).filter(|_| location >= 0) {
-            // The elements of an array have locations that follow each other.
+            // The elements of an array have consecutive locations.
             found.extend((location..location + size.max(1)).map(|location| Sampler { location, target }));
         }
     }

@@ -1,5 +1,5 @@
-//! Uniforms that Cupola has no use for. They are hooked only where several machines compare the
-//! calls of their programs.
+//! Uniforms that Cupola does not use. They have hooks only if several machines compare the calls of
+//! their programs.
 
 use crate::intercept::call_sum::add_values;
 use crate::intercept::gl::context::hooks::hooks;
@@ -9,7 +9,7 @@ fn values(count: i32, length: usize) -> usize {
     length * usize::try_from(count).unwrap_or(0)
 }
 
-/// Hooks that pass the call on: its numbers are summed up before, by `hooks!`.
+/// Hooks that pass the call on. `hooks!` adds the numbers to the checksum before.
 macro_rules! uniforms {
     (
         $( $name:literal $method:ident ( $($p:ident : $t:ty),* ); )*

@@ -46,7 +46,7 @@ unsafe fn note<T: Copy + Into<f64>>(
 unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, value: *const f32) {
     // SAFETY: as promised above.
     unsafe { call_sum::add_values(value, 4 * usize::try_from(count).unwrap_or(0)) };
-    // Most programs set vectors often, and have no matrix that is made of them.
+    // Most programs set vectors often, and have no matrix that consists of them.
     let Some(program) = program.filter(|program| program.has_vectors) else { return };
     if location < 0 || count < 1 || value.is_null() {
         return;
@@ -59,7 +59,7 @@ unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, val
     }
 }
 
-/// The program that `glUniform` sets.
+/// Calls `note` with the program that `glUniform` sets.
 fn with_current<T>(ctx: &Context, note: impl FnOnce(Option<&Program>) -> T) -> T {
     if ctx.shaders.pipelines.used != 0 {
         note(ctx.shaders.program.as_deref())

@@ -13,8 +13,8 @@ use crate::intercept::lens::{Order, rank};
 use std::collections::BTreeSet;
 use std::ffi::{CStr, CString, c_char};
 
-/// Of longer arrays of matrices, which are bones or instances, only the first is looked at, and
-/// those that the shader names by their numbers.
+/// Greatest length of an array of matrices that is examined completely. Longer arrays are bones or
+/// instances: only their first matrix is examined, and those that the shader uses by number.
 const LONGEST: u32 = 8;
 
 /// True if Cupola adds this uniform to shaders.
@@ -25,11 +25,11 @@ fn is_own(name: &str) -> bool {
     of_cameras || array == projection::UNIFORM || array == FragCoord::UNIFORM
 }
 
-/// More matrices of an array are not looked at.
+/// Greatest number of matrices of an array that are examined.
 pub const MOST_NAMED: usize = 64;
 
-/// The 4×4 matrices of a linked program that may flow into its position, all if that is not known,
-/// and the indices of Cupola's own uniforms.
+/// Returns the 4×4 matrices of a linked program that may flow into its position (all matrices if
+/// that is not known), and the indices of Cupola's own uniforms.
 pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&PositionNames>) -> (Uniforms, Vec<u32>) {
     let mut reader = Reader { gl, profile, program, position, uniforms: Uniforms::default(), integers: Vec::new() };
     reader.uniforms.generation = u64::MAX;
@@ -68,7 +68,7 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, position: Option<&Position
     (reader.uniforms, own_uniforms)
 }
 
-/// Location of a uniform; −1 = there is none.
+/// Returns the location of a uniform; −1 = there is none.
 pub fn location(gl: &Gl, program: u32, uniform: &str) -> i32 {
     let name = CString::new(uniform).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
@@ -78,9 +78,9 @@ pub fn location(gl: &Gl, program: u32, uniform: &str) -> i32 {
 /// An active variable of a program.
 struct Active<'a> {
     name: &'a str,
-    /// Name of the array to which its elements belong, without numbers.
+    /// Name of the array, without numbers.
     array: &'a str,
-    /// Number of its elements; 0 = as many as the buffer has.
+    /// Number of elements; 0 = the buffer's size determines it.
     size: u32,
     kind: u32,
     place: Place,
@@ -88,10 +88,9 @@ struct Active<'a> {
 
 #[derive(Clone, Copy)]
 enum Place {
-    /// A uniform's location.
+    /// Location of a uniform.
     Location(i32),
-    /// A block, and in bytes the offset there, and the distances between elements and between
-    /// columns.
+    /// Part of a block: offset, distance between elements and distance between columns, in bytes.
     Block { block: Block, offset: usize, between: usize, stride: usize, row_major: bool },
 }
 
@@ -100,7 +99,7 @@ impl Active<'_> {
         self.size == 0 || number < self.size
     }
 
-    /// Number of groups of `length` elements that are looked at where the text names none.
+    /// Returns the number of groups of `length` elements to examine if the text names no element.
     fn looked_at(&self, length: u32) -> u32 {
         match self.size / length {
             _ if self.size == 0 => LONGEST,
@@ -116,7 +115,7 @@ struct Reader<'a> {
     program: u32,
     position: Option<&'a PositionNames>,
     uniforms: Uniforms,
-    /// Integers, which may be numbers of elements.
+    /// Integer variables, which may be indices of elements.
     integers: Vec<(String, IndexLocation)>,
 }
 
@@ -136,13 +135,13 @@ impl Reader<'_> {
         }
     }
 
-    /// Returns the known elements of an array, by its name without numbers.
+    /// Returns the known elements of an array with this name. Numbers in the name are ignored.
     fn elements(&self, name: &str) -> Option<&Elements> {
         let array = name.split('[').next().unwrap_or(name);
         self.position.and_then(|names| names.elements(array))
     }
 
-    /// A matrix, or an array of them.
+    /// Reads a matrix, or an array of matrices.
     fn matrices(&mut self, active: &Active<'_>) {
         let known = self.elements(active.array);
         let named =
@@ -159,7 +158,7 @@ impl Reader<'_> {
         }
     }
 
-    /// An array of vectors, of which four may be a matrix.
+    /// Reads an array of vectors, of which four may be a matrix.
     fn vectors(&mut self, active: &Active<'_>) {
         let known = self.elements(active.array);
         let mut fours: Vec<(u32, Order)> = known.into_iter().flat_map(Elements::fours).take(MOST_NAMED).collect();
@@ -174,7 +173,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads one matrix from the element `first` on, with this number of elements.
+    /// Reads one matrix that begins at the element `first` and has this number of elements.
     fn matrix(&mut self, active: &Active<'_>, first: u32, elements: i32, order: Order, element: Option<(usize, u32)>) {
         let double = active.kind == api::GL_DOUBLE_MAT4;
         let mut value = [0.0; 16];
@@ -185,9 +184,10 @@ impl Reader<'_> {
                 MatrixLocation::Block { block, offset, stride, row_major, double }
             }
             Place::Location(location) => {
-                // The elements of an array have locations that follow each other.
+                // The elements of an array have consecutive locations.
                 let location = location.saturating_add(first as i32);
-                // SAFETY: sixteen numbers, four at each of four locations if these are of vectors.
+                // SAFETY: reads sixteen numbers. For vectors these are four numbers at each of four
+                // locations.
                 unsafe {
                     if double {
                         self.gl.get_uniformdv(self.program, location, value.as_mut_ptr());
@@ -208,7 +208,7 @@ impl Reader<'_> {
         self.uniforms.matrices.push(Matrix { place, rank, order, value, name, read: None, element });
     }
 
-    /// Place of a uniform in a block.
+    /// Returns the place of a uniform in a block.
     fn uniform_block(&self, index: u32) -> Option<Place> {
         let (gl, profile) = (self.gl, self.profile);
         if profile.version < if profile.es { 30 } else { 31 } {
@@ -234,7 +234,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The variables of storage blocks.
+    /// Reads the variables of storage blocks.
     fn storage_blocks(&mut self) {
         let profile = self.profile;
         if profile.version < if profile.es { 31 } else { 43 } {
@@ -251,7 +251,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A variable of a storage block; `None` where it may not be a matrix.
+    /// Reads a variable of a storage block. `None`: it cannot be a matrix.
     fn storage_variable(&mut self, index: u32) -> Option<()> {
         let (gl, program) = (self.gl, self.program);
         let ask = |interface: u32, index: u32, what: u32| {
@@ -272,7 +272,7 @@ impl Reader<'_> {
             return None;
         }
         let kind = variable(api::GL_TYPE)? as u32;
-        // OpenGL lists only the members of the first structure of an array.
+        // For an array of structures OpenGL lists only the members of its first structure.
         let structures = variable(api::GL_TOP_LEVEL_ARRAY_STRIDE).filter(|stride| *stride > 0);
         let (array, size, between) = match (name.split_once("[0]."), structures) {
             (Some(_), Some(_)) if kind == api::GL_FLOAT_VEC4 => return None,
@@ -298,8 +298,8 @@ impl Reader<'_> {
         Some(())
     }
 
-    /// The array of structures that `name` is a member of, if one of them is chosen, and its number
-    /// there.
+    /// Returns the array of structures that has `name` as a member, and the number of the
+    /// structure. `None`: no structure of it is chosen by an index.
     fn array_of_structures(&mut self, name: &str) -> Option<(usize, Option<u32>)> {
         let (before, member) = name.rsplit_once("].")?;
         let (array, number) = before.rsplit_once('[')?;
@@ -310,7 +310,7 @@ impl Reader<'_> {
         Some((self.array(&format!("{array}[].{member}")), Some(number)))
     }
 
-    /// The array called `name`, of which an element is chosen.
+    /// Returns the index of the array called `name`, from which an element is chosen.
     fn array(&mut self, name: &str) -> usize {
         let arrays = &mut self.uniforms.arrays;
         arrays.iter().position(|known| *known.name == *name).unwrap_or_else(|| {
@@ -319,7 +319,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Finds what chooses elements of arrays.
+    /// Finds the variables that choose elements of arrays.
     fn find_indices(&mut self) {
         let mut arrays = std::mem::take(&mut self.uniforms.arrays);
         for array in &mut arrays {

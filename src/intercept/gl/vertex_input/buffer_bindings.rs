@@ -1,5 +1,5 @@
-//! Buffers that the program has bound: noted from its calls, and asked for once if these do not
-//! tell.
+//! Buffers that the program has bound. They are noted from its calls; if the calls do not tell the
+//! buffer, the driver is asked once.
 //!
 //! `GL_ELEMENT_ARRAY_BUFFER` belongs to a vertex array object
 //! ([`crate::intercept::gl::vertex_input::vertex_arrays`]).
@@ -11,7 +11,7 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::vertex_input::buffer_bindings::{TARGETS, place};
 use crate::intercept::gl::vertex_input::{buffers, vertex_arrays};
 
-/// The buffer that is bound at `target`; `None`: the target is not followed.
+/// Returns the buffer that is bound at `target`. `None`: bindings of this target are not followed.
 pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
     if target == api::GL_ELEMENT_ARRAY_BUFFER {
         return Some(vertex_arrays::elements(ctx));
@@ -25,7 +25,7 @@ pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
     Some(name)
 }
 
-/// The buffer that the driver has at a binding.
+/// Returns the buffer that the driver has at a binding.
 pub fn ask(driver: &Driver, share: &ShareGroup, binding: u32) -> u32 {
     let mut name = 0;
     // SAFETY: writes one integer.
@@ -34,12 +34,13 @@ pub fn ask(driver: &Driver, share: &ShareGroup, binding: u32) -> u32 {
     name as u32
 }
 
-/// The program has bound a buffer: what is bound then, where OpenGL cannot have refused it.
+/// Returns the buffer that is bound after a call of the program. `None`: OpenGL may have refused
+/// the call.
 pub fn certain(ctx: &Context, name: u32) -> Option<u32> {
     (ctx.takes_calls() && (name == 0 || buffers::of(&ctx.share).is_object(name))).then_some(name)
 }
 
-/// The program has called `glBindBuffer`.
+/// Notes a call of `glBindBuffer`.
 pub fn note(ctx: &mut Context, target: u32, name: u32) {
     let bound = certain(ctx, name);
     if target == api::GL_ELEMENT_ARRAY_BUFFER {

@@ -1,10 +1,10 @@
-//! Buffers of the program that hold what they held before: every command that may write to one is
-//! seen.
+//! Buffers of the program whose content is known to be unchanged: Cupola sees every command that
+//! may write to a buffer.
 //!
-//! Only buffers that were seen to get their content by commands are known. A buffer becomes unknown
-//! for good if the device itself may write to it (transform feedback, storage blocks, read-backs,
-//! images over buffers), if it stays mapped, or if its name came back after it was deleted (a
-//! vertex array may still hold the old one).
+//! A buffer is known if Cupola saw all commands that gave it its content. It becomes unknown for
+//! good if the device itself may write to it (transform feedback, storage blocks, read-backs,
+//! images over buffers), if it stays mapped, or if its name was deleted and used again (a vertex
+//! array may still hold the old buffer).
 
 use crate::backend::gl::driver::api;
 use crate::intercept::call_sum;
@@ -17,25 +17,25 @@ use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::MutexGuard;
 
-/// The buffers of a group of contexts.
+/// Returns the buffers of a group of contexts.
 pub fn of(share: &ShareGroup) -> MutexGuard<'_, Buffers> {
     share.buffers.locked()
 }
 
-/// The device may write to a buffer.
+/// Notes that the device may write to a buffer.
 pub fn written_by_device(share: &ShareGroup, name: u32) {
     if name != 0 {
         of(share).forget(name);
     }
 }
 
-/// The buffer that is bound at `target`; 0 = none, or none that is followed: what is bound
-/// elsewhere is not known any more.
+/// Returns the buffer that is bound at `target`; 0 = none, or a target that is not followed.
+/// Buffers at such targets are not known any more.
 fn bound(ctx: &mut Context, target: u32) -> u32 {
     buffer_bindings::buffer(ctx, target).unwrap_or(0)
 }
 
-/// True if what is bound at `target` may be written by the device.
+/// True if the device may write to buffers that are bound at `target`.
 fn is_written_to(target: u32) -> bool {
     matches!(
         target,
@@ -48,7 +48,8 @@ fn is_written_to(target: u32) -> bool {
     )
 }
 
-/// The program wrote to what is bound at `target`; `new`: it got its storage by that.
+/// Notes that the program wrote to the buffer at `target`. `new`: the buffer got new storage by
+/// that.
 fn changed(ctx: &mut Context, target: u32, new: bool) {
     if target == api::GL_SHADER_STORAGE_BUFFER {
         ctx.vertex_input.blocks.storage_changed();
@@ -57,7 +58,7 @@ fn changed(ctx: &mut Context, target: u32, new: bool) {
     named_changed(&ctx.share, &mut ctx.vertex_input, name, new);
 }
 
-/// The program wrote to a buffer.
+/// Notes that the program wrote to a buffer.
 pub(super) fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, name: u32, new: bool) {
     if name != 0 {
         of(share).write(name, new);
@@ -65,7 +66,7 @@ pub(super) fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, 
     }
 }
 
-/// A buffer is mapped, to be written to.
+/// Notes that a buffer is mapped for writing.
 pub(super) fn mapped(ctx: &mut Context, name: u32, access: u32) {
     named_changed(&ctx.share, &mut ctx.vertex_input, name, false);
     if access & api::GL_MAP_PERSISTENT_BIT != 0 {
@@ -73,7 +74,7 @@ pub(super) fn mapped(ctx: &mut Context, name: u32, access: u32) {
     }
 }
 
-/// A buffer got storage that never moves.
+/// Notes that a buffer got immutable storage.
 pub(super) fn stored(ctx: &mut Context, name: u32, flags: u32) {
     named_changed(&ctx.share, &mut ctx.vertex_input, name, true);
     // OpenGL ES reads a buffer by mapping it.
@@ -83,7 +84,7 @@ pub(super) fn stored(ctx: &mut Context, name: u32, flags: u32) {
     }
 }
 
-/// A buffer was bound to an indexed binding point.
+/// Notes that a buffer was bound to an indexed binding point.
 fn bound_to(share: &ShareGroup, vertex_input: &mut VertexInput, target: u32, name: u32) {
     if is_written_to(target) {
         written_by_device(share, name);
@@ -94,7 +95,7 @@ fn bound_to(share: &ShareGroup, vertex_input: &mut VertexInput, target: u32, nam
     }
 }
 
-/// Names that the program gave, or none.
+/// Returns the names that the program passed.
 ///
 /// # Safety
 /// `names` must be null or point at `count` names, as the program promises OpenGL.
@@ -106,7 +107,7 @@ unsafe fn all<'a>(count: i32, names: *const u32) -> &'a [u32] {
     }
 }
 
-/// Adds what goes into a buffer to the sum of the frame's calls.
+/// Adds the data for a buffer to the checksum of the frame's calls.
 ///
 /// # Safety
 /// `data` must be null or point at `size` bytes, as the program promises OpenGL.
@@ -211,7 +212,7 @@ hooks! {
             buffers.objects.remove(name);
         }
         gl.delete_buffers(count, names);
-        // They are taken out of what they were bound to.
+        // Deleted buffers are unbound from all targets.
         ctx.vertex_input.buffer_bindings.forget();
         ctx.vertex_input.vertex_arrays.forget();
     };

@@ -1,9 +1,9 @@
 //! Records of buffers and vertex arrays.
 //!
-//! Answers the commands that write to buffers ([`buffers`], [`named_buffers_ext`]), bind them
-//! ([`buffer_bindings`]) and set vertex arrays ([`vertex_array_commands`]). [`vertex_arrays`] asks
-//! the driver once for what a draw needs and keeps it until a call changes it; [`ranges`] keeps
-//! boxes around vertices in buffers.
+//! Hooks of the commands that write to buffers are in [`buffers`] and [`named_buffers_ext`], those
+//! that bind buffers in [`buffer_bindings`], those that set vertex arrays in
+//! [`vertex_array_commands`]. [`vertex_arrays`] asks the driver once for the state that a draw
+//! needs, and keeps it until a call changes it. [`ranges`] keeps boxes around vertices in buffers.
 
 pub mod buffer_bindings;
 pub mod buffers;

@@ -1,5 +1,6 @@
-//! Buffers by their names as of `GL_EXT_direct_state_access`. Unlike those of OpenGL 4.5 these
-//! commands make the object of a name that was only asked for, and some have one parameter more.
+//! Buffers by name with the commands of `GL_EXT_direct_state_access`. Unlike the commands of OpenGL
+//! 4.5, these create the object of a name that was only generated, and some have one more
+//! parameter.
 
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::vertex_input::buffers::{mapped, named_changed, stored, written_by_device};

@@ -8,8 +8,8 @@ use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::vertex_arrays;
 
 impl Layout {
-    /// Returns the layout that the program has set for `array`, of which `components` count; `None`
-    /// if that is not all of a position.
+    /// Returns the layout that the program has set for `array`, with at most `components`
+    /// components. `None`: the format or source of the array is not supported.
     pub fn of(ctx: &mut Context, array: Array, components: usize) -> Option<Self> {
         let layout = match array {
             Array::Conventional => conventional(ctx)?,
@@ -18,7 +18,7 @@ impl Layout {
         let profile = &ctx.driver.profile;
         let given = layout.components;
         let signed = matches!(layout.kind, api::GL_BYTE | api::GL_SHORT | api::GL_INT);
-        // Older versions have another rule for signed integers.
+        // Older versions convert signed integers by another rule.
         let one_rule = profile.version >= if profile.es { 30 } else { 42 };
         let usable = (2..=4).contains(&given)
             && (layout.buffer != 0 || layout.start != 0)
@@ -27,8 +27,8 @@ impl Layout {
         usable.then_some(Self { components: given.min(components), ..layout })
     }
 
-    /// The value of a generic attribute for an instance, if the attribute is an array of values for
-    /// instances.
+    /// Returns the layout of a generic attribute's value for an instance. `None`: the attribute is
+    /// not an array with values per instance.
     pub fn of_instances(ctx: &mut Context, location: u32, instance: usize) -> Option<Self> {
         if !vertex_arrays::is_on(ctx, location) {
             return None;
@@ -53,12 +53,12 @@ impl Layout {
         Self { buffer, start, stride, components, kind, normalised }
     }
 
-    /// Bytes of one position.
+    /// Returns the number of bytes of one position.
     pub fn size(&self) -> usize {
         self.components * width(self.kind).unwrap_or_default()
     }
 
-    /// The position at `at`.
+    /// Returns the position at `at`.
     ///
     /// # Safety
     /// [`Layout::size`] bytes from `at` on must be readable.
@@ -77,27 +77,29 @@ impl Layout {
     }
 }
 
-/// `glVertexPointer`. Generic attribute 0 is the position where it is an array.
+/// Returns the layout of `glVertexPointer`. `None` also if generic attribute 0 is an array, since
+/// that is the position then.
 fn conventional(ctx: &mut Context) -> Option<Layout> {
     let Pointer { components, kind, source } = vertex_arrays::conventional(ctx)?;
     width(kind)?;
     (!vertex_arrays::is_on(ctx, 0)).then_some(Layout::at(source, components, kind, false))
 }
 
-/// A generic attribute.
+/// Returns the layout of a generic attribute.
 fn generic(ctx: &mut Context, location: u32) -> Option<Layout> {
     if !vertex_arrays::is_on(ctx, location) {
         return None;
     }
     let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
     width(format.kind)?;
-    // Where attributes have bindings, OpenGL's answers have no room for an address.
+    // If attributes have bindings, OpenGL returns the offset as an integer that is too small for an
+    // address.
     let has_source = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.driver.profile);
     let usable = has_source && divisor == 0 && !format.integer;
     usable.then_some(Layout::at(source, format.components, format.kind, format.normalised))
 }
 
-/// The integer that stands for 1 where integers are normalised.
+/// Returns the integer that means 1 if integers are normalised.
 fn greatest(kind: u32) -> Option<f64> {
     match kind {
         api::GL_BYTE => Some(i8::MAX.into()),
@@ -110,7 +112,7 @@ fn greatest(kind: u32) -> Option<f64> {
     }
 }
 
-/// A coordinate.
+/// Returns a number of the type `kind`.
 ///
 /// # Safety
 /// `at` must point at a number of the type `kind`.
@@ -132,7 +134,7 @@ pub unsafe fn number(at: *const u8, kind: u32) -> f64 {
     }
 }
 
-/// A number of 16 bits: sign, five bits of exponent, ten of mantissa (IEEE 754).
+/// Returns a number of 16 bits: sign, five bits of exponent, ten of mantissa (IEEE 754).
 fn half(bits: u16) -> f64 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let (exponent, mantissa) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff) / 1024.0);
@@ -176,6 +178,6 @@ mod tests {
         assert_eq!(read(layout(api::GL_SHORT, 3, true), &shorts), [-1.0, 0.0, 1.0, 1.0]);
         assert_eq!(read(layout(api::GL_SHORT, 3, false), &shorts), [-32768.0, 0.0, 32767.0, 1.0]);
         assert_eq!(read(layout(api::GL_UNSIGNED_BYTE, 3, true), &[255, 0, 51]), [1.0, 0.0, 0.2, 1.0]);
-        assert!(read(layout(api::GL_INT_2_10_10_10_REV, 1, false), &[0; 4])[0].is_nan(), "not looked through");
+        assert!(read(layout(api::GL_INT_2_10_10_10_REV, 1, false), &[0; 4])[0].is_nan(), "packed formats are not read");
     }
 }

@@ -1,9 +1,9 @@
-//! Boxes around what draws take from buffers, kept until a buffer changes.
+//! Boxes around the vertices that draws take from buffers, kept until a buffer changes.
 //!
-//! Buffers are read back, once for each range that is drawn, instead of being shadowed at each
-//! upload: that costs no memory, and nothing for what is never drawn as a scene. A read-back is a
-//! wait for the driver, so a program that writes its vertices anew in each frame must not have it:
-//! a buffer is read only once it has outlasted a frame.
+//! Cupola reads a buffer back once for each range that is drawn, and keeps no copy of each upload.
+//! This costs no memory, and nothing for vertices that are never drawn as a scene. A read-back
+//! waits for the driver. It must not happen for a program that writes its vertices in each frame,
+//! so a buffer is read only if it stayed unchanged for a frame.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
@@ -13,10 +13,10 @@ use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::{Key, Known, Layout, MOST_RANGES, Ranges, Vertices};
 use crate::intercept::gl::vertex_input::buffers;
 
-/// The most bytes of a buffer that are read for a range.
+/// Greatest number of bytes of a buffer that are read for a range.
 pub const MOST_BYTES: usize = 64 << 20;
 
-/// A box around `vertices` of an array in a buffer.
+/// Returns a box around `vertices` of an array in a buffer.
 pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u32) -> Bounds {
     let buffers = buffers::of(&ctx.share);
     let Some((version, rests)) = buffers.content(layout.buffer) else { return Bounds::UNKNOWN };
@@ -51,8 +51,8 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
     bounds
 }
 
-/// Forgets the ranges of buffers that have changed since; whether there is room then. Looks once in
-/// a frame.
+/// Forgets the ranges of buffers that have changed. Returns true if there is space for a new range
+/// then. Does this once per frame.
 fn make_room(share: &ShareGroup, ranges: &mut Ranges) -> bool {
     if std::mem::replace(&mut ranges.full, true) {
         return false;
@@ -67,7 +67,7 @@ fn make_room(share: &ShareGroup, ranges: &mut Ranges) -> bool {
     !ranges.full
 }
 
-/// About how many bytes are to be read.
+/// Returns the approximate number of bytes to read.
 fn size(layout: &Layout, vertices: &Vertices) -> Option<usize> {
     match vertices {
         Vertices::Range { count, .. } => usize::try_from(*count).ok()?.checked_mul(layout.stride),
@@ -97,7 +97,7 @@ fn read_bounds(gl: &Gl, profile: &Profile, layout: &Layout, vertices: &Vertices,
     }
 }
 
-/// A box around the vertices of these numbers in the buffer of `layout`, which is read.
+/// Reads vertices with these numbers from the buffer of `layout`. Returns a box around them.
 pub fn in_buffer(
     gl: &Gl,
     profile: &Profile,
@@ -112,10 +112,10 @@ pub fn in_buffer(
     Some(unsafe { in_memory(layout, bytes.as_ptr(), numbers.map(|number| number - least)) })
 }
 
-/// A box around the vertices of these numbers in memory.
+/// Returns a box around the vertices with these numbers in memory.
 ///
 /// # Safety
-/// The array from `start` on must hold them.
+/// The array that begins at `start` must contain these vertices.
 pub unsafe fn in_memory(layout: &Layout, start: *const u8, numbers: impl Iterator<Item = usize>) -> Bounds {
     let mut bounds = Bounds::EMPTY;
     for number in numbers {
@@ -128,7 +128,7 @@ pub unsafe fn in_memory(layout: &Layout, start: *const u8, numbers: impl Iterato
     bounds
 }
 
-/// Bytes of an index.
+/// Returns the number of bytes of an index.
 pub fn index_width(kind: u32) -> Option<usize> {
     match kind {
         api::GL_UNSIGNED_BYTE => Some(1),
@@ -138,10 +138,10 @@ pub fn index_width(kind: u32) -> Option<usize> {
     }
 }
 
-/// The index of this number; they may be unaligned.
+/// Returns the index with this number. The indices may be unaligned.
 ///
 /// # Safety
-/// `indices` must hold more than `number` indices of the type `kind`, one with a width.
+/// `indices` must hold more than `number` indices of the type `kind`, and `kind` must have a width.
 pub unsafe fn index_at(indices: *const u8, kind: u32, number: usize) -> u32 {
     // SAFETY: as promised.
     unsafe {
@@ -153,8 +153,8 @@ pub unsafe fn index_at(indices: *const u8, kind: u32, number: usize) -> u32 {
     }
 }
 
-/// `size` bytes of a buffer from `start` on; `None` where it does not have them or cannot be read
-/// now.
+/// Returns `size` bytes of a buffer from `start` on. `None`: the buffer is too small or cannot be
+/// read now.
 pub fn read(gl: &Gl, profile: &Profile, buffer: u32, start: usize, size: usize) -> Option<Vec<u8>> {
     if size == 0 || size > MOST_BYTES {
         return None;
@@ -166,7 +166,7 @@ pub fn read(gl: &Gl, profile: &Profile, buffer: u32, start: usize, size: usize) 
         gl.bind_buffer(api::GL_ARRAY_BUFFER, buffer);
         gl.get_buffer_parameteriv(api::GL_ARRAY_BUFFER, api::GL_BUFFER_SIZE, &mut whole);
         gl.get_buffer_parameteriv(api::GL_ARRAY_BUFFER, api::GL_BUFFER_MAPPED, &mut mapped);
-        // Offsets into greater ones may have been answered cut off.
+        // The driver may have truncated the size of a larger buffer.
         let whole = usize::try_from(whole).ok().filter(|whole| *whole < i32::MAX as usize).unwrap_or(0);
         let inside = start.checked_add(size).is_some_and(|end| end <= whole);
         let mut bytes = None;
@@ -179,7 +179,7 @@ pub fn read(gl: &Gl, profile: &Profile, buffer: u32, start: usize, size: usize) 
 }
 
 /// # Safety
-/// The buffer that is bound must have the bytes, and not be mapped.
+/// The bound buffer must have these bytes, and must not be mapped.
 unsafe fn copied_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
     let mut bytes = vec![0u8; size];
     // SAFETY: as promised; there is room for them.
@@ -189,12 +189,12 @@ unsafe fn copied_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
     gl.has_get_buffer_sub_data().then_some(bytes)
 }
 
-/// For OpenGL ES, which has no copy.
+/// Reads the bytes by mapping them, for OpenGL ES, which has no command to copy them.
 ///
 /// # Safety
 /// As for [`copied_bytes`].
 unsafe fn mapped_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
-    // SAFETY: as promised; unmapped before anybody else can see it.
+    // SAFETY: as promised. The buffer is unmapped again before other code can use it.
     unsafe {
         let at = gl.map_buffer_range(api::GL_ARRAY_BUFFER, start as isize, size as isize, api::GL_MAP_READ_BIT);
         if at.is_null() {
@@ -205,14 +205,14 @@ unsafe fn mapped_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
     }
 }
 
-/// True if some index begins a new primitive instead of naming a vertex.
+/// True if an index may restart the primitive instead of naming a vertex.
 pub fn restarts(driver: &Driver) -> bool {
     let (gl, version) = (driver.gl, driver.profile.version);
     let on = |switch: u32| driver.known_state.is_on(gl, switch);
     if driver.profile.es {
         version >= 30 && on(api::GL_PRIMITIVE_RESTART_FIXED_INDEX)
     } else {
-        // Before OpenGL 3.1 it is an extension, with switches of its own.
+        // Before OpenGL 3.1 primitive restart is an extension, with switches of its own.
         version < 31 || on(api::GL_PRIMITIVE_RESTART) || (version >= 43 && on(api::GL_PRIMITIVE_RESTART_FIXED_INDEX))
     }
 }

@@ -1,8 +1,8 @@
-//! The calls that change vertex arrays.
+//! Calls that change vertex arrays.
 //!
-//! The rows come from the registry (`build/gl_arrays.rs`): each makes unknown what it may have
-//! changed. Those whose arguments are noted have hooks below. Some are allowed between Begin and
-//! End, with a result that is not defined.
+//! The rows come from the registry (`build/gl_arrays.rs`). Each row marks the state that the call
+//! may change as unknown. Calls whose arguments are noted have hooks below. Some are allowed
+//! between Begin and End, with an undefined result.
 
 use crate::backend::gl::driver::api;
 use crate::backend::gl::driver::values::integer;
@@ -15,25 +15,25 @@ use crate::intercept::gl::vertex_input::buffer_bindings;
 use crate::intercept::gl::vertex_input::vertex_arrays::has_bindings;
 use std::ffi::c_void;
 
-/// The object in use can be changed: core profiles have none called 0.
+/// True if the vertex array in use can be changed: core profiles have no vertex array 0.
 fn is_changeable(driver: &Driver, vertex_input: &mut VertexInput) -> bool {
     let core = driver.profile.core;
     vertex_input.vertex_arrays.current().is_some_and(|object| object.name != 0 || !core)
 }
 
-/// The least that OpenGL allows as the greatest stride.
+/// Smallest value that OpenGL allows as the greatest stride.
 const STRIDE: i32 = 2048;
 
-/// The attributes that every context has.
+/// Returns the number of attributes that every context has.
 fn attributes(driver: &Driver) -> u32 {
     if driver.profile.es { 8 } else { 16 }
 }
 
-/// Returns the place to which `pointer` points, if the call that gives it is right.
+/// Returns the source that `pointer` describes. `None`: OpenGL refuses the call.
 fn source(ctx: &mut Context, stride: usize, pointer: *const c_void) -> Option<Source> {
     let name = ctx.vertex_input.vertex_arrays.current()?.name;
     let buffer = buffer_bindings::buffer(ctx, api::GL_ARRAY_BUFFER)?;
-    // Objects have no arrays in the program's memory.
+    // Vertex array objects cannot refer to arrays in the program's memory.
     (buffer != 0 || name == 0).then_some(Source { buffer, start: pointer as usize, stride })
 }
 
@@ -51,8 +51,8 @@ fn note_conventional(ctx: &mut Context, components: i32, kind: u32, stride: i32,
     }
 }
 
-/// Positions in the elements of `glInterleavedArrays`: components, bytes before them, and of a
-/// whole element.
+/// Returns the layout of positions in `glInterleavedArrays`: number of components, number of bytes
+/// before them, number of bytes of an element.
 fn interleaved(format: u32) -> Option<(i32, usize, i32)> {
     Some(match format {
         api::GL_V2F => (2, 0, 8),
@@ -149,12 +149,13 @@ fn note_object(ctx: &mut Context, name: u32) {
         return;
     }
     let known = name == 0 || arrays.places.contains_key(&name);
-    // A name that is not known may be none.
+    // An unknown name may be wrong; then the binding does not change.
     let name = if known { name } else { integer(ctx.driver.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 };
     ctx.vertex_input.vertex_arrays.select(name);
 }
 
-/// `glBindVertexBuffer` (`object` = none: the one in use) and `glVertexArrayVertexBuffer`.
+/// `glBindVertexBuffer` (`object` = `None`: the vertex array in use) and
+/// `glVertexArrayVertexBuffer`.
 fn note_buffer(ctx: &mut Context, object: Option<u32>, number: u32, buffer: u32, offset: isize, stride: i32) {
     let legal = has_bindings(&ctx.driver.profile)
         && ctx.takes_calls()
@@ -173,7 +174,7 @@ fn note_buffer(ctx: &mut Context, object: Option<u32>, number: u32, buffer: u32,
     }
 }
 
-/// `glVertexAttribDivisor`, which gives an attribute its own binding back.
+/// `glVertexAttribDivisor`, which makes the attribute use its own binding again.
 fn note_divisor(vertex_input: &mut VertexInput, location: u32) {
     let Some(object) = vertex_input.vertex_arrays.current() else { return };
     if let Some(attribute) = object.attribute(location) {
@@ -275,7 +276,7 @@ mod tests {
         for name in NOTED {
             assert!(HOOKS.iter().any(|hook| hook.name == *name), "{name}");
         }
-        // One of each kind, and names of extensions.
+        // One call of each kind, and names of extensions.
         for name in [
             "glBindVertexArrayOES",
             "glDeleteVertexArraysAPPLE",
@@ -293,7 +294,7 @@ mod tests {
         ] {
             assert!(find(name).is_some(), "{name}");
         }
-        // Values of attributes have other hooks.
+        // Calls for current values of attributes and for queries have other hooks.
         for name in ["glVertexAttrib4fv", "glVertexAttribI4i", "glColorPointer", "glGetVertexAttribiv"] {
             assert!(HOOKS.iter().all(|hook| hook.name != name), "{name}");
         }

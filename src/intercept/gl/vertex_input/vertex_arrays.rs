@@ -1,9 +1,9 @@
-//! Vertex arrays that the program has set: asked for once and kept until a call changes them, so
-//! that nothing is asked for in each draw.
+//! Vertex arrays that the program has set. The driver is asked once for each value, which is kept
+//! until a call changes it. So draws need no questions to the driver.
 //!
-//! Values that the usual calls set are noted from their arguments, if OpenGL cannot have refused
-//! them; every other call that may change an array makes it unknown again
-//! (`vertex_array_commands`). Only attributes that a draw has asked about are kept.
+//! Values that common calls set are noted from their arguments if OpenGL cannot have refused the
+//! call. Every other call that may change an array makes it unknown again
+//! (`vertex_array_commands`). Only attributes that a draw has needed are kept.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
@@ -15,10 +15,10 @@ use crate::intercept::gl::state::vertex_input::vertex_arrays::{Format, Object, P
 use crate::intercept::gl::vertex_input::buffer_bindings;
 use std::ffi::c_void;
 
-/// The object in use.
+/// Returns the vertex array in use.
 fn object<'a>(driver: &Driver, vertex_input: &'a mut VertexInput) -> &'a mut Object {
     if vertex_input.vertex_arrays.current.is_none() {
-        // A context that knows no such objects must not be asked.
+        // A context without vertex array objects must not be asked for this binding.
         let name =
             if vertex_input.vertex_arrays.used { integer(driver.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 } else { 0 };
         vertex_input.vertex_arrays.select(name);
@@ -28,7 +28,7 @@ fn object<'a>(driver: &Driver, vertex_input: &'a mut VertexInput) -> &'a mut Obj
     &mut arrays.objects[place]
 }
 
-/// The buffer of indices; 0 = none.
+/// Returns the index buffer; 0 = none.
 pub fn elements(ctx: &mut Context) -> u32 {
     if let Some(name) = object(&ctx.driver, &mut ctx.vertex_input).elements {
         return name;
@@ -38,14 +38,14 @@ pub fn elements(ctx: &mut Context) -> u32 {
     name
 }
 
-/// The program has bound a buffer of indices; `None`: perhaps.
+/// Notes that the program has bound an index buffer; `None`: OpenGL may have refused the call.
 pub fn note_elements(vertex_input: &mut VertexInput, name: Option<u32>) {
     if let Some(object) = vertex_input.vertex_arrays.current() {
         object.elements = name;
     }
 }
 
-/// The array of `glVertexPointer`, if it is on.
+/// Returns the array of `glVertexPointer`, if it is enabled.
 pub fn conventional(ctx: &mut Context) -> Option<Pointer> {
     let gl = ctx.driver.gl;
     let object = object(&ctx.driver, &mut ctx.vertex_input);
@@ -71,15 +71,15 @@ fn ask_conventional(gl: &Gl) -> Option<Pointer> {
     Some(Pointer { components, kind, source: Source { buffer, start: start as usize, stride } })
 }
 
-/// True if a generic attribute is an array.
+/// True if the array of a generic attribute is enabled.
 pub fn is_on(ctx: &mut Context, location: u32) -> bool {
     let gl = ctx.driver.gl;
     let attribute = object(&ctx.driver, &mut ctx.vertex_input).asked_attribute(location);
     *attribute.on.get_or_insert_with(|| ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) != 0)
 }
 
-/// The array of a generic attribute: its format, where it lies, and after how many instances it
-/// goes on (0: never).
+/// Returns the array of a generic attribute: its format, its source, and the number of instances
+/// after which it advances (0: never).
 pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
     let object = object(&ctx.driver, &mut ctx.vertex_input);
@@ -97,7 +97,7 @@ pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)
     Some((format, Source { start: source.start.checked_add(format.offset)?, ..source }, divisor))
 }
 
-/// True if attributes have bindings, which then count, whatever call set them.
+/// True if attributes have bindings. Then all calls set values of bindings.
 pub fn has_bindings(profile: &Profile) -> bool {
     profile.version >= if profile.es { 31 } else { 43 }
 }
@@ -141,7 +141,7 @@ fn ask_divisor(gl: &Gl, profile: &Profile, location: u32, binding: u32) -> i32 {
     }
 }
 
-/// One integer of an attribute.
+/// Returns one integer of an attribute.
 fn ask(gl: &Gl, location: u32, name: u32) -> i32 {
     let mut value = 0;
     // SAFETY: writes one integer; the location is one of a linked program's, or 0.
@@ -149,7 +149,7 @@ fn ask(gl: &Gl, location: u32, name: u32) -> i32 {
     value
 }
 
-/// One integer of a binding.
+/// Returns one integer of a binding.
 fn ask_binding(gl: &Gl, binding: u32, name: u32) -> i32 {
     let mut value = 0;
     // SAFETY: writes one integer; the binding is an attribute's.

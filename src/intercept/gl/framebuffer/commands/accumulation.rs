@@ -1,4 +1,4 @@
-//! `glAccum`: motion blur and the like, of all views at once.
+//! The accumulation buffer (`glAccum`, for example for motion blur), of all views at once.
 
 use crate::backend::gl::accumulation::{Accumulation, Operation};
 use crate::backend::gl::driver::api;
@@ -10,9 +10,9 @@ use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::log;
 
-/// Returns the parts of the atlas that an operation on the program's window reaches: all of it, or
-/// the parts of the program's own pictures that lie within its scissor. A scissor around most of
-/// the window is taken for the whole, as for clears.
+/// Returns the parts of the atlas that an operation on the program's window affects: the whole
+/// atlas, or the parts of the program's own pictures within the scissor. As for clears, a scissor
+/// around most of the window counts as the whole window.
 fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     let Some(target) = ctx.drawable.target() else { return Vec::new() };
     let window = target.size();
@@ -24,14 +24,14 @@ fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     tiles.map(|(tile, _)| ctx.app.scissor.moved_into(tile)).collect()
 }
 
-/// Runs `work` with the buffer, which is made when it is first needed.
+/// Runs `work` with the accumulation buffer, which is created at its first use.
 fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     ctx.driver.take_errors();
     let gl = ctx.driver.gl;
     let surface = ctx.drawable.target().map(|t| t.session.surface_size());
     let size = surface.map_or((0, 0), |(width, height)| (width as i32, height as i32));
-    // The tiles moved: what was accumulated is lost, for a frame.
+    // The tiles have moved, so the accumulated pictures are lost for one frame.
     if let Some(old) = ctx.drawable.accumulation.take_if(|old| old.size() != size) {
         old.destroy(gl);
     }
@@ -44,12 +44,12 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
             work(ctx, &buffer);
             ctx.drawable.accumulation = Some(buffer);
         }
-        Err(error) => log::once(&format!("what the program accumulates is left out: {error}")),
+        Err(error) => log::once(&format!("the program's accumulation buffer has no effect: {error}")),
     }
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// True if the window has such a buffer, which is then ours.
+/// True if the window has an accumulation buffer, which Cupola replaces then.
 fn is_ours(ctx: &Context) -> bool {
     ctx.redirected() && ctx.drawable.target().is_some_and(|t| t.config().accumulation_bits > 0)
 }
@@ -62,7 +62,7 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
         api::GL_MULT => Operation::Multiply,
         api::GL_RETURN => Operation::Return,
         _ => {
-            // SAFETY: an error of the program's, for the driver to say.
+            // SAFETY: an error of the program, which the driver reports.
             unsafe { ctx.driver.gl.accum(name, value) };
             return;
         }

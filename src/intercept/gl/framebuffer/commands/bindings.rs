@@ -1,4 +1,4 @@
-//! Framebuffers: the program's 0 is ours; bindings and attachments.
+//! Framebuffer bindings and attachments. The stand-in image replaces the program's framebuffer 0.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
@@ -7,19 +7,20 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::commands::window_answers;
 use crate::intercept::gl::offscreen::view_copies;
 
-/// Binds what the program's framebuffer `name` stands for.
+/// Binds the program's framebuffer `name`, or the stand-in image for the window.
 pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let was_redirected = ctx.redirected();
     let ours = ctx.drawable.target().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
     let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
-    // SAFETY: the program's own call, with our framebuffer in place of its window's.
+    // SAFETY: the program's own call, with the stand-in framebuffer instead of the window's.
     unsafe { ctx.driver.gl.bind_framebuffer(target, real) };
     let asked = if draws { api::GL_DRAW_FRAMEBUFFER_BINDING } else { api::GL_READ_FRAMEBUFFER_BINDING };
     if (draws || reads) && integer(ctx.driver.gl, asked) != real as i32 {
-        // The driver refuses names that it has not made, in a core profile, and all between glBegin
-        // and glEnd, where it answers nothing either. Nothing has changed.
+        // In a core profile the driver refuses names that it has not created. Between glBegin and
+        // glEnd it refuses the call, and does not answer the question either. In both cases the
+        // binding has not changed.
         return;
     }
     if reads && name == 0 && ctx.drawable.reads_elsewhere {
@@ -38,8 +39,8 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     }
 }
 
-/// Attaches an image to what is bound at `target`; to the window nothing can be attached, as its
-/// own framebuffer says.
+/// Attaches an image to the framebuffer that is bound at `target`. For the window the window's own
+/// framebuffer gets the call, and reports that nothing can be attached.
 fn attach(ctx: &mut Context, target: u32, run: impl FnOnce(&Gl)) {
     let changed = if target == api::GL_READ_FRAMEBUFFER { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
     view_copies::forget(ctx, changed);
@@ -68,7 +69,8 @@ hooks! {
             view_copies::delete(ctx, *name);
         }
         gl.delete_framebuffers(count, names);
-        // Deleting the bound framebuffer binds the window's, which is ours.
+        // After deletion of the bound framebuffer the window is bound, so the stand-in framebuffer
+        // is needed.
         if ctx.app.draw_framebuffer != 0 && deleted.contains(&ctx.app.draw_framebuffer) {
             bind(ctx, api::GL_DRAW_FRAMEBUFFER, 0);
         }

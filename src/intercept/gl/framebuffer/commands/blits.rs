@@ -12,7 +12,7 @@ use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 
-/// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
+/// Copies a rectangle into the window: onto the flat panel and into the program's own picture.
 pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
     if transfers::blit(ctx, source, destination, mask, filter) {
@@ -48,7 +48,7 @@ pub fn blit(ctx: &mut Context, mut source: Corners, destination: Corners, mask: 
     let Some(target) = ctx.drawable.target() else { return };
     let in_turn = target.session.turns().is_some() && transfers::fills_window(&ctx.drawable, destination);
     let tiles = match target.own_picture().filter(|_| in_turn) {
-        // It shows what the program has made of the view.
+        // The copied picture is the program's result for the present view.
         Some(tile) => [Some((tile, false)), None, None],
         None => target.flat_tiles(),
     };

@@ -14,7 +14,7 @@ use crate::intercept::gl::per_view::culling::cleared_views;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 
-/// A clear of the program: of everything that is its picture. `true`: of every view.
+/// Runs a clear of the program in all tiles that it affects. Returns true if it affects every view.
 pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
     let gl = ctx.driver.gl;
     if let Some(target) = ctx.drawable.target_mut().filter(|_| cleared.color) {
@@ -31,7 +31,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     let Some(target) = ctx.drawable.target() else { return false };
     let window = target.size();
     let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
-    // A scissor around (most of) the window is how many programs say "my viewport".
+    // Many programs set a scissor around (most of) the window and mean the whole viewport.
     let whole = part.is_none_or(|part| part.is_most_of(window));
     let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);
     if whole && (part.is_none() || !own_pictures) {
@@ -46,7 +46,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         return true;
     }
     if whole {
-        // The views as a whole, the program's own pictures to the pixel.
+        // The views are cleared completely, the program's own pictures exactly within the scissor.
         clear_views(ctx, gl, &issue);
         if cleared.color {
             clear_panel(ctx);
@@ -88,7 +88,7 @@ unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
     });
 }
 
-/// A clear of all views but those with the program's own lens.
+/// Runs a clear in all views except those with the program's own lens.
 fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
     let views = ctx.drawable.target().map_or(0, |t| t.session.views().len());
     for view in 0..views {

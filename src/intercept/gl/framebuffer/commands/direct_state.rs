@@ -1,8 +1,9 @@
-//! Framebuffers by their name (OpenGL 4.5): the program's 0 is ours here too.
+//! Framebuffers by name (OpenGL 4.5). Here too the stand-in image replaces the program's
+//! framebuffer 0.
 //!
-//! A command on the window's framebuffer is done by the older command that works on the bound
-//! framebuffer; then the binding is put back. Other framebuffers use the newer command, except
-//! where the scissor has an effect: while the window is bound, the scissor is that of a tile.
+//! For the window's framebuffer Cupola uses the older command, which works on the bound
+//! framebuffer, and then restores the binding. Other framebuffers use the newer command, except if
+//! the scissor has an effect: while the window is bound, the scissor is that of a tile.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -12,7 +13,8 @@ use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::Drawable;
 
-/// Runs `run` with the program's framebuffers bound for drawing and reading; `None` = as it is.
+/// Runs `run` with the program's framebuffers bound for drawing and reading; `None`: this binding
+/// does not change.
 pub(super) fn bound<R>(
     ctx: &mut Context,
     draw: Option<u32>,
@@ -34,24 +36,25 @@ pub(super) fn bound<R>(
     answer
 }
 
-/// True if `name` is the window, and the window is ours.
+/// True if `name` is the window, and the window has a stand-in image.
 pub(super) fn is_window(drawable: &Drawable, name: u32) -> bool {
     name == 0 && drawable.target().is_some()
 }
 
-/// The driver's name of a framebuffer of the program.
+/// Returns the driver's name of a framebuffer of the program.
 pub(super) fn real(ctx: &Context, name: u32) -> u32 {
     ctx.drawable.target().filter(|_| name == 0).map_or(name, |target| target.framebuffer())
 }
 
-/// True if the name is the window, or an object that OpenGL has made: binding it makes none.
+/// True if the name is the window, or an object that exists: then a call to bind it creates no
+/// object.
 fn exists(ctx: &Context, name: u32) -> bool {
     // SAFETY: a question about a name.
     name == 0 || unsafe { ctx.driver.gl.is_framebuffer(name) } != 0
 }
 
-/// Defines all hooks of this file; clears, which differ in the types of their values alone, from a
-/// line each.
+/// Defines all hooks of this file. The hooks of clears differ only in the types of their values, so
+/// each has one line.
 macro_rules! named_framebuffer_hooks {
     ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {
@@ -59,7 +62,7 @@ macro_rules! named_framebuffer_hooks {
                 if ctx.drawable.target().is_none() || !exists(ctx, framebuffer) {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else if ctx.compiling() {
-                    // The older command would become part of the list.
+                    // The older command would become part of the display list.
                     gl.$method(real(ctx, framebuffer), buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {

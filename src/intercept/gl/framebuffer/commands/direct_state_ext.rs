@@ -1,5 +1,6 @@
-//! Framebuffers by their names as of `GL_EXT_direct_state_access`: the program's 0 is ours here
-//! too. Unlike the commands of OpenGL 4.5 these make the object of a name that was only asked for.
+//! Framebuffers by name with the commands of `GL_EXT_direct_state_access`. Here too the stand-in
+//! image replaces the program's framebuffer 0. Unlike the commands of OpenGL 4.5, these create the
+//! object of a name that was only generated.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::hooks::hooks;

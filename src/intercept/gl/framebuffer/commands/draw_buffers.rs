@@ -1,4 +1,5 @@
-//! Buffers that the program draws to and reads from: front and back of the window are one image.
+//! Buffers that the program draws to and reads from. Front and back buffer of the window are one
+//! image.
 
 use crate::backend::gl::driver::api;
 use crate::backend::gl::driver::values::integer;
@@ -15,20 +16,20 @@ fn is_window_buffer(buffer: u32) -> bool {
     )
 }
 
-/// Returns the attachment of our framebuffer that stands for a buffer of the window. Wrong names
-/// stay wrong.
+/// Returns the attachment of the stand-in framebuffer for a buffer of the window. A wrong name
+/// gives another wrong name.
 fn attachment(buffer: u32) -> u32 {
     match buffer {
         api::GL_NONE => buffer,
         _ if is_window_buffer(buffer) => api::GL_COLOR_ATTACHMENT0,
-        // Names of buffers that this window has not. `GL_BACK` is not valid for our framebuffer
-        // object, so that the driver reports the same error.
+        // This window does not have these buffers. `GL_BACK` is not valid for the stand-in
+        // framebuffer, so the driver reports the same error.
         api::GL_RIGHT
         | api::GL_FRONT_RIGHT
         | api::GL_BACK_RIGHT
         | api::GL_AUX0..=api::GL_AUX3
         | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_BACK,
-        // Let the driver say the error of an unknown name.
+        // The driver reports the error of an unknown name.
         _ => u32::MAX,
     }
 }
@@ -55,7 +56,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     let gl = ctx.driver.gl;
     // SAFETY: the program's own call, translated.
     unsafe {
-        // OpenGL ES knows no other names; the driver reports the error.
+        // OpenGL ES has no other names; the driver reports the error.
         let of_es =
             matches!(buffer, api::GL_NONE | api::GL_BACK | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31);
         if ctx.reads_redirected() && (of_es || !ctx.driver.profile.es) {
@@ -69,7 +70,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     }
 }
 
-/// The error of `glDrawBuffers` with these names for a window with a left image only.
+/// Returns the error of `glDrawBuffers` with these names, for a window without stereo.
 fn error_of(es: bool, names: &[u32]) -> u32 {
     if es {
         let takes = matches!(names, [api::GL_NONE | api::GL_BACK]);
@@ -110,7 +111,7 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
         return;
     }
     let mut translated = [api::GL_NONE; 16];
-    // Front and back are one image here.
+    // Front and back buffer are one image here.
     if let Some(place) = names.iter().position(|name| *name != api::GL_NONE) {
         translated[place] = api::GL_COLOR_ATTACHMENT0;
     }
@@ -118,7 +119,7 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
     if is_window_buffer(first) || first == api::GL_NONE {
         ctx.app.draw_buffer = first;
     }
-    // SAFETY: as many names as it says.
+    // SAFETY: the array has at least `count` names.
     unsafe { gl.draw_buffers(count, translated.as_ptr()) };
 }
 
@@ -135,7 +136,7 @@ hooks! {
         } else {
             let mut names = [api::GL_NONE; 16];
             names[..count as usize].copy_from_slice(std::slice::from_raw_parts(buffers, count as usize));
-            // SAFETY: as many names as it says.
+            // SAFETY: the array has `count` names.
             list_recording::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
         }
     };

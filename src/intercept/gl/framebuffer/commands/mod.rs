@@ -1,10 +1,10 @@
-//! Commands of the program on framebuffers and on textures that can be drawn into.
+//! Commands of the program on framebuffers, and on textures that the program can draw to.
 //!
-//! The program's framebuffer 0 is ours ([`bindings`]), its front and back buffer are one image
-//! ([`draw_buffers`]). [`clears`] and [`blits`] go to all views, or to the program's own pictures
-//! in the atlas, as does [`accumulation`]. [`direct_state`] and [`direct_state_ext`] are the same
-//! commands with the framebuffer's name instead of a binding. [`window_answers`] answers questions
-//! about the window; [`textures`] notes which images stop being what they were.
+//! A stand-in image replaces the program's framebuffer 0 ([`bindings`]), its front and back buffer
+//! are one image ([`draw_buffers`]). [`clears`], [`blits`] and [`accumulation`] go to all views, or
+//! to the program's own pictures in the atlas. [`direct_state`] and [`direct_state_ext`] are the
+//! same commands with the framebuffer's name instead of a binding. [`window_answers`] answers
+//! questions about the window. [`textures`] notes changes of images.
 
 pub mod accumulation;
 pub mod bindings;

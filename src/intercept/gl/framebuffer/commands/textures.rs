@@ -1,4 +1,5 @@
-//! The samplers of a program, and images that stop being what they were.
+//! Commands on textures and renderbuffers that change, copy or read images which may have per-view
+//! copies.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -9,12 +10,12 @@ use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::offscreen::{sampling, transfers, view_copies};
 use std::ffi::c_void;
 
-/// The texture that is bound at `target` where images of it are followed; 0 = none.
+/// Returns the texture that is bound at `target` if its images are followed; 0 = none.
 fn bound(ctx: &Context, target: u32) -> u32 {
     if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(&ctx.driver, target) } else { 0 }
 }
 
-/// A level of a texture is given a size, and texels where `filled`.
+/// Handles a call that sets the size of a texture level. `filled`: the call also sets its texels.
 fn specified(ctx: &mut Context, texture: u32, level: i32, size: [i32; 2], issue: impl FnOnce(), filled: bool) {
     let same = texture != 0 && view_copies::is_alike(ctx, texture, level, size);
     if texture != 0 && !same {
@@ -26,14 +27,14 @@ fn specified(ctx: &mut Context, texture: u32, level: i32, size: [i32; 2], issue:
     }
 }
 
-/// A texture gets storage that is new in any case.
+/// Notes that a texture gets new storage.
 fn stored(ctx: &mut Context, texture: u32) {
     if texture != 0 {
         view_copies::forget_texture(ctx, texture);
     }
 }
 
-/// The renderbuffer that is bound gets storage.
+/// Notes that the bound renderbuffer gets new storage.
 fn stored_bound_renderbuffer(ctx: &mut Context) {
     if ctx.view_copies.any() {
         let mut renderbuffer = 0;
@@ -43,7 +44,8 @@ fn stored_bound_renderbuffer(ctx: &mut Context) {
     }
 }
 
-/// A copy from the read framebuffer into a level of a texture, which may be one for each view.
+/// Handles a copy from the read framebuffer into a level of a texture. Both may have per-view
+/// copies.
 fn copied(
     ctx: &mut Context,
     texture: u32,
@@ -128,7 +130,7 @@ hooks! {
                 view_copies::forget_texture(ctx, texture);
             }
             copied(ctx, texture, level, [0, 0], LowerLeftRect::new(x, y, w, h), |ctx| {
-                // SAFETY: the program's own call, moved to where its picture is.
+                // SAFETY: the program's own call, with the coordinates of its picture in the atlas.
                 read_back::read(ctx, LowerLeftRect::new(x, y, w, h), true, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
             });
         });
@@ -145,7 +147,7 @@ hooks! {
         });
     "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
         if ctx.compiling() {
-            // Mesa executes it; another driver makes it a part of the list.
+            // Mesa executes the call at once; another driver makes it part of the display list.
             gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h);
         } else {
             copied(ctx, texture, level, [dx, dy], LowerLeftRect::new(x, y, w, h), |ctx| {

@@ -5,13 +5,14 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::offscreen::view_copies;
 
-/// True if `target` is the window, which is ours.
+/// True if the window is bound at `target`, and the window has a stand-in image.
 fn is_window(ctx: &Context, target: u32) -> bool {
     if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() }
 }
 
-/// Runs a command on what is bound at `target`; for the window that is its own framebuffer, which
-/// has the program's errors and answers. Nothing that the program drew is there.
+/// Runs a command on the framebuffer that is bound at `target`. For the window the window's own
+/// framebuffer is used, which gives the errors and answers that the program expects. It has no
+/// drawing of the program.
 pub(super) fn with_own<R>(ctx: &Context, target: u32, run: impl FnOnce(&Gl) -> R) -> R {
     let gl = ctx.driver.gl;
     let Some(ours) = ctx.drawable.target().filter(|_| is_window(ctx, target)).map(|t| t.framebuffer()) else {
@@ -35,7 +36,7 @@ hooks! {
     "glFramebufferParameteri" framebuffer_parameteri(target: u32, name: u32, value: i32) = |ctx, _gl|
         with_own(ctx, target, |gl| gl.framebuffer_parameteri(target, name, value));
     "glGetFramebufferParameteriv" get_framebuffer_parameteriv(target: u32, name: u32, values: *mut i32) = |ctx, gl|
-        // The window's own framebuffer keeps its read buffer.
+        // The window's own framebuffer still has its first read buffer.
         if ctx.app.read_buffer == api::GL_NONE && READ_PARAMETERS.contains(&name) {
             gl.get_framebuffer_parameteriv(target, name, values);
         } else {
@@ -52,10 +53,10 @@ hooks! {
 /// `glGetFramebufferAttachmentParameteriv`.
 ///
 /// # Safety
-/// `values` must be null or a place for one number, as the program promises OpenGL.
+/// `values` must be null or point at memory for one number, as the program promises OpenGL.
 pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
     view_copies::leave(ctx);
-    // SAFETY: the program's own call, with a place for one number.
+    // SAFETY: the program's own call, with memory for one number.
     with_own(ctx, target, |gl| unsafe {
         gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
     });

@@ -14,8 +14,8 @@ use crate::rig::{Camera, Filter, Transfer};
 use crate::runtime::session::{Frustum, Session};
 use glam::DMat3;
 
-/// Fills the tile of the program's own picture from the views, for a read that comes before
-/// anything was drawn to it.
+/// Fills the tile of the program's own picture from the views. Needed for the first read, as
+/// nothing was drawn to the tile before.
 pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
@@ -28,7 +28,7 @@ pub fn fill_primary(ctx: &mut Context) {
         let plan = own_picture(&ctx.frame, &target.session, directions);
         target.resolve(ctx, Some(LowerLeftRect::of_size(plan.views.atlas)));
         if !target.lenses.is_empty() {
-            // Pictures of outputs are no views that a pass could sample.
+            // These views are pictures of outputs, which a pass cannot sample.
             first_read_color::fill(&ctx.driver, &target, directions);
         } else if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
             log::once(&format!("the first picture that the program reads is black: {error}"));
@@ -39,8 +39,9 @@ pub fn fill_primary(ctx: &mut Context) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the
-/// viewer's axes, as far as −1 along the program's. None before the program's lens is known.
+/// Returns the matrix from a pixel of the program's own picture (−1…1 to the right and up, 1) to
+/// its direction in the viewer's axes. The direction has the length at which it reaches −1 along
+/// the program's axis. `None`: the program's lens is not known yet.
 pub(in crate::intercept::gl) fn own_directions(frame: &Frame, camera: &Camera) -> Option<DMat3> {
     let lens = frame.lens?;
     let zoom = camera.zoom;
@@ -58,7 +59,7 @@ pub(in crate::intercept::gl) fn own_directions(frame: &Frame, camera: &Camera) -
     Some(crate::runtime::session::camera_rotation(camera) * tangents)
 }
 
-/// The pass that shows what the program's own lens sees, from the same views.
+/// Returns the pass that draws the picture of the program's own lens from the same views.
 pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, directions: DMat3) -> Plan {
     let (plan, size) = (session.plan(), session.window());
     let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };

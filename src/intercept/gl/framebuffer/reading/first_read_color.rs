@@ -1,6 +1,5 @@
-//! Colours of the program's own picture for a read that comes before anything was drawn to it,
-//! where views are pictures of outputs: each pixel takes that of the texel that shows its
-//! direction, with the flat panel over it.
+//! Colours of the program's own picture for its first read, if the views are pictures of outputs.
+//! Each pixel gets the texel that shows its direction, with the flat panel over it.
 
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
@@ -9,9 +8,9 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::gl::state::driver::Driver;
 use glam::{DMat3, DVec3};
 
-/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in
-/// the viewer's axes. The views must be drawn and, where they have several samples, resolved. What
-/// no output shows is black.
+/// Fills the primary tile. `directions`: matrix from a pixel (−1…1 to the right and up, 1) to its
+/// direction in the viewer's axes. The views must be drawn and, if they have several samples,
+/// resolved. Directions that no output shows become black.
 pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     let Some(primary) = target.primary() else { return };
     let [width, height] = primary.size();
@@ -37,7 +36,7 @@ pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
             let along = |start: u32, texels: u32, part: f64| start + (part * f64::from(texels)) as u32;
             texel((along(tile.x, tile.width, right), along(tile.y, tile.height, up)))
         });
-        // The panel is premultiplied.
+        // The colours of the panel are multiplied by its alpha already.
         let over = |i: usize| (flat[i] + (scene[i] * (255 - flat[3]) + 127) / 255).min(255) as u8;
         u32::from_ne_bytes([over(0), over(1), over(2), 255])
     };
@@ -46,8 +45,8 @@ pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     first_read_depth::write(driver.gl, target, primary, Content::Color, &pixels);
 }
 
-/// Fills the primary tile before a scene was drawn. The views hold what the program cleared, all
-/// the same; over it lies the panel, with its own depth.
+/// Fills the primary tile before a scene was drawn. All views have the colour of the program's
+/// clear. The panel is over it, with its own depth.
 pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
     let (gl, session) = (ctx.driver.gl, &target.session);
     let Some(primary) = target.primary() else { return };
@@ -60,7 +59,8 @@ pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
     let under = cleared.to_ne_bytes().map(u16::from);
     let count = width as usize * height as usize;
     let colours = match session.panel() {
-        // The panel is premultiplied, and as large as the window.
+        // The colours of the panel are multiplied by its alpha already. The panel is as large as
+        // the window.
         Some(tile) if tile.size() == primary.size() => {
             let over = |flat: u32| {
                 let flat = flat.to_ne_bytes().map(u16::from);
@@ -73,7 +73,7 @@ pub fn fill_flat(ctx: &Context, target: &DefaultFramebuffer) {
         _ => vec![cleared; count],
     };
     first_read_depth::write(gl, target, primary, Content::Color, &colours);
-    // OpenGL ES lets nobody read depth, the program neither.
+    // OpenGL ES cannot read depth, so the program cannot read it either.
     if session.panel().is_none() && !ctx.driver.profile.es {
         let [depth] = first_read_depth::read(gl, atlas, centre, Content::DepthStencil)[..] else { return };
         first_read_depth::write(gl, target, primary, Content::DepthStencil, &vec![depth; count]);

@@ -1,6 +1,5 @@
-//! Depth and stencil of the program's own picture for a read that comes before anything was drawn
-//! to it: each pixel takes those of the view that shows its direction, from the texel that it falls
-//! into.
+//! Depth and stencil of the program's own picture for its first read. Each pixel gets the values of
+//! one texel, from the view that shows its direction.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct;
@@ -14,17 +13,17 @@ use crate::runtime::session::ClipRows;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
-/// Greatest depth of the format.
+/// Greatest depth in 24 bits.
 const DEEPEST: u32 = (1 << 24) - 1;
 
-/// The texel of an empty window.
+/// Depth and stencil of an empty window.
 const EMPTY: u32 = DEEPEST << 8;
 
-/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in
-/// the viewer's axes, as far as −1 along the program's. The views must be drawn and, where they
-/// have several samples, resolved.
+/// Fills the primary tile. `directions`: matrix from a pixel (−1…1 to the right and up, 1) to its
+/// direction in the viewer's axes. The direction has the length at which it reaches −1 along the
+/// program's axis. The views must be drawn and, if they have several samples, resolved.
 pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directions: DMat3) {
-    // OpenGL ES lets nobody read depth, the program neither.
+    // OpenGL ES cannot read depth, so the program cannot read it either.
     let (Some(lens), Some(primary), false) = (frame.lens, target.primary(), driver.profile.es) else {
         return;
     };
@@ -62,7 +61,7 @@ pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directi
     write(gl, target, primary, Content::DepthStencil, &pixels);
 }
 
-/// Kind of values that a tile is filled with.
+/// Kind of values in a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// 24 bits of depth, 8 of stencil.
@@ -72,7 +71,8 @@ pub enum Content {
 }
 
 impl Content {
-    /// Format, type, and format of a texture; attachment, and bits of a copy.
+    /// Returns format and type of the texels and the format of a texture, then attachment and bits
+    /// for a copy.
     fn names(self) -> ([u32; 3], [u32; 2]) {
         match self {
             Self::DepthStencil => (
@@ -87,14 +87,15 @@ impl Content {
     }
 }
 
-/// The texel of a view that shows a direction, if it answers for it, and how many times as far it
-/// is drawn as it is along the program's axis.
+/// Returns the texel of a view that shows a direction, and the ratio of the point's depth along the
+/// view's axis to its depth along the program's axis. `None`: the direction does not belong to this
+/// view.
 pub fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
     let seen = view.rotation * direction;
     let Tile { x, y, width, height } = view.tile;
     let texel = |part: f64, texels: u32| ((part * f64::from(texels)) as u32).min(texels.saturating_sub(1));
     if let Some(map) = &view.curved {
-        // The picture of an output, where depth is the distance.
+        // In the picture of an output the depth is the distance.
         let at = map.shown(seen)?;
         return Some(((x + texel(0.5 + 0.5 * at.x, width), y + texel(0.5 + 0.5 * at.y, height)), direction.length()));
     }
@@ -106,17 +107,17 @@ pub fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
     shown.then_some(((column, line), -seen.z))
 }
 
-/// Relation of stored depths to those of clip space.
+/// Relation of stored depths to depths in clip space.
 #[derive(Clone, Copy)]
 struct Depths {
-    /// Stored values of the normalised depths −1 (or 0, if the program set that) and 1.
+    /// Stored values of the normalised depths −1 (or 0, as the program has set it) and 1.
     range: [f64; 2],
-    /// The normalised depth of the nearest.
+    /// Normalised depth of the nearest point.
     least: f64,
 }
 
 impl Depths {
-    /// As the program has them now; None where all depths are stored as one.
+    /// Returns the program's present relation. `None`: all depths have the same stored value.
     fn of(gl: &Gl) -> Option<Self> {
         let mut range = [0.0f32, 1.0];
         let mut mode = 0;
@@ -131,9 +132,9 @@ impl Depths {
         (range[0] != range[1]).then_some(Self { range: range.map(f64::from), least })
     }
 
-    /// Returns the value that the program's own picture stores for `texel` of a view, whose point
-    /// is `farther` times as far along the view's axis as along the program's. A texel to which
-    /// nothing was drawn stays so.
+    /// Returns the value that the program's own picture stores for `texel` of a view. `farther`:
+    /// ratio of the point's depth along the view's axis to its depth along the program's axis. The
+    /// value of a cleared texel does not change.
     fn own(&self, texel: u32, rows: &ClipRows, farther: f64) -> u32 {
         let (depth, stencil) = (texel >> 8, texel & 0xff);
         if depth == 0 || depth == DEEPEST {
@@ -155,13 +156,13 @@ pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) ->
     let mut texels = vec![EMPTY; width as usize * height as usize];
     let ([format, kind, _], _) = content.names();
     read_pixels::while_reading(gl, framebuffer, || {
-        // SAFETY: the array has room for just these texels of four bytes.
+        // SAFETY: the array has space for exactly these texels of four bytes.
         unsafe { gl.read_pixels(x, y, width, height, format, kind, texels.as_mut_ptr().cast()) };
     });
     texels
 }
 
-/// Puts content into a tile of the window's picture. Everything that is touched is put back.
+/// Writes content into a tile of the stand-in image. Restores all state that it changes.
 pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content: Content, pixels: &[u32]) {
     let [width, height] = tile.size();
     let [x0, y0, x1, y1] = tile.corners();
@@ -169,7 +170,7 @@ pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content:
     let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {
         let start = pixels.as_ptr().cast();
-        // SAFETY: the array holds just as many texels, one after the other.
+        // SAFETY: the array has exactly this number of texels, without gaps.
         unsafe {
             gl.bind_texture(api::GL_TEXTURE_2D, texture);
             gl.tex_image2_d(api::GL_TEXTURE_2D, 0, internal as i32, width, height, 0, format, kind, start);

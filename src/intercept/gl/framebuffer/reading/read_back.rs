@@ -1,7 +1,7 @@
-//! Reads of a program from its window. They come from the primary picture, which is its own.
+//! Reads of a program from its window. They read the primary view.
 //!
-//! Beside that picture lie others. Memory of the program for pixels outside of its window is not
-//! written.
+//! Other tiles of the atlas are next to this view. So reads are limited to the window, and the
+//! program's memory for pixels outside the window is not written.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -16,8 +16,8 @@ use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use std::ffi::c_void;
 
-/// Binds what the program's reads of `part` of its window come from. Returns where the program's
-/// picture begins in it. `alpha`: the read takes alpha, too.
+/// Binds the framebuffer for the program's reads of `part` of its window. Returns the origin of the
+/// program's picture in it. `alpha`: the read includes alpha.
 pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] {
     let own_picture = DefaultFramebuffer::own_picture;
     if ctx.drawable.target().is_some_and(|t| own_picture(t).is_none()) {
@@ -34,25 +34,25 @@ pub fn prepare(ctx: &mut Context, part: LowerLeftRect, alpha: bool) -> [i32; 2] 
     tile.origin()
 }
 
-/// Puts back the read framebuffer that [`prepare`] replaced.
+/// Restores the read framebuffer that [`prepare`] replaced.
 pub fn finish(ctx: &mut Context) {
     if ctx.reads_redirected()
         && let Some(target) = ctx.drawable.target().filter(|target| target.resolved.is_some())
     {
-        // SAFETY: what the program's window stands for.
+        // SAFETY: binds the stand-in framebuffer for the program's window.
         unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
     }
 }
 
-/// Runs a read of the program, with its rectangle's origin moved to where its picture is.
+/// Runs a read of the program, with the origin of its rectangle moved to the tile of its picture.
 pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl FnOnce(i32, i32) -> R) -> R {
     let [x, y] = part.origin();
     if !ctx.reads_redirected() {
         view_copies::before_reading_framebuffer(ctx);
         return issue(x, y);
     }
-    // What is read while a list is compiled is no part of the list, and so are the calls that make
-    // it ready.
+    // A read during compilation is not part of the display list. The calls that prepare it must not
+    // become part of the list either.
     let compiling = list_recording::pause(ctx);
     let origin = prepare(ctx, part, alpha);
     if compiling {
@@ -63,16 +63,15 @@ pub fn read<R>(ctx: &mut Context, part: LowerLeftRect, alpha: bool, issue: impl 
     answer
 }
 
-/// The part of a rectangle that lies in the window, if that is not all of it. Sizes below 0 are
-/// errors, for the driver to say.
+/// Returns the part of a rectangle in the window. `None`: all of it is in the window, or a size is
+/// below 0, which is an error that the driver reports.
 fn cut(ctx: &Context, part: LowerLeftRect) -> Option<LowerLeftRect> {
     let window = ctx.drawable.target().filter(|_| ctx.reads_redirected())?.size();
     let inside = part.moved_into(LowerLeftRect::of_size(window));
     (inside != part && part.width >= 0 && part.height >= 0).then_some(inside)
 }
 
-/// Runs a copy into a part of a texture; `issue` gets the rectangle and how far inside of the part
-/// it begins.
+/// Runs a copy into a part of a texture. `issue` gets the rectangle, and its offset in that part.
 pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl FnOnce(LowerLeftRect, [i32; 2])) {
     let inside = cut(ctx, part).unwrap_or(part);
     let moved = [inside.x - part.x, inside.y - part.y];
@@ -96,17 +95,17 @@ fn has_alpha(format: u32) -> bool {
     )
 }
 
-/// `glReadPixels`: memory for pixels outside of the window stays as it is.
+/// `glReadPixels`, without a change of the memory for pixels outside the window.
 fn read_pixels_part(ctx: &mut Context, part: LowerLeftRect, format: u32, issue: impl FnOnce(LowerLeftRect)) {
     const STORE: [u32; 3] = [api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_PIXELS, api::GL_PACK_SKIP_ROWS];
     let gl = ctx.driver.gl;
-    // OpenGL ES 2 has no rows with gaps.
+    // In OpenGL ES 2 there are no gaps between the rows in memory.
     let gaps = !ctx.driver.profile.es || ctx.driver.profile.version >= 30;
     let Some(inside) = cut(ctx, part).filter(|_| gaps) else {
         return read(ctx, part, has_alpha(format), |x, y| issue(LowerLeftRect { x, y, ..part }));
     };
     let mut before = [0; 3];
-    // SAFETY: numbers that the version has; put back below.
+    // SAFETY: state that this version has; restored below.
     unsafe {
         for (value, name) in before.iter_mut().zip(STORE) {
             gl.get_integerv(name, value);
@@ -140,7 +139,7 @@ hooks! {
     "glCopyTexImage1D" copy_tex_image1_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, border: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
-            // SAFETY: the program's own call, moved to where its picture is.
+            // SAFETY: the program's own call, with the coordinates of its picture in the atlas.
             read(ctx, LowerLeftRect::new(x, y, w, 1), true, |x, y| unsafe { gl.copy_tex_image1_d(target, level, format, x, y, w, border) });
         });
     "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, _gl|

@@ -1,4 +1,4 @@
-//! The samples of the atlas, resolved for reads; and its alpha, for windows without one.
+//! Resolves the samples of the atlas for reads, and sets its alpha for windows without alpha.
 
 use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
@@ -6,8 +6,8 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, Ready};
 
-/// Resolves the samples of `part`, and gives it the alpha of a window without one, where that is
-/// needed and not done.
+/// Resolves the samples of `part` and, if the window has no alpha, sets alpha to 1. Does each only
+/// if it is needed and not yet done.
 pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
     let Some(target) = ctx.drawable.target() else { return };
     let opaque = alpha && target.config.alpha_bits == 0;
@@ -28,8 +28,9 @@ pub fn make_ready(ctx: &mut Context, part: LowerLeftRect, alpha: bool) {
     }
 }
 
-/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the
-/// program's own picture the correction takes the colours only.
+/// Sets alpha to 1 in the stand-in image, as reads of a window without alpha return. The drawing of
+/// the program may have left other values there. The correction takes only the colours of the
+/// program's own picture, so alpha may change.
 fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
     let gl = ctx.driver.gl;
     let Some(target) = ctx.drawable.target() else { return };
@@ -53,7 +54,7 @@ fn make_opaque(ctx: &mut Context, part: LowerLeftRect) {
 }
 
 impl DefaultFramebuffer {
-    /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
+    /// Resolves the samples of `part`, or of the whole atlas. Restores the program's bindings.
     pub fn resolve(&self, ctx: &Context, part: Option<LowerLeftRect>) {
         let Some(resolved) = &self.resolved else { return };
         self.ready.set(None);

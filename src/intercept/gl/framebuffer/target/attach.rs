@@ -1,5 +1,5 @@
-//! Puts the atlas of the rig's views in the place of a window's framebuffer, and follows the window
-//! and the rig file.
+//! Replaces a window's framebuffer by the atlas of the rig's views, and follows the window and the
+//! rig file.
 
 use crate::backend::gl::KnownState;
 use crate::backend::gl::driver::api::{self, Gl};
@@ -14,7 +14,8 @@ use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
 
-/// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
+/// Replaces the window's framebuffer by the stand-in. If that fails, the program keeps the
+/// window's.
 pub fn attach(ctx: &mut Context, extras: Extras) {
     let Some(settings) = settings::settings() else { return };
     let Some(window) = ctx.drawable.window.clone() else { return };
@@ -33,21 +34,21 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// Puts a new one, which is cleared, in place of the window's framebuffer.
+/// Replaces the window's framebuffer by a new stand-in, and clears it.
 fn put(ctx: &mut Context, target: DefaultFramebuffer) {
     ctx.frame.counts.linked += target.backend.linked();
     ctx.drawable.put_target(Box::new(target));
     adopt(ctx);
     let gl = ctx.driver.gl;
-    // SAFETY: state of Cupola and of our framebuffer.
+    // SAFETY: state of Cupola and of the stand-in framebuffer.
     unsafe {
         ctx.set_scissor(None);
         clear_everything(gl);
     }
 }
 
-/// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or
-/// made, everything stays.
+/// Uses the present content of the rig file. Must be called between frames. If the rig cannot be
+/// planned, or its images cannot be made, nothing changes.
 pub fn follow_rig(ctx: &mut Context) {
     let version = live::version();
     if ctx.drawable.target().is_none_or(|target| target.version == version) {
@@ -73,13 +74,13 @@ pub fn follow_rig(ctx: &mut Context) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// Greatest number of times that a window gets the size that was asked for after the program gave
-/// it another one.
+/// Greatest number of times that Cupola gives a window the requested size again after the program
+/// has changed it.
 const MOST_RESIZED: u32 = 3;
 
-/// Looks at the window, and plans anew where it has another size than the plan. Only between
-/// frames. A window that keeps its own picture is not looked at: that would be a question to the
-/// display in each frame.
+/// Examines the window, and makes a new plan if the window's size is not that of the plan. Must be
+/// called between frames. A window without a stand-in is not examined, since this would be a
+/// question to the display in each frame.
 pub fn follow_size(ctx: &mut Context) {
     if ctx.drawable.target().is_none() {
         ctx.drawable.occluded = false;
@@ -108,7 +109,7 @@ pub fn follow_size(ctx: &mut Context) {
     }
 }
 
-/// Puts what stood for a window earlier in its place again, if the window is still of that kind.
+/// Uses an earlier stand-in of a window again, if the window still has the same configuration.
 pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
     ctx.driver.take_errors();
     if target.config == Config::of_window(ctx.driver.gl, &ctx.driver.profile, window) {
@@ -120,7 +121,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// Goes on with a picture that another context of the group began.
+/// Continues a picture that another context of the group began.
 pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
     ctx.driver.take_errors();
     match target.rehome(ctx.driver.gl) {
@@ -130,7 +131,7 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
             ctx.frame.begun = true;
         }
         Err(error) => {
-            log::once(&format!("what another context drew to this window is lost: {error}"));
+            log::once(&format!("drawing of another context to this window is lost: {error}"));
             target.destroy(ctx.driver.gl);
             attach(ctx, Extras::default());
         }
@@ -138,7 +139,7 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
-/// Makes the rest of the context fit a new target.
+/// Adapts the rest of the context to a new stand-in.
 pub fn adopt(ctx: &mut Context) {
     view_copies::leave(ctx);
     ctx.driver.forget_window_space(u32::MAX);
@@ -148,7 +149,7 @@ pub fn adopt(ctx: &mut Context) {
     ctx.frame.background.clear();
     let Some(target) = ctx.drawable.target() else { return };
     let framebuffer = target.framebuffer();
-    // SAFETY: binds our framebuffer where the program's window is bound.
+    // SAFETY: binds the stand-in framebuffer where the program has bound its window.
     unsafe {
         if ctx.app.read_framebuffer == 0 {
             ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.drawable.window_for_reading());
@@ -162,8 +163,8 @@ pub fn adopt(ctx: &mut Context) {
     }
 }
 
-/// Plans anew for a program with this number of draws in a frame. Earlier drawing of the frame is
-/// lost.
+/// Plans the views again for a program with this number of draws in a frame. Earlier drawing of the
+/// frame is lost.
 pub fn plan_for(ctx: &mut Context, draws: u32) {
     let Some(old) = ctx.drawable.take_target() else { return };
     let extras = Extras { draws: Some(draws), ..old.extras() };
@@ -176,14 +177,14 @@ pub fn plan_for(ctx: &mut Context, draws: u32) {
         }
         Ok(_) => ctx.drawable.put_target(old),
         Err(error) => {
-            log::once(&format!("the views stay as they are: {error}"));
+            log::once(&format!("the views are not adapted to the program's number of draws: {error}"));
             ctx.drawable.put_target(old);
         }
     }
 }
 
 /// # Safety
-/// Our framebuffer must be bound for drawing, with the scissor test off.
+/// The stand-in framebuffer must be bound for drawing, with the scissor test off.
 pub unsafe fn clear_everything(gl: &Gl) {
     clear_transparent(gl, &KnownState::default());
     let mut depth = 0u8;

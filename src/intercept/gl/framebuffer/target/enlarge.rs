@@ -1,4 +1,4 @@
-//! More tiles in the atlas: the panel and the program's own picture, from their first use on.
+//! More tiles in the atlas: the panel and the program's own picture, at their first use.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
@@ -10,7 +10,7 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::log;
 use crate::runtime::session::Extras;
 
-/// Reserves the flat panel, from its first use on.
+/// Adds the flat panel at its first use.
 pub fn want_panel(ctx: &mut Context) {
     let needed = ctx
         .drawable
@@ -21,7 +21,7 @@ pub fn want_panel(ctx: &mut Context) {
     }
 }
 
-/// Plans anew with more tiles; what is drawn already moves to its new place.
+/// Makes a new plan with more tiles. Earlier drawing moves to its new tiles.
 pub fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     enlarge_now(&mut OwnCalls::begin(ctx), add);
 }
@@ -53,7 +53,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
             old.destroy(gl);
         }
         Err(error) => {
-            log::once(&format!("flat drawing is left out: {error}"));
+            log::once(&format!("the flat panel, or the picture for reads of the window, cannot be made: {error}"));
             ctx.drawable.put_target(old);
         }
     }
@@ -61,10 +61,10 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
 }
 
 /// # Safety
-/// Both framebuffers must live; the caller puts the bindings back.
+/// Both framebuffers must exist. The caller restores the bindings.
 unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer) {
     if old.surface.samples() > 0 && gl.is_es() {
-        // Multisampled pictures cannot be copied to another place; the next frame draws them.
+        // Multisampled pictures cannot be copied to another position. The next frame draws them.
         return;
     }
     let tiles = |t: &DefaultFramebuffer| {
@@ -73,7 +73,7 @@ unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer
     };
     let (from, mut to) = (tiles(old), tiles(new));
     if from.len() > 2 && new.session.primary().is_some() && old.session.primary().is_none() {
-        // A new primary picture begins with the flat one, which it contains.
+        // The primary view is new: it begins with the content of the panel.
         let last = to.len() - 1;
         to[last] = None;
     }

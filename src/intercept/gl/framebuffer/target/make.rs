@@ -19,13 +19,13 @@ use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// Pictures that stand for a window.
+/// Surfaces that replace a window.
 struct Surfaces {
     /// Surface to which the program draws.
     drawn: Surface,
-    /// The same with one sample per pixel, where it has several.
+    /// Copy with one sample per pixel, if the surface has several.
     resolved: Option<Surface>,
-    /// The atlas, where the views are drawn in turn.
+    /// The atlas, if the views are drawn in turn.
     collected: Option<Surface>,
 }
 
@@ -64,8 +64,8 @@ impl Surfaces {
 }
 
 impl DefaultFramebuffer {
-    /// For a window of the program, with the rig as its file is now. It takes the place of `old`,
-    /// whose shaders it takes over where they are the same; on an error `old` keeps them.
+    /// Makes a stand-in for a window of the program, with the present rig. It takes over the
+    /// shaders of `old` that are still valid. After an error `old` keeps them.
     pub fn new(
         ctx: &Context,
         window: &Window,
@@ -77,7 +77,7 @@ impl DefaultFramebuffer {
         let profile = &ctx.driver.profile;
         if let Some(name) = gl.missing_command(profile.es, profile.version) {
             let (major, minor) = (profile.version / 10, profile.version % 10);
-            let message = format!("the driver says that it has OpenGL {major}.{minor}, and has no {name}");
+            let message = format!("the driver reports OpenGL {major}.{minor}, but does not have {name}");
             return Err(Error::new(ErrorKind::Graphics, message));
         }
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
@@ -85,8 +85,8 @@ impl DefaultFramebuffer {
         let mut session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
         if live.rig.views.duplicate == Duplicate::InTurn && perspective {
-            // The panel has its place from the start: views that were collected would be lost with
-            // the old atlas.
+            // The panel exists from the start. If it were added later, views that were collected in
+            // the old atlas would be lost.
             session = session.with(Extras { panel: true, ..extras })?.in_turn();
         }
         let config = Config::of_window(gl, &ctx.driver.profile, window);
@@ -117,7 +117,7 @@ impl DefaultFramebuffer {
                 return Err(error);
             }
         };
-        // In turn the window's own corners lie there.
+        // If the views are drawn in turn, the corners of the program's window are in these areas.
         let closed = match session.turns() {
             Some(_) => Vec::new(),
             None => unsampled_areas::prepare(gl, &mut backend, session.plan()),
@@ -145,7 +145,7 @@ impl DefaultFramebuffer {
         })
     }
 
-    /// The same with more tiles.
+    /// Returns the same stand-in with more tiles.
     pub fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
         let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, self.version, None)?;
         new.issued.clone_from(&self.issued);

@@ -1,10 +1,10 @@
-//! Number of draws in a frame of the program. It decides the number of views, since each view costs
-//! that many draws.
+//! Number of draws in a frame of the program. It decides the number of views, since each draw is
+//! issued once per view.
 //!
-//! The first plan is for a program of a thousand draws. Once the number has been steady for some
-//! frames, the views are planned anew for it, at a clear that begins a frame, so that nothing that
-//! was drawn is lost. It happens once. The number is that of the program's own draws, whether or
-//! not some of them are left out of views: draws that are left out never change a picture.
+//! The first plan is for a program with a thousand draws. When the number has been steady for some
+//! frames, the views are planned again for it. This happens once, at a clear that begins a frame,
+//! so no drawing is lost. The number includes draws that are left out of views, since they never
+//! change a picture.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
@@ -14,8 +14,7 @@ use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::driver::Driver;
 
-/// The program clears its window. If nothing of what is there can be seen afterwards, this is the
-/// moment for other views.
+/// Plans again at a clear of the window, if the clear removes everything that was drawn before.
 pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
     let begins = !ctx.frame.begun && ctx.redirected() && !ctx.app.picking && !ctx.app.scissor_test;
     let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.frame.draw_count.stencil);
@@ -28,7 +27,7 @@ pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
     }
 }
 
-/// True if a clear reaches all of colour and depth.
+/// True if a clear writes all of colour and depth.
 fn writes_all(driver: &Driver, app: &AppState) -> bool {
     let (mut color, mut depth) = ([0u8; 4], 0u8);
     // SAFETY: writes four values, and one.

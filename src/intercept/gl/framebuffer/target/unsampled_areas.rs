@@ -1,14 +1,14 @@
-//! The parts of views that no output samples: closed by their depth, so that nothing is shaded
-//! there.
+//! Parts of views that no output samples. They are closed by their depth, so that no fragment is
+//! shaded there.
 //!
-//! A program that clears the depth of its window starts a picture; right after that those parts get
-//! the nearest depth, and what is drawn there fails the depth test before it is shaded. Whatever
-//! the program's depth function, range and clear value are, no pixel of an output changes, because
-//! none reads there: with `GL_ALWAYS`, without a depth test or with a function turned round in the
-//! middle of a frame the parts are merely drawn as before. Reads of the program come from its own
-//! picture, which is not closed. What it counts with occlusion queries are then samples that the
-//! audience can see. Not closed are copies of a program's own framebuffers: what it makes of them
-//! (a blur, say) may read beyond the border of what is sampled.
+//! A program that clears the depth of its window starts a picture. Right after that these parts get
+//! the nearest depth, so drawing there fails the depth test before it is shaded. No pixel of an
+//! output changes, since no output samples these parts. This is independent of the program's depth
+//! function, range and clear value. With `GL_ALWAYS`, without a depth test, or if the function is
+//! reversed in the middle of a frame, these parts are drawn as before. Reads of the program come
+//! from its own picture, which is not closed. Its occlusion queries then count only samples that
+//! the audience can see. Copies of the program's own framebuffers are not closed: the program may
+//! process them (a blur, for example) and read beyond the border of the sampled part.
 
 use crate::backend::gl::GlBackend;
 use crate::backend::gl::driver::api::{self, Gl};
@@ -30,42 +30,43 @@ pub struct Cleared {
 }
 
 impl Cleared {
-    /// By `glClear`.
+    /// Parts that `glClear` clears.
     pub fn by_mask(ctx: &Context, mask: u32) -> Self {
         let depth = mask & api::GL_DEPTH_BUFFER_BIT != 0;
         let value = || if ctx.redirected() { ctx.driver.known_state.clear_depth(ctx.driver.gl) } else { 1.0 };
         Self { color: mask & api::GL_COLOR_BUFFER_BIT != 0, depth: depth.then(value) }
     }
 
-    /// By `glClearBufferfv`, with its arguments.
+    /// Parts that `glClearBufferfv` clears.
     ///
     /// # Safety
-    /// `value` must be null or point at what is cleared to, as the program promises OpenGL.
+    /// `value` must be null or point at the clear value, as the program promises OpenGL.
     pub unsafe fn by_floats(buffer: u32, _index: i32, value: *const f32) -> Self {
         // SAFETY: as promised; a depth is one number.
         let depth = if buffer == api::GL_DEPTH && !value.is_null() { Some(unsafe { *value }) } else { None };
         Self { color: buffer == api::GL_COLOR, depth }
     }
 
-    /// By `glClearBufferiv` and `glClearBufferuiv`, with their arguments.
+    /// Parts that `glClearBufferiv` and `glClearBufferuiv` clear.
     pub fn by_integers<T>(buffer: u32, _index: i32, _value: *const T) -> Self {
         Self { color: buffer == api::GL_COLOR, depth: None }
     }
 
-    /// By `glClearBufferfi`, with its arguments.
+    /// Parts that `glClearBufferfi` clears.
     pub fn by_pair(buffer: u32, _index: i32, depth: f32, _stencil: i32) -> Self {
         Self { color: false, depth: (buffer == api::GL_DEPTH_STENCIL).then_some(depth) }
     }
 }
 
-/// The least part of all views' texels that has to be unsampled for closing to pay.
+/// Closing is useful only if at least this share of all views' texels is unsampled.
 const LEAST_PART: f64 = 0.04;
 
-/// As many texels at least: closing costs as much as shading some ten thousand simple ones.
+/// Closing is useful only from this number of texels on: it costs as much as shading some ten
+/// thousand simple texels.
 const LEAST_TEXELS: u64 = 1 << 17;
 
-/// Gives the backend what is to be closed of a plan; how many texels of each view that is, empty
-/// for nothing.
+/// Gives the backend the areas of a plan that are to be closed. Returns the number of their texels
+/// in each view; empty if nothing is closed.
 pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     let mask = settings::settings().map_or(Mask::Never, |settings| settings.mask);
     let unsampled =
@@ -78,13 +79,13 @@ pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     match backend.prepare_unsampled(gl, &unsampled.concat(), plan.views.atlas) {
         Ok(()) => texels,
         Err(error) => {
-            log::once(&format!("what no output samples is drawn all the same: {error}"));
+            log::once(&format!("areas that no output samples are drawn, too: {error}"));
             Vec::new()
         }
     }
 }
 
-/// True if `unsampled` texels of `all` are to be closed.
+/// True if `unsampled` of `all` texels are to be closed.
 fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
     match mask {
         Mask::Always => unsampled > 0,
@@ -93,9 +94,9 @@ fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
     }
 }
 
-/// The program cleared all of its window's depth to `cleared`.
+/// Closes the unsampled areas after the program has cleared all of its window's depth to `cleared`.
 pub fn close(ctx: &mut Context, cleared: f32) {
-    // Feedback that cannot be paused would record our rectangles.
+    // Transform feedback without a pause would record Cupola's rectangles.
     if ctx.drawable.target().is_none_or(|t| t.closed().is_empty())
         || ctx.app.feedback && !ctx.driver.gl.has_pause_transform_feedback()
     {

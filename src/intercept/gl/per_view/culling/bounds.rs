@@ -1,18 +1,19 @@
-//! Boxes around vertices, and whether a view can show any point of one.
+//! Boxes around vertices, and tests whether a view can show any point of a box.
 
 use crate::intercept::gl::per_view::culling::position::{Transform, View};
 
-/// Greatest error of the driver's products of 32-bit numbers, as a part of the sum of the terms'
-/// sizes: five roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
+/// Greatest rounding error of the driver's products of 32-bit numbers, divided by the sum of the
+/// terms' absolute values: five roundings of 2⁻²⁴ for each of up to ten matrices, times more than
+/// three for safety.
 const ROUNDING: f64 = 1e-5;
 
-/// A box after a product of matrices.
+/// Box after a product of matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
     middle: [f64; 4],
-    /// Half of its edges.
+    /// Half of each edge.
     edges: [[f64; 4]; 3],
-    /// The greatest sums of the terms' sizes.
+    /// Greatest sums of the terms' absolute values.
     sizes: [f64; 4],
 }
 
@@ -34,7 +35,8 @@ impl Placed {
         placed
     }
 
-    /// The least of a linear form over the box, and how far 32-bit numbers may be off it.
+    /// Returns the least value of a linear form over the box, and the greatest error of 32-bit
+    /// numbers.
     fn least(&self, form: &[f64; 4], form_sizes: &[f64; 4]) -> (f64, f64) {
         let reach: f64 = self.edges.iter().map(|edge| product(form, edge).abs()).sum();
         (product(form, &self.middle) - reach, ROUNDING * product(form_sizes, &self.sizes))
@@ -45,13 +47,14 @@ fn product(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// True if no point of the box comes into the picture of a `view`, nor `beside` it (in parts of
+/// Returns true if no point of the box is in the picture of a `view` or within `beside` of it (in
+/// units of half the picture's width and height).
 /// half the picture's width and height).
 ///
-/// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 +
-/// beside)·w`. These are linear, so that holds for points behind the eye as well. Near and far
-/// planes are not looked at: the program may have switched their clipping off. `false` in all cases
-/// of doubt, such as numbers that are not finite.
+/// The box is outside if all of it is beyond one of the four planes `±x = (1 + beside)·w`. The
+/// planes are linear, so this holds for points behind the eye as well. Near and far planes do not
+/// count, as the program may have switched off their clipping. Returns false in all cases of doubt,
+/// such as numbers that are not finite.
 pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
     (0..2).any(|axis| {
         let out = 1.0 + beside[axis];
@@ -64,9 +67,9 @@ pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
     })
 }
 
-/// The part of the picture of a `view` (left, bottom, right, top; the picture is −1…1) that holds
-/// all that can be seen of the box. `None` where the box reaches behind the eye, so that it may be
-/// seen anywhere.
+/// Returns the part of the picture of a `view` that contains the visible points of the box (left,
+/// bottom, right, top; the picture is −1…1). `None`: the box reaches behind the eye, so it may be
+/// visible anywhere.
 pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
     let error: [f64; 3] = std::array::from_fn(|row| ROUNDING * product(&view.sizes[row], &placed.sizes));
     let middle: [f64; 3] = std::array::from_fn(|row| product(&view.rows[row], &placed.middle));
@@ -81,7 +84,7 @@ pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
             )
         };
         let w = along(2) - error[2];
-        // Nearer to the eye, errors grow beyond measure.
+        // Nearer to the eye the errors have no useful limit.
         if w.is_nan() || w <= 4.0 * error[2] {
             return None;
         }
@@ -91,8 +94,7 @@ pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
             if !at.is_finite() {
                 return None;
             }
-            // With w at its least a point may be taken farther out than it is, and at its greatest
-            // farther in.
+            // The least w gives a point too far outward, the greatest w one too far inward.
             let inner = along(axis) / (w + 2.0 * error[2]);
             part[axis] = part[axis].min(at.min(inner) - off);
             part[axis + 2] = part[axis + 2].max(at.max(inner) + off);
@@ -107,7 +109,7 @@ mod tests {
     use crate::intercept::gl::state::draw::bounds::Bounds;
     use crate::testing::random::Random;
 
-    /// Of a projection after a model-view matrix.
+    /// Does the same as the function under test, for a projection after a model-view matrix.
     fn outside(
         projection: &[f64; 16],
         model_view: &[f64; 16],
@@ -123,10 +125,10 @@ mod tests {
     }
 
     const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    /// 90° in both directions, looking along −z.
+    /// Field of view of 90° in both directions, looking along −z.
     const RIGHT_ANGLE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0, -0.2, 0.0];
 
-    /// Random numbers in −1…1, the same in every run.
+    /// Returns a source of random numbers in −1…1, the same in every run.
     fn numbers() -> impl FnMut() -> f64 {
         let mut random = Random::new(1);
         move || random.range(-1.0, 1.0)
@@ -138,7 +140,7 @@ mod tests {
         assert!(!gone([-1.0, -1.0, -3.0], [1.0, 1.0, -2.0]));
         assert!(gone([-1.0, -1.0, 2.0], [1.0, 1.0, 3.0]));
         assert!(gone([9.0, -1.0, -3.0], [10.0, 1.0, -2.0]));
-        // Around the eye, and across a border.
+        // A box around the eye, and a box across a border.
         assert!(!gone([-1.0; 3], [1.0; 3]));
         assert!(!gone([1.0, -1.0, -2.0], [9.0, 1.0, -1.5]));
     }
@@ -150,7 +152,7 @@ mod tests {
         assert!(!gone([0.1, 0.0]));
     }
 
-    /// The part that is computed for a box holds all of the box, and is not much larger.
+    /// The computed part contains all of the box, and is not much larger.
     #[test]
     fn the_part_of_a_box_holds_all_of_it() {
         let mut number = numbers();
@@ -177,7 +179,7 @@ mod tests {
         assert!(part.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{part:?}");
     }
 
-    /// No vertex of a box that is left out is in the picture; and boxes are left out at all.
+    /// No vertex of a box that is left out is in the picture. Some boxes are left out.
     #[test]
     fn nothing_visible_is_left_out() {
         let mut number = numbers();

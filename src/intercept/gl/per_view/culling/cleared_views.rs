@@ -1,15 +1,16 @@
-//! Views that hold nothing but the colour of the last clear, and where others hold more: their part
-//! of the correction is that colour, but for where something was drawn.
+//! Views that contain only the clear colour, or other colours in a part only. The correction takes
+//! the clear colour where nothing was drawn.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 
-/// The program cleared all views' colours by `glClear`, to what it has set to have set.
+/// Notes that the program cleared the colour of all views by `glClear`, with its present clear
+/// state.
 pub fn note_clear(ctx: &mut Context) {
     let unconditional = ctx.queries.condition.is_none() && !ctx.app.discard && ctx.app.draw_buffer != api::GL_NONE;
     let (gl, state) = (ctx.driver.gl, &ctx.driver.known_state);
     let srgb = ctx.drawable.target().is_some_and(|t| t.config().srgb);
-    // OpenGL ES converts wherever the window can.
+    // OpenGL ES always converts to sRGB if the window supports it.
     let converts = srgb && (ctx.driver.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
     let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
     let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
@@ -18,7 +19,7 @@ pub fn note_clear(ctx: &mut Context) {
     }
 }
 
-/// A colour as 8 bits hold it. `None` where the driver may round either way.
+/// Returns the colour as 8 bits store it. `None`: the driver may round up or down.
 fn stored(color: [f32; 3]) -> Option<[f32; 3]> {
     let steps = color.map(|c| 255.0 * c.clamp(0.0, 1.0));
     let certain = steps.iter().all(|s| (s - s.round()).abs() < 0.49);

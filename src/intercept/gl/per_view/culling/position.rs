@@ -1,4 +1,4 @@
-//! Transformation of a draw's positions to clip coordinates: an array and matrices.
+//! Transformation of a draw's positions to clip coordinates: the array of positions, and matrices.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
@@ -10,12 +10,12 @@ use crate::intercept::gl::state::shader::programs::{Array, Factor, Position, Pro
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
 
-/// A product of matrices, column by column.
+/// Product of matrices, in columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Transform {
     /// The product.
     pub matrix: [f64; 16],
-    /// The product of the entries' sizes, which bounds how far 32-bit numbers may be off.
+    /// Product of the entries' absolute values, which limits the error of 32-bit numbers.
     pub sizes: [f64; 16],
 }
 
@@ -25,12 +25,12 @@ impl Transform {
         Self { matrix, sizes: matrix }
     };
 
-    /// A matrix.
+    /// Returns the transformation by one matrix.
     pub fn of(matrix: &[f64; 16]) -> Self {
         Self { matrix: *matrix, sizes: matrix.map(f64::abs) }
     }
 
-    /// `self` after `first`.
+    /// Returns the transformation by `first` and then `self`.
     pub fn after(&self, first: &Self) -> Self {
         Self { matrix: multiply(&self.matrix, &first.matrix), sizes: multiply(&self.sizes, &first.sizes) }
     }
@@ -39,20 +39,21 @@ impl Transform {
 /// Transformation from eye or clip coordinates of the program to clip coordinates of a view.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// The rows of x, y and w.
+    /// Rows of x, y and w.
     pub rows: [[f64; 4]; 3],
-    /// Their entries' sizes, as in [`Transform`].
+    /// Absolute values of the entries, as in [`Transform`].
     pub sizes: [[f64; 4]; 3],
 }
 
 impl View {
-    /// By a matrix, column by column.
+    /// Returns the transformation by a matrix in columns.
     pub fn of(matrix: &[f64; 16]) -> Self {
         let rows = [0, 1, 3].map(|row| std::array::from_fn(|column| matrix[4 * column + row]));
         Self { rows, sizes: rows.map(|row: [f64; 4]| row.map(f64::abs)) }
     }
 
-    /// By the rows that a patched shader re-projects by (`shader::source::patch`).
+    /// Returns the transformation that a patched shader applies with these rows
+    /// (`shader::source::patch`).
     pub fn of_rows(matrix: &ReprojectionMatrix) -> Self {
         let e = f64::from(matrix.depth.pole);
         let rows = [matrix.x, matrix.y, matrix.w].map(|row| row.map(f64::from));
@@ -63,12 +64,12 @@ impl View {
     }
 }
 
-/// The array of positions of what is drawn now, and how many of its components count; `None`: not
-/// known.
+/// Returns the array of positions of the next draw, and the number of components that it uses.
+/// `None`: not known.
 pub fn array(ctx: &Context) -> Option<(Array, usize)> {
     match ctx.shaders.program.as_ref().filter(|program| program.draws_vertices()) {
         Some(program) => {
-            // In a pipeline a stage of another program may come after it.
+            // In a pipeline a stage of another program may follow and change the position.
             let position = program.position.as_ref().filter(|_| ctx.shaders.pipelines.used == program.name)?;
             Some((position.array, position.components))
         }
@@ -76,8 +77,8 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
     }
 }
 
-/// Returns the transformation from positions of the scene at `class` to the program's eye or clip
-/// coordinates, whichever the views' own transforms start from; `None`: not known.
+/// Returns the transformation from positions to the program's eye or clip coordinates, from which
+/// the transformations of the views start (see [`of_view`]). `None`: not known.
 pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
     match class {
         DrawClass::FixedScene => {
@@ -111,7 +112,8 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
     Some(product)
 }
 
-/// Returns the transformation from there to the clip coordinates of the view `index`.
+/// Returns the transformation from the coordinates of [`transform`] to the clip coordinates of the
+/// view `index`.
 pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -> Option<View> {
     match class {
         DrawClass::FixedScene => compat.projection.per_view.get(index).map(View::of),
@@ -120,7 +122,8 @@ pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -
     }
 }
 
-/// Returns the transformation from there to the clip coordinates of the program's own picture.
+/// Returns the transformation from the coordinates of [`transform`] to the clip coordinates of the
+/// program's own picture.
 pub fn of_own_picture(compat: &Compat, class: DrawClass) -> Option<View> {
     match class {
         DrawClass::FixedScene => Some(View::of(&compat.projection.matrix)),
@@ -134,7 +137,7 @@ mod tests {
     use super::View;
     use crate::correct::projected::matrices::ReprojectionMatrix;
 
-    /// The epilogue of patched shaders, step by step.
+    /// Compares the rows with the epilogue of patched shaders, step by step.
     #[test]
     fn rows_become_those_that_shaders_apply() {
         let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);

@@ -1,9 +1,10 @@
-//! Leaves out draws from the views that cannot show them.
+//! Selection of the views that a draw is issued to.
 //!
-//! Only where that is proven: vertices whose places are known, and matrices that are known, be it
-//! the fixed-function pipeline's or those of a shader whose text says what it does with them
-//! (`shader::source::prover`). Everything else goes to every view. Views that got nothing are not
-//! corrected either ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
+//! A draw is left out of a view only if it is proven that the view cannot show it. The proof needs
+//! known vertices and known matrices: those of the fixed-function pipeline, or those of a shader
+//! whose text was analysed (`shader::source::prover`). All other draws go to every view. Views
+//! without any draw are not corrected either
+//! ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
 
 use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::intercept::gl::context::gl_context::Context;
@@ -15,16 +16,16 @@ use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::runtime::session::Session;
 
-/// True if draws may be left out at all.
+/// True if the settings allow to leave out draws.
 pub fn enabled() -> bool {
     crate::intercept::settings::settings().is_some_and(|s| s.cull)
 }
 
-/// The views of the window that can show a draw of `class` of vertices within `bounds`, which are
-/// asked for where they may matter.
+/// Returns the views of the window that can show a draw of `class` with vertices within `bounds`.
+/// `bounds` is called only if the box may matter.
 ///
-/// A draw that no view shows still goes to the last one where it `changes` state, or where more
-/// than its picture counts (transform feedback).
+/// A draw that no view shows still goes to the last view if it `changes` state, or if it is
+/// recorded by transform feedback.
 pub fn views(
     ctx: &mut Context,
     class: DrawClass,
@@ -53,7 +54,8 @@ pub fn views(
     Views { seen: at_least(&ctx.app, seen, count, changes), bounded: true }
 }
 
-/// As [`views`], for a draw to a framebuffer of the program's: a view's part of it is its viewport.
+/// Does the same as [`views`] for a draw to a framebuffer of the program. There each view's tile is
+/// the viewport.
 pub fn views_off_screen(
     ctx: &mut Context,
     class: DrawClass,
@@ -68,33 +70,34 @@ pub fn views_off_screen(
     Views { seen: at_least(&ctx.app, seen, count, changes), bounded: false }
 }
 
-/// The views that show a draw, or the last of them where it must not be lost.
+/// Returns the views that show a draw. If there are none but the draw must be issued, returns the
+/// last view.
 fn at_least(app: &AppState, seen: u64, count: usize, changes: Changes) -> u64 {
     let needed = seen == 0 && (changes != Changes::Nothing || app.feedback);
     if needed { 1 << (count.max(1) - 1) } else { seen }
 }
 
-/// A draw of which it is known where it comes to be.
+/// Draw whose position is known.
 struct Known {
     class: DrawClass,
-    /// Around its vertices, where the views' own transforms start from.
+    /// Box around the vertices, in the coordinates from which the views' own transformations start.
     placed: Placed,
-    /// Width in pixels of the border around a view in which a draw still matters to it.
+    /// Width, in pixels, of the border around a view in which drawing still affects the view.
     spread: f64,
 }
 
-/// Part of a draw that a view shows.
+/// What a view shows of a draw.
 struct Look {
-    /// Transformation of its vertices to the view; `None`: not known.
+    /// Transformation of the vertices to the view; `None`: not known.
     view: Option<View>,
-    /// The view shows nothing of it.
+    /// True if the view shows nothing of the draw.
     unseen: bool,
 }
 
 impl Known {
     fn of(ctx: &mut Context, class: DrawClass, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
         let spread = ctx.draw.max_width.spread();
-        // Where a picture is curved, a box is not what is around its corners.
+        // In a curved picture the corners of a box do not limit what lies between them.
         let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
         if !enabled() || !spread.is_finite() || curved {
             return None;
@@ -107,7 +110,7 @@ impl Known {
         Some(Self { class, placed, spread })
     }
 
-    /// Looks from the view `index`, whose picture has this size in pixels.
+    /// Tests the view `index`, whose picture has `size` pixels.
     fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
         let (_, own_lens) = session.tile(index);
         let view = position::of_view(&ctx.compat, &ctx.frame, self.class, index).filter(|_| !own_lens);
@@ -117,7 +120,7 @@ impl Known {
     }
 }
 
-/// Notes where a draw is in the program's own picture.
+/// Counts draws beside the program's own picture, and draws across its border.
 fn note_place(ctx: &mut Context, class: DrawClass, placed: &Placed) {
     if ctx.frame.culling_program.is_decided() {
         return;
@@ -131,8 +134,8 @@ fn note_place(ctx: &mut Context, class: DrawClass, placed: &Placed) {
     }
 }
 
-/// The texels of the atlas within `spread` of a part of a picture (left, bottom, right, top; −1…1),
-/// as far as they are the tile's, or so near to it that a wide line may reach them.
+/// Returns the texels of the atlas within `spread` of a part of a picture (left, bottom, right,
+/// top; −1…1). They lie in the tile, or so close to it that a wide line may reach them.
 fn texels([left, bottom, right, top]: [f64; 4], tile: LowerLeftRect, spread: f64) -> TexelSpan {
     let along = |at: f64, start: i32, length: i32| {
         let length = f64::from(length);

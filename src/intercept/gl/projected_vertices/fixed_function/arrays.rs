@@ -1,7 +1,7 @@
-//! The conventional arrays of a draw, read so that the processor can divide what is drawn.
+//! The conventional arrays of a draw, read so that the processor can divide the primitives.
 //!
-//! Triangles and lines from buffers are left to a geometry stage where there is one: to read them
-//! back the processor would have to wait.
+//! Triangles and lines from buffers are left to a geometry stage if there is one: the processor
+//! would have to wait for a read-back.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
@@ -17,10 +17,10 @@ use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width};
 use crate::intercept::gl::vertex_input::vertex_arrays;
 use std::ffi::c_void;
 
-/// Larger arrays are not read.
+/// Greatest number of bytes of an array that is read.
 const MOST_BYTES: usize = ranges::MOST_BYTES;
 
-/// An array that is on.
+/// An enabled array.
 struct Array {
     attribute: Option<Attribute>,
     buffer: u32,
@@ -29,18 +29,18 @@ struct Array {
     stride: usize,
     kind: u32,
     components: usize,
-    /// Integers stand for parts of 1.
+    /// True if integers are fractions of 1.
     normalised: bool,
 }
 
-/// OpenGL's names of the parts of an array's state.
+/// OpenGL's names of the state of an array.
 struct Names {
     switch: u32,
     pointer: u32,
     kind: u32,
     stride: u32,
     buffer: u32,
-    /// None where there is one component only, or three.
+    /// `None` if the array always has one component, or always three.
     size: Option<u32>,
     components: usize,
     normalised: bool,
@@ -68,7 +68,7 @@ const TEXTURE: Names = Names {
     normalised: false,
 };
 
-/// Those with one array each.
+/// Attributes with one array each.
 const OTHERS: [(Attribute, Names); 4] = [
     (
         Attribute::Color,
@@ -124,8 +124,8 @@ const OTHERS: [(Attribute, Names); 4] = [
     ),
 ];
 
-/// The vertices of a draw of `mode`, if the processor has to divide it; an error where it should,
-/// but cannot.
+/// Returns the vertices of a draw of `mode` if the processor has to divide it; an error if it
+/// cannot.
 ///
 /// # Safety
 /// The program's arrays must hold `range`, as it promises OpenGL.
@@ -138,7 +138,7 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
         return None;
     }
     let mut arrays = vec![array(ctx.driver.gl, &POSITION, None)?];
-    // The stage takes these primitives as they are.
+    // The geometry stage handles these primitives directly.
     let taken = mode <= api::GL_TRIANGLE_FAN && ctx.driver.profile.version >= 32 && !ctx.compiling();
     if arrays[0].buffer != 0 && taken {
         return None;
@@ -147,7 +147,7 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
     textures(ctx.driver.gl, &mut arrays);
     // SAFETY: as promised.
     let read = unsafe { vertices(ctx, mode, &arrays, range) };
-    Some(read.ok_or("a program's arrays cannot be read to be divided"))
+    Some(read.ok_or("a program's vertex arrays cannot be read"))
 }
 
 fn array(gl: &Gl, names: &Names, attribute: Option<Attribute>) -> Option<Array> {
@@ -176,7 +176,7 @@ fn array(gl: &Gl, names: &Names, attribute: Option<Attribute>) -> Option<Array> 
     Some(Array { attribute, buffer, start: start as usize, stride, kind, components, normalised })
 }
 
-/// The arrays of texture coordinates, one for each unit.
+/// Adds the arrays of texture coordinates, one for each unit.
 fn textures(gl: &Gl, arrays: &mut Vec<Array>) {
     let (mut active, mut units) = (0, 0);
     // SAFETY: writes one integer each; the active unit is put back.
@@ -224,7 +224,7 @@ unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range)
     (assembly::fills(mode) || mode <= api::GL_LINE_STRIP).then_some(Vertices { mode, attributes, values })
 }
 
-/// The numbers of the vertices of a draw.
+/// Returns the numbers of the vertices of a draw.
 ///
 /// # Safety
 /// As for [`read`].
@@ -249,7 +249,7 @@ unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
             };
             let start = read.as_ref().map_or(indices.cast::<u8>(), |bytes| bytes.as_ptr());
             let number = |index: usize| {
-                // SAFETY: `count` indices of this type, as promised or as read.
+                // SAFETY: the memory holds `count` indices of this type, as promised or as read.
                 let number = i64::from(unsafe { index_at(start, kind, index) }) + i64::from(base);
                 usize::try_from(number).ok()
             };
@@ -259,10 +259,10 @@ unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
 }
 
 impl Array {
-    /// The value at `at`; missing numbers as OpenGL has them.
+    /// Returns the value at `at`. Missing components have OpenGL's default values.
     ///
     /// # Safety
-    /// All components there must be readable.
+    /// All components at `at` must be readable.
     unsafe fn value(&self, at: *const u8) -> [f32; 4] {
         let mut value = [0.0, 0.0, 0.0, 1.0];
         let width = width(self.kind).unwrap_or(0);
@@ -275,8 +275,7 @@ impl Array {
     }
 }
 
-/// Returns the part of 1 that an integer stands for in a colour or a normal (OpenGL 2.1, table
-/// 2.9).
+/// Returns the fraction of 1 that an integer means in a colour or a normal (OpenGL 2.1, table 2.9).
 fn part_of_one(value: f64, kind: u32) -> f64 {
     let signed = matches!(kind, api::GL_BYTE | api::GL_SHORT | api::GL_INT);
     let whole = 256f64.powi(width(kind).unwrap_or(1) as i32) - 1.0;

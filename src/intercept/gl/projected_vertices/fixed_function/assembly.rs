@@ -6,21 +6,21 @@ use crate::backend::gl::driver::api;
 /// A triangle of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Triangle {
-    /// The numbers of its vertices, in the order that says which side is the front.
+    /// Numbers of its vertices. Their order determines the front side.
     pub corners: [usize; 3],
-    /// The vertex whose colour it has where colours are flat.
+    /// Vertex whose colour the triangle has if colours are flat.
     pub provoking: usize,
-    /// True for each corner if the edge that begins there is one of the primitive's own.
+    /// True for each corner if the edge that begins there is an edge of the primitive.
     pub own_edges: [bool; 3],
 }
 
 impl Triangle {
-    /// One that ends with its provoking vertex.
+    /// Returns a triangle whose last vertex is the provoking one.
     fn new(a: usize, b: usize, c: usize) -> Self {
         Self { corners: [a, b, c], provoking: c, own_edges: [true; 3] }
     }
 
-    /// The two of a quadrilateral, divided as gallium's drivers do.
+    /// Returns the two triangles of a quadrilateral, divided as gallium's drivers do.
     fn quadrilateral([a, b, c, d]: [usize; 4]) -> [Self; 2] {
         [
             Self { corners: [a, b, d], provoking: d, own_edges: [true, false, true] },
@@ -29,12 +29,12 @@ impl Triangle {
     }
 }
 
-/// True if primitives of `mode` are triangles, or become some.
+/// True if primitives of `mode` are triangles, or are divided into triangles.
 pub fn fills(mode: u32) -> bool {
     matches!(mode, api::GL_TRIANGLES..=api::GL_POLYGON)
 }
 
-/// Calls `each` for the triangles of `count` vertices; incomplete ones are left out.
+/// Calls `each` for the triangles of `count` vertices. Incomplete triangles are left out.
 pub fn triangles(mode: u32, count: usize, mut each: impl FnMut(Triangle)) {
     match mode {
         api::GL_TRIANGLES => (0..count / 3).for_each(|i| each(Triangle::new(3 * i, 3 * i + 1, 3 * i + 2))),
@@ -60,7 +60,8 @@ pub fn triangles(mode: u32, count: usize, mut each: impl FnMut(Triangle)) {
     }
 }
 
-/// Calls `each` for the two ends of each line of `count` vertices; the second is the provoking one.
+/// Calls `each` for the two ends of each line of `count` vertices. The second end is the provoking
+/// vertex.
 pub fn lines(mode: u32, count: usize, mut each: impl FnMut([usize; 2])) {
     match mode {
         api::GL_LINES => (0..count / 2).for_each(|i| each([2 * i, 2 * i + 1])),
@@ -91,10 +92,11 @@ mod tests {
         assert_eq!(corners(api::GL_TRIANGLES, 8), [[0, 1, 2], [3, 4, 5]]);
     }
 
-    /// Seen from the front a quadrilateral's corners, and its triangles', run to the left.
+    /// Seen from the front, the corners of a quadrilateral and of its triangles run
+    /// counterclockwise.
     #[test]
     fn quadrilaterals_keep_their_side_and_their_provoking_vertex() {
-        // A strip's vertices lie to and fro.
+        // The vertices of a strip alternate between its two sides.
         let places = [[0.0, 0.0], [0.0, -1.0], [1.0, 0.0], [1.0, -1.0], [2.0, 0.0], [2.0, -1.0]];
         let area = |corners: [usize; 3]| {
             let [a, b, c] = corners.map(|corner: usize| places[corner]);

@@ -1,7 +1,7 @@
 //! Lines, triangles, quadrilaterals and polygons that are divided on the processor, for one view.
 //!
-//! The positions of the new vertices are the program's own, in between; what stands in for the
-//! pipeline's vertex stage projects them, and lights them, as it does the others.
+//! The positions of the new vertices lie between the program's own positions. The program of Cupola
+//! that replaces the pipeline's vertex stage projects and lights them like all other vertices.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
@@ -19,16 +19,16 @@ struct Divided<'a> {
     gl: &'a Gl,
     vertices: &'a Vertices,
     division: Division,
-    /// Of each vertex where it is seen, lens axes.
+    /// Point at which the viewer sees each vertex, in lens axes.
     seen: Vec<DVec3>,
-    /// A primitive has the colours, and where it is lit the normal, of its provoking vertex.
+    /// True if a primitive has the colours, and with lighting the normal, of its provoking vertex.
     flat: bool,
-    /// Polygons are drawn as outlines.
+    /// True if polygons are drawn as outlines.
     outlined: bool,
     coarse: u64,
 }
 
-/// Draws `vertices` for a view to which `rows` lead. What is current afterwards is not said.
+/// Draws `vertices` for the view of `rows`. The current attribute values are undefined afterwards.
 pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &ReprojectionMatrix) {
     let model_view = ctx.compat.projection.model_view(ctx.driver.gl);
     let clip = projection::multiply(&ctx.compat.projection.matrix, &model_view);
@@ -49,7 +49,7 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
     ctx.projected.fixed_function.coarse += divided.coarse;
 }
 
-/// Draws `vertices` as they are. What is current afterwards is not said.
+/// Draws `vertices` without division. The current attribute values are undefined afterwards.
 pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
     let Ok(vertices) = vertices else { return };
     // SAFETY: Begin and End of Cupola, around vertices with their attributes.
@@ -64,8 +64,8 @@ pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
     }
 }
 
-/// Returns the place in which the viewer sees a vertex of these clip coordinates of the program:
-/// lens axes, the program's units.
+/// Returns the point at which the viewer sees a vertex with these clip coordinates of the program:
+/// in lens axes and the program's units.
 fn seen(rows: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
     let q = z + f64::from(rows.depth.pole) * w;
     let row = |row: [f32; 4]| {
@@ -109,9 +109,10 @@ impl Divided<'_> {
         unsafe { self.gl.end() };
     }
 
-    /// True if the edge between two places of a triangle is a part of an outline of the program's.
+    /// True if the edge between two points of a triangle is part of an outline of the program's
+    /// primitive.
     fn is_outline(&self, triangle: &Triangle, from: DVec3, to: DVec3) -> bool {
-        // Both lie on the edge opposite of a corner whose weight is 0.
+        // Both points are on the edge opposite a corner if that corner's weight is 0 for both.
         let along = (0..3).find(|corner| from[(corner + 2) % 3] == 0.0 && to[(corner + 2) % 3] == 0.0);
         let flag = self.vertices.attributes.iter().position(|attribute| *attribute == Attribute::EdgeFlag);
         along.is_some_and(|edge| {
@@ -121,11 +122,11 @@ impl Divided<'_> {
         })
     }
 
-    /// A vertex between those of these numbers.
+    /// Emits a vertex between the vertices with these numbers.
     fn emit(&self, corners: &[usize], provoking: usize, weights: DVec3, outline: Option<bool>) {
         let between = |value: usize| {
-            // A sum of two terms is the same in any order: what two triangles share is the same
-            // vertex to the bit.
+            // A sum of two terms is the same in any order. So two triangles get exactly the same
+            // vertex on their common edge.
             let mut sum = [0.0f64; 4];
             for (number, weight) in corners.iter().zip(weights.to_array()) {
                 let given = self.vertices.vertex(*number).get(value).copied().unwrap_or_default();

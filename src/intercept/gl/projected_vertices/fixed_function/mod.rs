@@ -1,5 +1,4 @@
-//! The fixed-function pipeline, for which a program of Cupola stands in where vertices are
-//! projected.
+//! The fixed-function pipeline, which a program of Cupola replaces if vertices are projected.
 
 pub mod arrays;
 pub mod assembly;

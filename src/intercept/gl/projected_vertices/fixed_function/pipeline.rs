@@ -9,10 +9,10 @@ use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{
 };
 
 impl Pipeline {
-    /// The switches as they are.
+    /// Returns the present switches.
     ///
     /// # Errors
-    /// A switch that is on and not followed, for the log.
+    /// An enabled switch that Cupola does not support, for the log.
     pub fn read(driver: &Driver) -> Result<Self, &'static str> {
         let (gl, profile) = (driver.gl, &driver.profile);
         if profile.version < 20 {
@@ -71,11 +71,11 @@ fn units(gl: &Gl, profile: &Profile) -> [Option<[Generated; 4]>; UNITS] {
         (api::GL_TEXTURE_RECTANGLE, 31),
     ];
     for (index, unit) in all.iter_mut().enumerate().take(count) {
-        // SAFETY: a unit that there is; the active one is put back.
+        // SAFETY: this unit exists; the active one is put back.
         unsafe { gl.active_texture(api::GL_TEXTURE0 + index as u32) };
         let textured =
             index < fixed && kinds.iter().any(|(kind, version)| profile.version >= *version && is_on(gl, *kind));
-        // An assembly program may read any.
+        // A fragment program in assembly language may read any coordinate.
         if textured || assembly {
             let coordinates =
                 [api::GL_TEXTURE_GEN_S, api::GL_TEXTURE_GEN_T, api::GL_TEXTURE_GEN_R, api::GL_TEXTURE_GEN_Q];

@@ -1,14 +1,14 @@
 //! The fixed-function pipeline's vertex stage as a shader (OpenGL 2.1, sections 2.11 to 2.14), for
 //! one state of its switches.
 //!
-//! The position is the pipeline's own, so that what stands behind it can go on from there. Values
-//! (lights, materials, planes, matrices) are read from GLSL's own uniforms.
+//! The position is the same as that of the pipeline, for the stages that follow. Values (lights,
+//! materials, planes, matrices) come from GLSL's own uniforms.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{Followed, Generated, Lighting, Pipeline};
 use std::fmt::Write;
 
-/// One light's share. Its sources are uniforms, which functions of GLSL 1.20 take by value.
+/// Light of one source. The sources are uniforms, which functions of GLSL 1.20 take by value.
 const SHARE: &str = "void cupola_light(gl_LightSourceParameters light, vec3 eye, vec3 n, vec3 viewer, float shininess, inout vec4 ambient, inout vec4 diffuse, inout vec4 specular) {
 vec3 to = light.position.xyz;
 float strength = 1.0;
@@ -32,7 +32,7 @@ specular += strength * (shininess == 0.0 ? 1.0 : (shine > 0.0 ? pow(shine, shini
 }
 ";
 
-/// The text, without anything that projects to a lens.
+/// Returns the text of the shader, without the projection to a lens.
 pub fn text(pipeline: &Pipeline) -> String {
     let mut text = "#version 120\n".to_owned();
     if pipeline.lighting.is_some() {
@@ -108,7 +108,7 @@ fn light(text: &mut String, lighting: &Lighting) {
     }
 }
 
-/// True if `property` of `face` follows the colour.
+/// True if `property` of `face` follows the current colour.
 fn follows(followed: Followed, face: u32, property: u32) -> bool {
     let both = followed.property == api::GL_AMBIENT_AND_DIFFUSE;
     (followed.face == face || followed.face == api::GL_FRONT_AND_BACK)
@@ -135,7 +135,8 @@ fn coordinates(text: &mut String, pipeline: &Pipeline) {
                 match made {
                     Generated::Object => format!("dot(gl_ObjectPlane{axis}[{unit}], gl_Vertex)"),
                     Generated::Eye => format!("dot(gl_EyePlane{axis}[{unit}], eye)"),
-                    // Only where OpenGL has them; elsewhere the program gets an error.
+                    // OpenGL defines these modes for these coordinates only. For others the program
+                    // gets an error.
                     Generated::Sphere if i < 2 => format!("ball.{}", ["x", "y"][i]),
                     Generated::Reflection if i < 3 => format!("mirrored.{}", ["x", "y", "z"][i]),
                     Generated::Normal if i < 3 => format!("n.{}", ["x", "y", "z"][i]),

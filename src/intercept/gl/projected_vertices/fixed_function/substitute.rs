@@ -1,13 +1,13 @@
-//! The fixed-function pipeline, whose vertices only shaders can project to a lens: a program of
-//! ours stands in for its vertex stage while a draw of the scene is issued.
+//! Replacement of the fixed-function pipeline, since only shaders can project its vertices to a
+//! lens. A program of Cupola replaces the vertex stage while a draw of the scene is issued.
 //!
-//! [`pipeline`] holds the switches of the stage that are on, [`shader_text`] the shader that does
-//! the same. There is a program for each state of the switches that was met. The steps behind the
-//! stage (textures, fog, blending) stay the pipeline's own.
+//! [`pipeline`] has the switches of the stage that are on, [`shader_text`] the shader that does the
+//! same. There is a program for each state of the switches that the application has used. The
+//! stages that follow (textures, fog, blending) are still those of the pipeline.
 //!
 //! If primitives have to be divided, [`vertices`] are read from the recorded commands or from
-//! [`arrays`], become triangles and lines ([`assembly`]) and are given to the driver with the
-//! vertices between them ([`division`]).
+//! [`arrays`] and become triangles and lines ([`assembly`]). The driver gets them together with the
+//! new vertices between them ([`division`]).
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::projected::matrices::LensConstants;
@@ -23,10 +23,10 @@ use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::programs::Program;
 use std::sync::Arc;
 
-/// Puts a program in use that does what the pipeline's vertex stage does.
+/// Uses a program that does the same as the pipeline's vertex stage.
 ///
 /// # Errors
-/// The reason why there is none, for the log.
+/// The reason why there is no such program, for the log.
 pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     if ctx.shaders.program.is_some() || ctx.shaders.pipelines.used != 0 {
         return Err("a program has shaders for fragments only");
@@ -57,7 +57,7 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
         None => make(ctx)?,
     };
     let gl = ctx.driver.gl;
-    // What lighting decides for the pipeline, switches of their own decide for shaders.
+    // The pipeline takes these two settings from its lighting, shaders take them from switches.
     let wanted = [(two_sided, api::GL_VERTEX_PROGRAM_TWO_SIDE), (separate, api::GL_COLOR_SUM)];
     let mut switched = Vec::new();
     // SAFETY: switches of OpenGL 2.0, put back in `end`; a program of Cupola.
@@ -74,12 +74,12 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// The pipeline draws again, if something stood in for it.
+/// Uses the pipeline again, if a program has replaced it.
 pub fn end(ctx: &mut Context) {
     let Some(switched) = ctx.projected.fixed_function.in_use.take() else { return };
     ctx.shaders.program = None;
     ctx.shaders.pipelines.used = 0;
-    // SAFETY: what was so before `begin`.
+    // SAFETY: restores the state before `begin`.
     unsafe {
         for switch in switched {
             ctx.driver.gl.disable(switch);
@@ -88,19 +88,19 @@ pub fn end(ctx: &mut Context) {
     }
 }
 
-/// True if a primitive has the colour of one vertex, and the normal where there is light.
+/// True if a primitive has the colour, and with lighting the normal, of one vertex.
 pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
     matches!(&projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
 }
 
-/// True if the processor has to read the vertices of the next draw of `mode`, so that it can divide
-/// them for some view.
+/// True if the processor has to read the vertices of the next draw of `mode`, in order to divide
+/// them for a view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     divides && !ctx.app.picking && !ctx.app.feedback && ctx.shaders.program.is_none() && mode != api::GL_POINTS
 }
 
-/// Links the program for the switches as they are.
+/// Links the program for the present switches.
 fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     let Some(Ok(pipeline)) = ctx.projected.fixed_function.known.clone() else {
         return Err("the state of the pipeline is not known");
@@ -116,7 +116,7 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     };
     ctx.frame.counts.linked += 1;
     let Some(program) = program.map(Arc::new) else {
-        let reason = "the driver does not link a shader that stands in for the fixed-function pipeline";
+        let reason = "the driver does not link the shader that replaces the fixed-function pipeline";
         ctx.projected.fixed_function.known = Some(Err(reason));
         return Err(reason);
     };
@@ -124,8 +124,8 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     Ok(program)
 }
 
-/// A command that sets a switch: done now, or cut out of the list that is compiled, so that each
-/// draw of the list finds the program for it.
+/// Runs a command that sets a switch. While a display list is compiled, the command becomes an item
+/// of its own, so that each draw of the list gets the right program.
 pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
     if !methods::asked_for() {
         run(ctx.driver.gl);
@@ -137,15 +137,15 @@ pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
     });
 }
 
-/// The first four numbers of an array, or as many as `name` has: planes and colours have four, all
-/// else one.
+/// Returns the first four numbers of an array, or the number that `name` has: planes and colours
+/// have four, all others one.
 ///
 /// # Safety
-/// `values` must hold as many, as the program promises OpenGL.
+/// `values` must hold these numbers, as the program promises OpenGL.
 unsafe fn four<T: Copy + Default>(name: u32, values: *const T) -> [T; 4] {
     let many = [api::GL_OBJECT_PLANE, api::GL_EYE_PLANE, api::GL_FOG_COLOR, api::GL_LIGHT_MODEL_AMBIENT];
     let count = if many.contains(&name) { 4 } else { 1 };
-    // SAFETY: as promised; nothing is said about its alignment.
+    // SAFETY: as promised; the array may be unaligned.
     std::array::from_fn(|i| if i < count { unsafe { values.add(i).read_unaligned() } } else { T::default() })
 }
 

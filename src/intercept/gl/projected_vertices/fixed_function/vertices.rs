@@ -1,4 +1,4 @@
-//! Vertices of the fixed-function pipeline as numbers, so that there can be some between them.
+//! Vertices of the fixed-function pipeline as numbers, from which new vertices can be computed.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
@@ -17,12 +17,12 @@ pub enum Attribute {
     Fog,
     /// The texture coordinates of a unit.
     Texture(u32),
-    /// The flag that the edge to the next vertex is an outline.
+    /// Flag: the edge to the next vertex is part of the outline.
     EdgeFlag,
 }
 
 impl Attribute {
-    /// Returns its current value; missing numbers as OpenGL has them.
+    /// Returns the current value. Missing components have OpenGL's default values.
     pub fn current(self, gl: &Gl) -> [f32; 4] {
         let mut value = [0.0, 0.0, 0.0, 1.0];
         let name = match self {
@@ -48,7 +48,7 @@ impl Attribute {
         value
     }
 
-    /// Sets it for the next vertex.
+    /// Sets the value for the next vertex.
     ///
     /// # Safety
     /// The context of `gl` must be current and have a fixed-function pipeline.
@@ -69,14 +69,14 @@ impl Attribute {
     }
 }
 
-/// The vertices of one draw, with those attributes that differ between them.
+/// Vertices of one draw, with the attributes that differ between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vertices {
     /// `GL_TRIANGLES` and so on.
     pub mode: u32,
-    /// Attributes of each vertex besides its position.
+    /// Attributes of each vertex, in addition to its position.
     pub attributes: Vec<Attribute>,
-    /// Of each vertex its position, then its attributes.
+    /// For each vertex its position, then its attributes.
     pub values: Vec<[f32; 4]>,
 }
 
@@ -86,12 +86,12 @@ impl Vertices {
         self.values.len() / self.stride()
     }
 
-    /// Values from one vertex to the next.
+    /// Returns the number of values per vertex.
     pub fn stride(&self) -> usize {
         1 + self.attributes.len()
     }
 
-    /// Position and attributes of the vertex of this number.
+    /// Returns position and attributes of the vertex with this number.
     pub fn vertex(&self, number: usize) -> &[[f32; 4]] {
         let start = number * self.stride();
         self.values.get(start..start + self.stride()).unwrap_or_default()
@@ -116,7 +116,7 @@ impl Vertices {
             if command.is_vertex() {
                 let plain = command.plain && matches!(command.sets, Sets::Position | Sets::Generic);
                 let value = numbers(&command, false).filter(|_| plain);
-                vertices.values.push(value.ok_or("a program packs vertices, or evaluates them")?);
+                vertices.values.push(value.ok_or("a program uses packed vertices or evaluators")?);
                 vertices.values.extend_from_slice(&now);
             } else if command.sets == Sets::Material && !vertices.values.is_empty() {
                 return Err("a program changes materials between vertices");
@@ -125,7 +125,7 @@ impl Vertices {
                 let value = numbers(&command, normalised).filter(|_| command.plain);
                 let place = vertices.attributes.iter().position(|known| *known == attribute);
                 if let Some(place) = place.and_then(|place| now.get_mut(place)) {
-                    *place = value.ok_or("a program packs the attributes of vertices")?;
+                    *place = value.ok_or("a program uses packed vertex attributes")?;
                 }
             }
         }
@@ -145,13 +145,14 @@ fn of_command(command: &Recorded) -> Option<Attribute> {
             let unit = command.prefix.checked_sub(api::GL_TEXTURE0.into())?;
             Some(Attribute::Texture(u32::try_from(unit).ok()?))
         }
-        // The pipeline reads no others, nor materials and indices from one vertex to the next.
+        // The pipeline does not read other attributes. Materials and indices that change between
+        // vertices are not supported.
         _ => None,
     }
 }
 
-/// Up to four numbers of a command, the others as OpenGL has them. `normalised`: integers stand for
-/// parts of 1.
+/// Returns up to four numbers of a command. The others have OpenGL's default values. `normalised`:
+/// integers are fractions of 1.
 fn numbers(command: &Recorded, normalised: bool) -> Option<[f32; 4]> {
     let mut value = [0.0, 0.0, 0.0, 1.0];
     for (index, number) in value.iter_mut().enumerate().take(command.count) {

@@ -1,9 +1,9 @@
-//! Vertex programs in assembly language (`GL_ARB_vertex_program`) that have their matrix in
+//! Vertex programs in assembly language (`GL_ARB_vertex_program`) that get their matrix in
 //! parameters.
 //!
-//! `text` changes them as `patch` changes shaders; `parameters` finds what may be their matrix.
-//! Programs that take the fixed-function matrices stay as they are: these matrices are replaced for
-//! each view.
+//! `text` changes these programs like `patch` changes shaders. `parameters` finds the parameters
+//! that may be their matrix. Programs that use the fixed-function matrices are not changed: for
+//! each view Cupola replaces these matrices.
 
 mod parameters;
 mod text;
@@ -23,7 +23,7 @@ use std::sync::{Arc, Mutex};
 
 const TARGET: u32 = api::GL_VERTEX_PROGRAM_ARB;
 
-/// Notes which of these programs the next draw goes through.
+/// Notes which of these programs the next draw uses.
 pub fn look(ctx: &mut Context) {
     let in_shader = || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
     if !ctx.app.assembly || in_shader() {
@@ -36,7 +36,7 @@ pub fn look(ctx: &mut Context) {
     }
 }
 
-/// The name of the program that is bound.
+/// Returns the name of the bound program.
 fn bound(ctx: &Context) -> u32 {
     ask(ctx, api::GL_PROGRAM_BINDING_ARB)
 }
@@ -48,7 +48,7 @@ fn ask(ctx: &Context, what: u32) -> u32 {
     u32::try_from(value).unwrap_or(0)
 }
 
-/// The lens that its parameters hold now.
+/// Returns the lens in the present parameters.
 pub fn lens(ctx: &Context, program: &AssemblyProgram) -> Lens {
     let mut values = program.values.locked();
     values.clear();
@@ -77,7 +77,7 @@ pub fn lens(ctx: &Context, program: &AssemblyProgram) -> Lens {
     }
 }
 
-/// Sends `rows` to the program that is bound.
+/// Sends `rows` to the bound program.
 pub fn upload(ctx: &Context, program: &AssemblyProgram, rows: &ReprojectionMatrix) {
     let mut uploaded = program.uploaded.locked();
     if uploaded.as_ref() != Some(rows) {
@@ -89,7 +89,7 @@ pub fn upload(ctx: &Context, program: &AssemblyProgram, rows: &ReprojectionMatri
     }
 }
 
-/// Gives the driver the changed text of the program that is bound. Whether that is done.
+/// Gives the driver the changed text of the bound program. Returns true if the driver accepts it.
 fn define(ctx: &mut Context, name: u32, own_text: &[u8]) -> bool {
     let limit = ask(ctx, api::GL_MAX_PROGRAM_LOCAL_PARAMETERS_ARB);
     let (Ok(source), Some(first_local)) = (std::str::from_utf8(own_text), limit.checked_sub(text::ROWS)) else {
@@ -112,7 +112,7 @@ fn define(ctx: &mut Context, name: u32, own_text: &[u8]) -> bool {
     taken
 }
 
-/// Returns the record of the program that is bound.
+/// Returns the record of the bound program.
 fn record(ctx: &Context, target: u32) -> Option<Arc<AssemblyProgram>> {
     let name = if target == TARGET { bound(ctx) } else { 0 };
     ctx.share.programs.locked().assembly.get(&name).cloned()
@@ -120,7 +120,7 @@ fn record(ctx: &Context, target: u32) -> Option<Arc<AssemblyProgram>> {
 
 hooks! {
     "glProgramStringARB" program_string_arb(target: u32, format: u32, length: i32, string: *const c_void) = |ctx, gl| {
-        // A context's own program, 0, is not one of the group's.
+        // Program 0 belongs to the context, not to the group.
         let name = if target == TARGET { bound(ctx) } else { 0 };
         let readable = name != 0 && format == api::GL_PROGRAM_FORMAT_ASCII_ARB && !string.is_null();
         let text = usize::try_from(length).ok().filter(|_| readable);

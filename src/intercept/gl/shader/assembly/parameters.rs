@@ -6,20 +6,21 @@ use crate::intercept::lens;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::RangeInclusive;
 
-/// Arrays of parameters are not longer.
+/// Greatest length of an array of parameters.
 const LONGEST: u32 = 1024;
 
 /// Values that flow into a position.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Found {
-    /// Parameters of the program or its environment, and how they are used.
+    /// Parameters of the program or its environment, and their uses.
     pub parameters: BTreeMap<Parameter, Uses>,
-    /// The fixed-function matrices do, or what is not understood.
+    /// True if fixed-function matrices flow into the position, or parts of the text are not
+    /// understood.
     pub others: bool,
 }
 
 impl Found {
-    /// Groups of four parameters that follow each other.
+    /// Returns the groups of four consecutive parameters.
     pub fn matrices(&self) -> Vec<ParameterMatrix> {
         let mut found = Vec::new();
         for kind in [Parameter::Environment as fn(u32) -> Parameter, Parameter::Local] {
@@ -41,14 +42,14 @@ enum Source {
     Parameter(Parameter),
     /// State of OpenGL.
     State,
-    /// A variable, or a vertex's attribute.
+    /// A variable, or an attribute of the vertex.
     Name(String),
 }
 
-/// Reads `text`, which has no comments.
+/// Reads `text`, which must have no comments.
 pub fn of_position(text: &str) -> Found {
     let mut program = Program::default();
-    // Behind the header.
+    // The body follows the header.
     let body = text.split_once(|c: char| c.is_whitespace()).map_or("", |(_, body)| body);
     body.split(';').for_each(|statement| program.statement(statement.trim()));
     program.reached()
@@ -60,7 +61,7 @@ struct Program {
     arrays: HashMap<String, Vec<Source>>,
     /// Other names of variables.
     aliases: HashMap<String, String>,
-    /// From each variable to what flows into it.
+    /// For each variable the values that flow into it.
     into: HashMap<String, Vec<(Source, Uses)>>,
     strange: bool,
 }
@@ -101,7 +102,7 @@ impl Program {
         }
     }
 
-    /// The variable that is written by `operand`, `result.position` for that one.
+    /// Returns the variable that `operand` writes, or `result.position`.
     fn variable(&self, operand: &str) -> String {
         let mut name = if operand.starts_with("result.position") { "result.position" } else { base(operand) };
         for _ in 0..8 {
@@ -124,12 +125,12 @@ impl Program {
         let index = index.split(']').next().unwrap_or_default().trim();
         match index.parse::<usize>() {
             Ok(index) => elements.get(index).cloned().into_iter().collect(),
-            // An address; what it leads to is not told apart.
+            // The index is an address. All elements may be meant.
             Err(_) => elements.clone(),
         }
     }
 
-    /// Returns the values that `part` of a list of parameters stands for, an operand included.
+    /// Returns the values of `part`, which is an entry of a list of parameters or an operand.
     fn elements(&mut self, part: &str) -> Vec<Source> {
         let range = |prefix: &str| part.strip_prefix(prefix).and_then(numbers);
         if part.starts_with("program.") {
@@ -172,13 +173,13 @@ impl Program {
     }
 }
 
-/// A name without its index and components.
+/// Returns a name without index and components.
 fn base(operand: &str) -> &str {
     let operand = operand.trim();
     operand.split(['.', '[', ' ']).next().unwrap_or(operand)
 }
 
-/// `[8]` or `[8..11]`.
+/// Returns the numbers of `[8]` or `[8..11]`.
 fn numbers(brackets: &str) -> Option<RangeInclusive<u32>> {
     let inner = brackets.trim().strip_prefix('[')?.split(']').next()?;
     let (first, last) = inner.split_once("..").unwrap_or((inner, inner));

@@ -1,5 +1,5 @@
-//! The change of a vertex program in assembly language: its position goes to a variable, which is
-//! re-projected at its end.
+//! Change of a vertex program in assembly language: its position goes to a variable, and code at
+//! its end re-projects it.
 
 use crate::intercept::gl::shader::assembly::parameters;
 use crate::intercept::gl::state::shader::assembly::ParameterMatrix;
@@ -9,7 +9,7 @@ pub const ROWS: u32 = 4;
 
 const HEADER: &str = "!!ARBvp1.0";
 
-/// Code at the end of a program: `geom::reprojection` in the language of these programs.
+/// Code at the end of a program: `geom::reprojection` in this assembly language.
 const EPILOGUE: &str = "\
 MOV cupola_place, cupola_position.xyww;
 MAD cupola_place.w, cupola_rows[3].x, cupola_position.w, cupola_position.z;
@@ -27,8 +27,8 @@ MAD result.position.z, cupola_equal.x, cupola_equal.y, cupola_place.y;
 MOV result.position.w, cupola_place.x;
 ";
 
-/// `source` with the change, and the parameters that may be its matrix. The reprojection matrix is
-/// in the local parameters from `first_local` on. `None`: the program takes the fixed-function
+/// Returns the changed `source`, and the parameters that may be its matrix. The local parameters
+/// from `first_local` on get the reprojection matrix. `None`: the program uses the fixed-function
 /// matrices, or is not understood.
 pub fn patch(source: &str, first_local: u32) -> Option<(String, Vec<ParameterMatrix>)> {
     let bare = without_comments(source);
@@ -41,7 +41,7 @@ pub fn patch(source: &str, first_local: u32) -> Option<(String, Vec<ParameterMat
     if found.others {
         return None;
     }
-    // Options come before everything else.
+    // Options must come before all statements.
     let options = body.rfind("OPTION").map_or(Some(0), |at| body[at..].find(';').map(|end| at + end + 1))?;
     let (options, rest) = body.split_at(options);
     let mut changed = String::with_capacity(source.len() + 1024);
@@ -63,7 +63,7 @@ pub fn patch(source: &str, first_local: u32) -> Option<(String, Vec<ParameterMat
     writes.then(|| (format!("{HEADER}{options}\n{declared}{changed}\n{EPILOGUE}END\n"), found.matrices()))
 }
 
-/// True if some local parameter from `first` on is used.
+/// True if the program uses a local parameter from `first` on.
 fn uses_from(body: &str, first: u32) -> bool {
     let numbers = |place: &str| -> Vec<u32> {
         let inner = place.trim_start().strip_prefix('[').and_then(|inner| inner.split(']').next());
@@ -72,7 +72,7 @@ fn uses_from(body: &str, first: u32) -> bool {
     body.split("program.local").skip(1).any(|place| numbers(place).into_iter().any(|number| number >= first))
 }
 
-/// Comments go from `#` to the end of the line.
+/// Removes comments, which go from `#` to the end of the line.
 fn without_comments(source: &str) -> String {
     source.split_inclusive(['\n', '\r']).fold(String::with_capacity(source.len()), |mut bare, line| {
         let code = line.split('#').next().unwrap_or_default();

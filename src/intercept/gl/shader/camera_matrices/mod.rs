@@ -1,17 +1,19 @@
-//! Matrices of the program that are functions of its camera: each view has its own.
+//! Matrices of the program that are functions of its camera. Each view has its own values of them.
 //!
-//! Positions from depth, screen-space effects, deferred lights and skies of a shader hold the
-//! projection or an inverse beside what makes the position. The text of such a stage gets a choice
-//! at each use ([`text`]). Before a draw goes to a view ([`upload`]), the matrices are compared
-//! with the lenses of the frame ([`CameraFunction`](crate::geom::reprojection::CameraFunction)),
-//! and those that are functions of one are replaced by what they are in the view.
+//! Some stages use the projection, or an inverse, in addition to the matrix of the position: for
+//! positions from depth, screen-space effects, deferred lights and skies. The text of such a stage
+//! gets a choice at each use of a matrix ([`text`]). Before a draw goes to a view ([`upload`]), the
+//! matrices are compared with the lenses of the frame
+//! ([`CameraFunction`](crate::geom::reprojection::CameraFunction)). Matrices that are functions of
+//! a lens are replaced by their values for the view.
 //!
-//! Eye coordinates stay those of the program, in which images of its scene and places of its lights
-//! may be. A pass that samples no image of the scene gets the eye of the view, if it holds the
-//! projection and the view matrix apart ([`eye_axes`](crate::geom::reprojection::eye_axes)).
+//! Eye coordinates remain those of the program, as images of its scene and positions of its lights
+//! may use them. A pass that samples no image of the scene gets the eye coordinates of the view, if
+//! it has projection and view matrix separately
+//! ([`eye_axes`](crate::geom::reprojection::eye_axes)).
 //!
-//! A vertex shader keeps the matrices of its position, which is re-projected, and in draws of the
-//! scene all others, so that what it hands on fits its position.
+//! A vertex shader keeps the matrices of its position, which is re-projected. In draws of the scene
+//! it keeps all others too, so that its outputs match its position.
 
 pub mod text;
 pub mod upload;
@@ -25,8 +27,8 @@ use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use std::collections::HashMap;
 
-/// The matrices of a linked program whose stages have choices between these and ours, in this
-/// order.
+/// Returns the matrices of a linked program whose stages can choose between the program's matrices
+/// and those of Cupola, in this order.
 pub fn of_program(gl: &Gl, profile: &Profile, program: u32, stages: &[(MatrixStage, Vec<Named>)]) -> CameraMatrices {
     let all: Vec<String> = stages.iter().flat_map(|(_, matrices)| matrices).map(|matrix| matrix.name.clone()).collect();
     let uniforms = uniforms_called(gl, profile, program, &all);
@@ -55,11 +57,11 @@ pub fn of_program(gl: &Gl, profile: &Profile, program: u32, stages: &[(MatrixSta
     found
 }
 
-/// Blocks of the program may be bound elsewhere: its matrices are found anew.
+/// Reads the matrices again after the program may have bound blocks to other buffers.
 pub fn read_again(gl: &Gl, profile: &Profile, program: u32, matrices: &mut CameraMatrices) {
     let names: Vec<String> = matrices.uniforms.names().map(str::to_owned).collect();
     matrices.uniforms = uniforms_called(gl, profile, program, &names);
-    // The functions are looked for again.
+    // Forces a new search for the functions.
     matrices.seen = None;
 }
 

@@ -1,8 +1,8 @@
-//! The text of a stage with a choice at each use of a 4×4 matrix: the program's own, or one of
-//! ours.
+//! Text of a stage with a choice at each use of a 4×4 matrix: the program's matrix or one of
+//! Cupola.
 //!
-//! A matrix `m` becomes `(chosen[i]>0.5?matrices[i]:m)`. The program's own uniform stays active, in
-//! all that it asks.
+//! A matrix `m` becomes `(chosen[i]>0.5?matrices[i]:m)`. The program's own uniform remains active,
+//! so all answers to the program stay the same.
 
 use crate::intercept::gl::shader::source::head::Head;
 use crate::intercept::gl::shader::source::prover::declarations::behind;
@@ -10,32 +10,33 @@ use crate::intercept::gl::shader::source::prover::tokens::{self, is_name};
 use crate::intercept::gl::state::shader::camera_matrices::Names;
 use std::collections::HashMap;
 
-/// More matrices of a stage are not looked at.
+/// Greatest number of matrices of a stage that are followed.
 const MOST: usize = 8;
 
-/// Words that may stand before a use; another name there is a type, and what follows a variable of
-/// the program's.
+/// Words that may stand before a use. If another name stands there, it is a type, and the word is a
+/// variable that the text declares.
 const BEFORE: [&str; 2] = ["return", "else"];
 
-/// A matrix between which and ours a text chooses.
+/// Matrix of the program for which a text has a choice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named {
-    /// Its name, as OpenGL calls it.
+    /// Name of the matrix in OpenGL.
     pub name: String,
-    /// Its inverse is computed.
+    /// True if the text computes its inverse.
     pub inverted: bool,
 }
 
 /// Spelling of a matrix in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Spelling<'a> {
-    /// The instance of a block, or a structure.
+    /// Instance of a block, or a structure.
     instance: Option<&'a str>,
     name: &'a str,
 }
 
-/// `source` with its choices, and the matrices, in the order of Cupola's. `None`: it
-/// names none that is looked at. `wanted` tells by a word of the text whether it is.
+/// Returns `source` with its choices, and the matrices, in the order of Cupola's arrays. `None`:
+/// the text uses no matrix that can be replaced. `wanted` returns whether the matrix with this name
+/// is to be replaced.
 pub fn with_choices(
     source: &str,
     es_context: bool,
@@ -43,7 +44,7 @@ pub fn with_choices(
     wanted: impl Fn(&str) -> bool,
 ) -> Option<(String, Vec<Named>)> {
     let bare = tokens::bare(source);
-    // A continued line is no statement, and a name may be made of parts.
+    // Continued lines and names made by macros are not understood.
     if !source.contains("mat4") || !bare.is_ascii() || bare.contains('\\') || bare.contains("##") {
         return None;
     }
@@ -90,7 +91,7 @@ pub fn with_choices(
     Some((head.declaring(&declarations, &text), used))
 }
 
-/// The words of a text, and apart from them those of its macros.
+/// Returns the words of a text, and separately the words of its macros.
 fn words_and_definitions(bare: &str) -> (Vec<&str>, Vec<&str>) {
     let (mut words, mut defined) = (Vec::new(), Vec::new());
     for line in bare.lines() {
@@ -112,7 +113,7 @@ impl<'a> Spelling<'a> {
         if self.instance.is_some() { 3 } else { 1 }
     }
 
-    /// Returns the places at which the words name it.
+    /// Returns the places at which the words use the matrix.
     fn uses<'w>(&self, words: &'w [&'a str]) -> impl Iterator<Item = usize> + use<'w, 'a> {
         let Self { instance, name } = *self;
         (0..words.len()).filter(move |at| {
@@ -129,11 +130,11 @@ impl<'a> Spelling<'a> {
 /// Declarations in a text.
 #[derive(Default)]
 struct Declared<'a> {
-    /// Matrices that the program sets, by how the text names them: as OpenGL calls them.
+    /// Matrices that the program sets: spelling in the text, and name in OpenGL.
     matrices: HashMap<Spelling<'a>, String>,
     /// Members of structures that are matrices.
     structures: HashMap<&'a str, Vec<&'a str>>,
-    /// The words that declare the matrices.
+    /// Ranges of words that declare the matrices.
     declarations: Vec<std::ops::Range<usize>>,
 }
 
@@ -154,14 +155,14 @@ impl<'a> Declared<'a> {
                 Some(closed) if statement.contains(&"struct") => {
                     let name = statement.last().copied().unwrap_or_default();
                     self.structures.insert(name, members(&words[end + 1..closed - 1]));
-                    // Variables may follow; these are not looked at.
+                    // Variables that follow in this statement are ignored.
                     closed + words[closed..].iter().position(|word| *word == ";").map_or(0, |length| length + 1)
                 }
                 Some(closed) if statement.contains(&"uniform") => {
                     let behind = words[closed..].iter().position(|word| *word == ";").map_or(closed, |n| closed + n);
                     let instance = words[closed..behind].first().copied();
                     let block = statement.last().copied().unwrap_or_default();
-                    // An array of blocks is not looked at.
+                    // Arrays of blocks are ignored.
                     if behind - closed <= 1 {
                         for name in members(&words[end + 1..closed - 1]) {
                             let called = if instance.is_some() { format!("{block}.{name}") } else { name.to_owned() };
@@ -196,7 +197,7 @@ impl<'a> Declared<'a> {
         self.declarations.push(start..end);
     }
 
-    /// True if a variable of the program's has the same name somewhere.
+    /// True if the text declares another variable with the same name.
     fn hidden(&self, spelling: &Spelling<'a>, words: &[&'a str]) -> bool {
         let name = spelling.instance.unwrap_or(spelling.name);
         (1..words.len()).any(|at| {
@@ -207,7 +208,7 @@ impl<'a> Declared<'a> {
     }
 }
 
-/// True if the word at `at` is a part of what `inverse` is called with.
+/// True if the word at `at` is part of an argument of `inverse`.
 fn is_inverted(words: &[&str], at: usize) -> bool {
     let mut closed = 0;
     for place in (1..at).rev() {

@@ -1,4 +1,4 @@
-//! Matrices of a view for the draws that go to it.
+//! Upload of a view's matrices for the draws to that view.
 
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
@@ -11,7 +11,7 @@ use crate::lock::Lock;
 use crate::runtime::session::{Intrinsics, eye_axes};
 use std::sync::Arc;
 
-/// The programs whose vertex and fragment shaders draw now, if they hold such matrices.
+/// Returns the programs of the present vertex and fragment shaders, if they have such matrices.
 fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
     let pipelines = &ctx.shaders.pipelines;
     let holds = |program: &Arc<Program>| program.has_camera_matrices;
@@ -25,7 +25,7 @@ fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
     [drawn.filter(|program| holds(program)).cloned(), fragment.filter(|program| holds(program) && other(program))]
 }
 
-/// True if what draws now holds a matrix that leads from the clip coordinates of a camera.
+/// True if a present shader has a matrix that transforms from the clip coordinates of a camera.
 pub fn holds_inverse(ctx: &Context) -> bool {
     let programs = drawing(ctx);
     programs.iter().flatten().any(|program| recognise(ctx, &mut program.camera_matrices.locked()))
@@ -36,8 +36,8 @@ fn recognise(ctx: &Context, matrices: &mut CameraMatrices) -> bool {
     matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), &ctx.frame.cameras)
 }
 
-/// Gives what draws now the matrices of a view. In draws of a scene positions are re-projected, so
-/// that the vertex shader keeps its own.
+/// Gives the present shaders the matrices of a view. In draws of a scene positions are
+/// re-projected, so the vertex shader keeps its own matrices.
 pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
     let scene = !matches!(class, DrawClass::Flat | DrawClass::Screen);
     for program in drawing(ctx).into_iter().flatten() {
@@ -58,7 +58,7 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
                 *turned = eye.is_some();
                 known.clear();
             }
-            // A matrix that stays for many draws is computed once.
+            // A matrix that is the same for many draws is computed once.
             let known = known.get(view).copied().flatten();
             let ours = known.or_else(|| {
                 let value = uniforms.value(substitute.matrix)?;
@@ -80,14 +80,14 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
     }
 }
 
-/// The reprojection of a view for a lens.
+/// Returns the reprojection matrix of a view for a lens.
 fn rows(ctx: &mut Context, lens: &Intrinsics, view: usize) -> Option<[f64; 16]> {
     let session = ctx.drawable.session()?;
     let camera = ctx.frame.cameras.index(lens, session);
     Some(ctx.frame.cameras.get(camera)?.rows.get(view)?.matrix())
 }
 
-/// Gives what draws now the program's own matrices.
+/// Gives the present shaders the program's own matrices.
 pub fn load_own(ctx: &Context) {
     for program in drawing(ctx).into_iter().flatten() {
         for substitute in &mut program.camera_matrices.locked().substitutes {
@@ -97,7 +97,7 @@ pub fn load_own(ctx: &Context) {
 }
 
 impl Substitute {
-    /// Puts `matrix` in the place of the program's, or that in its own.
+    /// Uses `matrix` instead of the program's matrix; `None`: uses the program's matrix again.
     fn set(&mut self, ctx: &Context, program: &Program, matrix: Option<[f32; 16]>) {
         if let Some(matrix) = matrix.filter(|_| self.uploaded != matrix) {
             programs::set_matrix(ctx, program, self.location, &matrix);

@@ -39,14 +39,14 @@ fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -
             }
         }
     }
-    // Some programs count the NUL in the length.
+    // Some programs include the NUL in the length.
     while bytes.last() == Some(&0) {
         bytes.pop();
     }
     Some(String::from_utf8_lossy(&bytes).into())
 }
 
-/// A shader was compiled from what its source is now.
+/// Notes that a shader was compiled from its present source.
 fn note_compiled(ctx: &Context, shader: u32) {
     let mut programs = ctx.share.programs.locked();
     match programs.sources.get(&shader).cloned() {
@@ -56,7 +56,7 @@ fn note_compiled(ctx: &Context, shader: u32) {
     programs.changed.remove(&shader);
 }
 
-/// Links with the changed stages; leaves the program as it would be without us where that fails.
+/// Links with the changed stages. If that fails, links the program without changes.
 fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.driver.gl;
     let shaders = attached(gl, program);
@@ -72,16 +72,17 @@ fn link(ctx: &mut Context, program: u32) {
     }
     let record = Arc::new(record(&ctx.driver, program, &texts, &linked));
     ctx.share.programs.locked().programs.insert(program, record.clone());
-    // Linking a program that is in use puts the new one into use.
+    // If a program in use is linked, its new version is in use at once.
     if ctx.shaders.program.as_ref().is_some_and(|p| p.name == program) {
         ctx.shaders.program = Some(record);
     }
 }
 
-/// Forgets a program that is linked anew. Returns what its shaders were compiled from, and those
-/// that were compiled with changes for another program.
+/// Forgets a program that is linked again. Returns the texts from which its shaders were compiled,
+/// and the shaders that were compiled with changes for another program.
 fn take_texts(ctx: &Context, program: u32, shaders: &[(u32, u32)]) -> (HashMap<u32, Arc<str>>, HashSet<u32>) {
-    // Compiling takes long; other threads' contexts use the table meanwhile.
+    // Compiling takes long, so the lock is not held meanwhile: contexts of other threads use this
+    // table.
     let mut programs = ctx.share.programs.locked();
     forget(ctx.driver.gl, programs.programs.remove(&program));
     let source = |name: u32| Some((name, programs.compiled.get(&name)?.clone()));
@@ -90,7 +91,7 @@ fn take_texts(ctx: &Context, program: u32, shaders: &[(u32, u32)]) -> (HashMap<u
     (sources, left)
 }
 
-/// Gives shaders that were `touched` their own texts again, without compiling them.
+/// Sets the program's own texts again in the shaders `touched`, without compiling them.
 fn give_back_texts(ctx: &Context, sources: &HashMap<u32, Arc<str>>, linked: &Linked, touched: HashSet<u32>) {
     for shader in touched {
         let mut programs = ctx.share.programs.locked();
@@ -98,7 +99,7 @@ fn give_back_texts(ctx: &Context, sources: &HashMap<u32, Arc<str>>, linked: &Lin
             true => programs.changed.insert(shader),
             false => programs.changed.remove(&shader),
         };
-        // What the program asks for is its own text, which may not have been compiled yet.
+        // The program may ask for its latest text, which it may not have compiled yet.
         let own = programs.sources.get(&shader).cloned();
         drop(programs);
         set_source(ctx.driver.gl, shader, own.as_deref().unwrap_or(&sources[&shader]));
@@ -111,7 +112,7 @@ fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> 
     let (shaders, sources) = (texts.shaders, texts.sources);
     let stages = shaders.iter().fold(0, |bits, shader| bits | stage_bit(shader.1));
     if stages != 0 && !linked.changes.position {
-        log::once("a program's shaders could not be patched; what it draws appears flat");
+        log::once("a program's shaders could not be changed: its drawing appears flat");
     }
     let position_names = texts.position_names.cloned();
     let fixed = has_fixed_matrices(texts);
@@ -121,7 +122,7 @@ fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> 
     }
     record.subroutines = sources.values().any(|source| patch::mentions(source, "subroutine"));
     record.chooses_viewport = sources.values().any(|source| patch::mentions(source, "gl_ViewportIndex"));
-    // The uniform of a shader that uses the coordinates nowhere has no location.
+    // If a shader does not use the coordinates, its uniform has no location.
     record.frag_coord = linked
         .changes
         .frag_coord
@@ -146,7 +147,7 @@ fn record(driver: &Driver, program: u32, texts: &Texts<'_>, linked: &Linked) -> 
     record
 }
 
-/// True if matrices of the fixed-function pipeline flow into positions, as far as the texts tell.
+/// True if matrices of the fixed-function pipeline may flow into positions, according to the texts.
 fn has_fixed_matrices(texts: &Texts<'_>) -> bool {
     let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
     match texts.position_names {
@@ -158,9 +159,9 @@ fn has_fixed_matrices(texts: &Texts<'_>) -> bool {
     }
 }
 
-/// Links with as much as can be changed. Shaders that could not be linked with their change are
-/// compiled as they were, and so are those that were `left` as they were changed for another
-/// program. Returns the shaders that were given another text, too.
+/// Links with as many changes as possible. Shaders that do not link with their change are compiled
+/// without it, and so are the shaders `left` that were changed for another program. Also returns
+/// the shaders whose text was replaced.
 fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>, left: HashSet<u32>) -> (Linked, HashSet<u32>) {
     let position = texts.position().is_some();
     let frag_coord = texts.asking().next().is_some();
@@ -192,7 +193,7 @@ fn link_with_changes(gl: &Gl, program: u32, texts: &Texts<'_>, left: HashSet<u32
     (Linked::default(), touched)
 }
 
-/// Compiles the program's own shader object with a text.
+/// Compiles a text in the program's own shader object. Returns true if it compiles.
 fn compiles(gl: &Gl, shader: u32, text: &str) -> bool {
     set_source(gl, shader, text);
     let mut ok = 0;
@@ -212,7 +213,7 @@ fn link_changed(gl: &Gl, program: u32, texts: &HashMap<u32, String>) -> bool {
     }
 }
 
-/// Transform feedback of `gl_Position` must see the program's own values.
+/// True if transform feedback captures `gl_Position`, which must have the program's own values.
 fn captures_position(gl: &Gl, program: u32) -> bool {
     let mut count = 0;
     // SAFETY: writes one integer; absent commands answer nothing.
@@ -228,7 +229,7 @@ fn captures_position(gl: &Gl, program: u32) -> bool {
     })
 }
 
-/// The bit of a stage before rasterisation; 0 for others.
+/// Returns the bit of a stage before rasterisation; 0 for other stages.
 fn stage_bit(kind: u32) -> u32 {
     match kind {
         api::GL_VERTEX_SHADER => api::GL_VERTEX_SHADER_BIT,
@@ -280,7 +281,8 @@ fn read_program(
     position_names: Option<PositionNames>,
 ) -> Program {
     let rows = if patched { location(gl, name, projection::UNIFORM) } else { -1 };
-    // The vectors of an array have places of their own; −1 where it has no more than the rows.
+    // The vectors of an array have consecutive locations. The location is −1 if the array has only
+    // the rows.
     let half = format!("{}[{}]", projection::UNIFORM, projection::ROWS);
     let lens_location = if rows >= 0 { location(gl, name, &half) } else { -1 };
     let (uniforms, own_uniforms) = uniforms::read(gl, profile, name, position_names.as_ref());
@@ -313,9 +315,9 @@ fn read_program(
     }
 }
 
-/// A program of Cupola of one vertex shader, which draws with the fixed-function matrices:
-/// `patched` is what is linked, `own` the same without what projects. `flat`: a primitive has the
-/// colour of its last vertex. `None` where the driver does not link it.
+/// Returns a program of Cupola with one vertex shader, which draws with the fixed-function
+/// matrices. `patched` is the linked text, `own` the text without projection. `flat`: a primitive
+/// has the colour of its last vertex. `None`: the driver does not link it.
 pub fn of_own_text(driver: &Driver, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
     let gl = driver.gl;
     // SAFETY: objects of Cupola.
@@ -349,22 +351,22 @@ hooks! {
         note_compiled(ctx, shader);
     };
     "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
-        // Its source stays known: it may still be attached, and its name comes back only with a new
-        // source.
+        // Its source remains known: the shader may still be attached, and a new shader of this name
+        // gets a new source.
         gl.delete_shader(shader)
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
     "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
-        // What it was linked to is gone; what it is now was never patched.
+        // The earlier link result is gone, and the binary was never patched.
         gl.program_binary(program, format, binary, length);
         forget_program(ctx, program);
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
         if count < 0 {
-            // The driver says the error.
+            // The driver reports the error.
             return gl.create_shader_programv(kind, count, strings);
         }
-        // As OpenGL describes it in terms of the other commands.
+        // OpenGL defines this command by these other commands.
         let shader = gl.create_shader(kind);
         if shader == 0 {
             return 0;
@@ -377,7 +379,7 @@ hooks! {
         let mut compiled = 0;
         gl.get_shaderiv(shader, api::GL_COMPILE_STATUS, &mut compiled);
         if compiled == 0 {
-            // The program gets the log of the shader, which only the driver can give it.
+            // The program must get the log of the shader, which only the driver can provide.
             gl.delete_shader(shader);
             return gl.create_shader_programv(kind, count, strings);
         }

@@ -1,4 +1,4 @@
-//! Texts of a program's shaders with what Cupola changes in them.
+//! Texts of a program's shaders, with Cupola's changes.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::camera_matrices::text::{self, Named};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Parts of a program's texts that are changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// The position of the last stage before rasterisation.
+    /// Position in the last stage before rasterisation.
     pub position: bool,
     /// Window coordinates of the fragment shaders.
     pub frag_coord: bool,
@@ -28,11 +28,11 @@ pub struct Changes {
 pub struct Linked {
     /// Parts of the texts that are changed.
     pub changes: Changes,
-    /// The texts of the shaders that are changed.
+    /// Texts of the changed shaders.
     pub texts: HashMap<u32, String>,
-    /// The fragment shaders count rows from above.
+    /// True if the fragment shaders count rows from the top.
     pub upper_left: bool,
-    /// The matrices between which and ours a stage chooses.
+    /// Matrices for which a stage can choose between the program's and those of Cupola.
     pub matrices: Vec<(MatrixStage, Vec<Named>)>,
 }
 
@@ -40,13 +40,13 @@ pub struct Linked {
 pub struct Texts<'a> {
     /// Texts from which the shaders were compiled.
     pub sources: &'a HashMap<u32, Arc<str>>,
-    /// Names and kinds.
+    /// Name and kind of each shader object.
     pub shaders: &'a [(u32, u32)],
     /// Names that flow into the position; `None` = unknown.
     pub position_names: Option<&'a PositionNames>,
-    /// The context is OpenGL ES.
+    /// True if the context is OpenGL ES.
     pub es: bool,
-    /// There are views to whose lens vertices are projected.
+    /// True if there are views to whose lens vertices are projected.
     pub curved: bool,
 }
 
@@ -61,8 +61,9 @@ impl Texts<'_> {
         shaders.filter_map(|(shader, _)| Some((*shader, self.sources.get(shader)?)))
     }
 
-    /// The shader object with the `main` of the last stage that makes positions. A geometry shader
-    /// that gets them in clip space may compute with them what belongs to the pixels of the view.
+    /// Returns the shader object with the `main` of the last stage that computes positions. This is
+    /// not a geometry shader that gets positions in clip space: it may compute values from them
+    /// that belong to the pixels of the view.
     pub fn position(&self) -> Option<(u32, Stage)> {
         let stages = [
             (api::GL_GEOMETRY_SHADER, Stage::Geometry),
@@ -79,8 +80,8 @@ impl Texts<'_> {
         Some(mains.next().flatten().filter(|_| in_clip_space).unwrap_or(last))
     }
 
-    /// True if a geometry shader passes positions on, or divides by their w to compute places in the
-    /// window. One with a matrix of its own makes positions first.
+    /// True if a geometry shader passes positions on, or divides by their w to compute window
+    /// coordinates. A geometry shader with its own matrix computes positions itself.
     fn works_in_clip_space(&self, shader: u32) -> bool {
         let source = self.source(shader);
         if passes_positions_on(source) {
@@ -93,13 +94,13 @@ impl Texts<'_> {
             && !matrices(source).iter().any(|name| names.contain(name))
     }
 
-    /// The fragment shaders that ask where on the screen they are.
+    /// Returns the fragment shaders that use their window coordinates.
     pub fn asking(&self) -> impl Iterator<Item = u32> {
         let fragments = self.of_kind(api::GL_FRAGMENT_SHADER);
         fragments.filter(|(_, source)| patch::mentions(source, "gl_FragCoord")).map(|(shader, _)| shader)
     }
 
-    /// The texts with these changes, and what comes of it; `None` where one of them cannot be.
+    /// Returns the changed texts and related data. `None`: one of the changes is not possible.
     pub fn changed(&self, changes: Changes) -> Option<Linked> {
         let mut linked = Linked { changes, ..Default::default() };
         if changes.matrices {
@@ -132,13 +133,14 @@ impl Texts<'_> {
         Some(linked)
     }
 
-    /// Puts choices into the text of a stage. A stage of several texts stays as it is.
+    /// Adds the choices of matrices to the text of a stage. A stage with several texts is not
+    /// changed.
     fn choose_matrices(&self, kind: u32, stage: MatrixStage, linked: &mut Linked) {
         let mut shaders = self.of_kind(kind);
         let (Some((shader, source)), None) = (shaders.next(), shaders.next()) else { return };
         let wanted = |name: &str| match stage {
             MatrixStage::Fragment => true,
-            // Another stage takes what it hands on.
+            // The next stage uses the outputs, which must match the position.
             MatrixStage::Vertex => self.position_names.is_some_and(|names| !names.contain(name)),
         };
         if let Some((text, matrices)) = text::with_choices(source, self.es, stage.names(), wanted) {
@@ -148,14 +150,14 @@ impl Texts<'_> {
     }
 }
 
-/// The words of a text without its directives.
+/// Returns the words of a text without its directives.
 fn words_of(bare: &str) -> Vec<&str> {
     let mut words = Vec::new();
     bare.lines().filter(|line| !line.trim_start().starts_with('#')).for_each(|line| tokens::words(line, &mut words));
     words
 }
 
-/// True if something is divided by a component w.
+/// True if the text divides by a component w.
 fn divides_by_w(source: &str) -> bool {
     let bare = tokens::bare(source);
     let words = words_of(&bare);
@@ -165,8 +167,9 @@ fn divides_by_w(source: &str) -> bool {
     })
 }
 
-/// Names that a text declares as 4×4 matrices or as arrays of vectors that may be the rows of one,
-/// the matrices of the fixed-function pipeline, and the types themselves, where it makes one.
+/// Returns the names that a text declares as 4×4 matrices, or as arrays of vectors that may be the
+/// rows of one. Includes the matrices of the fixed-function pipeline and, if the text constructs a
+/// matrix, the type itself.
 fn matrices(source: &str) -> Vec<&str> {
     let mut found = vec!["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix"];
     let mut words = Vec::new();
@@ -189,7 +192,7 @@ fn matrices(source: &str) -> Vec<&str> {
     found
 }
 
-/// True if all positions of a geometry shader are those of its input.
+/// True if a geometry shader only uses positions of its input.
 fn passes_positions_on(source: &str) -> bool {
     let bare = tokens::bare(source);
     let directives = bare.lines().filter(|line| line.trim_start().starts_with('#'));
@@ -231,7 +234,7 @@ mod tests {
         let divided = "vec2 p = gl_in[0].gl_Position.xy / gl_in[0].gl_Position.w;";
         let beside = "uniform mat4 other; out vec4 o; void main() { o = other * vec4(1.0);";
         assert!(works_in_clip_space(&main(&format!("void main() {{ {divided} {moved}"))));
-        assert!(works_in_clip_space(&main(&format!("{beside} {divided} {moved}"))), "it is not for positions");
+        assert!(works_in_clip_space(&main(&format!("{beside} {divided} {moved}"))), "other is not for positions");
         assert!(!works_in_clip_space(&main(&format!("void main() {{ {moved}"))), "a billboard of the scene");
         for own in [
             "uniform mat4 P; void main() { gl_Position = P * gl_in[0].gl_Position;",

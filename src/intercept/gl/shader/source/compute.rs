@@ -5,8 +5,8 @@ use crate::intercept::gl::shader::source::prover::tokens;
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
 use std::ffi::{CStr, c_char};
 
-/// That of a linked program with this text, if it has one. `loses_cameras`: its matrices are not
-/// chosen.
+/// Returns the compute stage of a linked program with this text. `loses_cameras`: the text has no
+/// choices for its matrices.
 pub fn of_program(gl: &Gl, program: u32, source: &str, loses_cameras: bool) -> ComputeStage {
     let bare = tokens::bare(source);
     let words = all_words(&bare);
@@ -15,32 +15,32 @@ pub fn of_program(gl: &Gl, program: u32, source: &str, loses_cameras: bool) -> C
     ComputeStage { images, other_images, image_atomics, buffers: writes(&bare, &words), loses_cameras }
 }
 
-/// The words of a text without comments, with those of its directives.
+/// Returns the words of a text without comments, including the words of its directives.
 fn all_words(bare: &str) -> Vec<&str> {
     let mut words = Vec::new();
     bare.lines().for_each(|line| tokens::words(line, &mut words));
     words
 }
 
-/// True if a text uses a 4×4 matrix that the program gives it. One that is only declared, as in a
-/// header that all shaders of an engine share, is not used.
+/// True if a text uses a 4×4 matrix that the program sets. A matrix that is only declared, as in
+/// the common header of an engine, is not used.
 pub fn has_matrices(source: &str) -> bool {
     let bare = tokens::bare(source);
     let words = all_words(&bare);
     words.contains(&"uniform")
         && words.iter().enumerate().filter(|(_, word)| matches!(**word, "mat4" | "mat4x4")).any(|(at, _)| {
-            // The names that follow, with the sizes of arrays; a cast or a macro has no name here.
+            // The names that follow, with sizes of arrays. A cast or a macro has no name here.
             let declared = words[at + 1..].iter().take_while(|word| **word != ";" && **word != "(");
             let mut names = declared.filter(|word| tokens::is_name(word)).peekable();
             names.peek().is_none() || names.any(|name| words.iter().filter(|word| *word == name).count() > 1)
         })
 }
 
-/// Kinds of images that are pictures.
+/// Types of images that are two-dimensional pictures.
 const PICTURES: [u32; 3] = [api::GL_IMAGE_2D, api::GL_INT_IMAGE_2D, api::GL_UNSIGNED_INT_IMAGE_2D];
 
-/// Locations of the uniforms that are images of two dimensions, and of the others that the text may
-/// write.
+/// Returns the locations of the uniforms that are two-dimensional images, and of the other images
+/// that the text may write.
 fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     let mut count = 0;
     // SAFETY: writes one integer.
@@ -49,16 +49,16 @@ fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     for index in 0..u32::try_from(count).unwrap_or(0) {
         let mut text: [c_char; 256] = [0; 256];
         let (mut length, mut size, mut kind) = (0, 0, 0);
-        // SAFETY: writes at most 256 characters with their NUL, which is what the location is asked
-        // by.
+        // SAFETY: writes at most 256 characters with their NUL, which are the name for the
+        // location.
         let (location, name) = unsafe {
             gl.get_active_uniform(program, index, 256, &mut length, &mut size, &mut kind, text.as_mut_ptr());
             let name = CStr::from_ptr(text.as_ptr());
             (gl.get_uniform_location(program, name.as_ptr()), name.to_string_lossy())
         };
-        // The elements of an array have locations that follow each other.
+        // The elements of an array have consecutive locations.
         let locations = location..location + size.max(1);
-        // From `image1D` to `uimage2DMSArray` the registry has them one after the other.
+        // In OpenGL's registry these types have consecutive numbers.
         let is_image = (api::GL_IMAGE_1D..=api::GL_UNSIGNED_INT_IMAGE_2D_MULTISAMPLE_ARRAY).contains(&kind);
         if location < 0 || !is_image {
             continue;
@@ -72,13 +72,13 @@ fn images(gl: &Gl, program: u32, words: &[&str]) -> (Vec<i32>, Vec<i32>) {
     (pictures, others)
 }
 
-/// True if the first mention of an image, which declares it, says that it is only read.
+/// True if the declaration of an image, which is its first mention, has `readonly`.
 fn is_read_only(words: &[&str], name: &str) -> bool {
     let Some(at) = words.iter().position(|word| *word == name) else { return false };
     words[..at].iter().rev().take_while(|word| !matches!(**word, ";" | "{" | "}")).any(|word| *word == "readonly")
 }
 
-/// Returns the kind of writes to buffers that a text may do.
+/// Returns the kind of writes to buffers that a text may perform.
 fn writes(bare: &str, words: &[&str]) -> BufferWrites {
     let counters = words.contains(&"atomic_uint");
     let mut buffers = words.iter().enumerate().filter(|(_, word)| **word == "buffer").map(|(at, _)| at).filter(|at| {
@@ -96,7 +96,7 @@ fn writes(bare: &str, words: &[&str]) -> BufferWrites {
         let is_atomic = part[0].starts_with("atomic") && part[0] != "atomic_uint";
         is_atomic && part[1] == "(" && !shared.contains(&part[2])
     });
-    // What a macro does with a member is not followed.
+    // A member in a macro may be used in any way.
     let in_macros = bare.lines().filter(|line| line.trim_start().starts_with('#')).any(|line| {
         let body = all_words(line);
         body.iter().any(|word| members.contains(word))
@@ -107,8 +107,8 @@ fn writes(bare: &str, words: &[&str]) -> BufferWrites {
     }
 }
 
-/// Adds the names that members of a block have in the text, which begins with `buffer`: that of the
-/// block's instance, or their own.
+/// Adds the names by which the text uses the members of a block: the name of the block's instance,
+/// or the members' own names. `words` begins with `buffer`.
 fn block_members<'a>(words: &[&'a str], members: &mut Vec<&'a str>) {
     let Some(open) = words.iter().position(|word| matches!(*word, "{" | ";")).filter(|at| words[*at] == "{") else {
         return;
@@ -128,13 +128,13 @@ fn block_members<'a>(words: &[&'a str], members: &mut Vec<&'a str>) {
     }
 }
 
-/// The names in declarations of variables that a work group shares.
+/// Returns the names in declarations of variables that a work group shares.
 fn shared_names<'a>(words: &[&'a str]) -> Vec<&'a str> {
     let declared = words.iter().enumerate().filter(|(_, word)| **word == "shared");
     declared.flat_map(|(at, _)| words[at..].iter().take_while(|word| **word != ";").copied()).collect()
 }
 
-/// True if a text may give one of `names`, or a part of it, a value other than by an atomic
+/// True if a text may write one of `names`, or a part of it, by other means than an atomic
 /// function.
 fn assigns(words: &[&str], names: &[&str]) -> bool {
     const ASSIGNMENTS: [&str; 13] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>=", "++", "--"];

@@ -1,10 +1,14 @@
-//! Names that flow into `gl_Position`: only a matrix among them can be the lens.
+//! Names that flow into `gl_Position`. Only a matrix among them can be the lens.
 //!
-//! Engines give every shader a block with all matrices of the camera, also those of a full-screen
-//! pass, and such a pass is no scene. The names that may flow into the position are collected from
-//! the text, with everything that is in doubt: all branches of conditional compilation, variables
-//! of one name as one variable, all words of a statement into each variable that it writes, all
-//! words of a function's body into its value, and all conditions into every variable.
+//! Engines give every shader a block with all matrices of the camera, even the shaders of a
+//! full-screen pass, which is no scene. So the names that may flow into the position are collected
+//! from the text. In all cases of doubt a name is included:
+//!
+//! - All branches of conditional compilation count.
+//! - Variables with the same name are one variable.
+//! - All words of a statement flow into each variable that it writes.
+//! - All words of a function's body flow into its value.
+//! - All conditions flow into every variable.
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::source::elements::{self, Usage};
@@ -21,8 +25,8 @@ const WRITING: [&str; 6] = ["frexp", "imulExtended", "modf", "uaddCarry", "umulE
 const GEOMETRY_STAGES: [u32; 4] =
     [api::GL_GEOMETRY_SHADER, api::GL_TESS_EVALUATION_SHADER, api::GL_TESS_CONTROL_SHADER, api::GL_VERTEX_SHADER];
 
-/// Returns the names that flow into the position of these shaders: those that the last stage names,
-/// and all names in the stages before it. `None` if that is unknown.
+/// Returns the names that flow into the position of these shaders: in the last stage by its text,
+/// in the stages before it all names. `None`: not known.
 pub fn position_names(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Option<PositionNames> {
     let of_kind = |kind| shaders.iter().filter(move |s| s.1 == kind).map(|s| Some(&**sources.get(&s.0)?));
     let mut names = None;
@@ -37,8 +41,8 @@ pub fn position_names(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) 
     Some(names.unwrap_or_default())
 }
 
-/// Those of a stage in `texts`, which are one shader each; `None` where a text is not understood,
-/// and any name may flow into the position.
+/// Returns the names of a stage with these `texts`, one for each shader. `None`: a text is not
+/// understood, and any name may flow into the position.
 fn of_stage<'a>(texts: impl IntoIterator<Item = &'a str>) -> Option<PositionNames> {
     let mut whole = String::new();
     for text in texts {
@@ -64,7 +68,7 @@ fn of_stage<'a>(texts: impl IntoIterator<Item = &'a str>) -> Option<PositionName
     Some(text.position_names())
 }
 
-/// `names` and every name in `text`, a stage before theirs.
+/// Returns `names` and every name in `text`, a stage before the others.
 fn with_all_of(mut names: PositionNames, text: &str) -> Option<PositionNames> {
     let bare = tokens::bare(text);
     if !bare.is_ascii() || bare.contains("##") || bare.contains("include") {
@@ -85,7 +89,7 @@ struct Function<'a> {
 #[derive(Default)]
 struct Text<'a> {
     words: Vec<&'a str>,
-    /// Words that macros stand for, with their parameters.
+    /// Words of each macro, with its parameters.
     macros: HashMap<&'a str, Vec<&'a str>>,
     /// Uniforms that are arrays.
     arrays: HashSet<&'a str>,
@@ -93,7 +97,7 @@ struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// `None`: names or statements may come from it that are not seen.
+    /// Reads a directive. `None`: it may add names or statements that Cupola does not see.
     fn directive(&mut self, text: &'a str) -> Option<()> {
         if let Some(rest) = text.strip_prefix("define") {
             let mut words = Vec::new();
@@ -140,7 +144,7 @@ impl<'a> Text<'a> {
         PositionNames::new(names.collect(), elements)
     }
 
-    /// Returns the words that a word may call: itself, and the words that macros make of it.
+    /// Returns the words that a call of `word` may mean: the word itself, and the words of macros.
     fn called(&self, word: &'a str) -> Vec<&'a str> {
         let mut found = vec![word];
         let mut next = 0;
@@ -185,7 +189,7 @@ impl<'a> Text<'a> {
                 }
             }
             let controls = names().any(|name| matches!(name, "for" | "if" | "switch" | "while"));
-            // The condition of a loop comes behind the first semicolon of `for`.
+            // The condition of a loop follows the first semicolon of `for`.
             if controls || after_for {
                 flow.conditions.extend(names());
             }
@@ -200,7 +204,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Words that do not belong to `layout(…)`, where `=` assigns nothing.
+/// Returns the words outside `layout(…)`, where `=` is no assignment.
 fn without_layouts<'a>(words: &[&'a str]) -> Vec<&'a str> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(word) = words.get(at) {
@@ -213,7 +217,7 @@ fn without_layouts<'a>(words: &[&'a str]) -> Vec<&'a str> {
     found
 }
 
-/// From each name to those that may flow into it.
+/// For each name the names that may flow into it.
 #[derive(Default)]
 struct Flow<'a> {
     into: HashMap<&'a str, HashSet<&'a str>>,
@@ -225,7 +229,7 @@ impl<'a> Flow<'a> {
         self.into.entry(target).or_default().extend(sources);
     }
 
-    /// All that flows into a position.
+    /// Returns all names that flow into a position.
     fn reached(&self) -> HashSet<&'a str> {
         let mut found: HashSet<&'a str> =
             ["gl_Position", "gl_out"].into_iter().chain(self.conditions.iter().copied()).collect();
@@ -245,7 +249,8 @@ fn assigns(word: &str) -> bool {
     word.ends_with('=') && !matches!(word, "==" | "!=" | "<=" | ">=")
 }
 
-/// The names of the variable, and of its members, that ends `words`: `a[i].b` is `a` and `b`.
+/// Returns the names of the variable at the end of `words`, and of its members: for `a[i].b` the
+/// names `a` and `b`.
 fn written<'a>(words: &[&'a str]) -> Vec<&'a str> {
     let mut names = Vec::new();
     let mut at = words.len();
@@ -273,8 +278,8 @@ fn written<'a>(words: &[&'a str]) -> Vec<&'a str> {
     names
 }
 
-/// Returns the begin and end of each statement. Semicolons and braces separate statements and
-/// belong to none.
+/// Returns the start and end of each statement. Semicolons and braces separate statements and are
+/// part of none.
 fn statements<'w>(words: &'w [&str]) -> impl Iterator<Item = (usize, usize)> + 'w {
     let mut start = 0;
     std::iter::from_fn(move || {

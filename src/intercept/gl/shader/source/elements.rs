@@ -1,5 +1,5 @@
-//! Elements of arrays of uniforms: words like `m[2]` are one name each, so that what flows from one
-//! element is distinguished from what flows from another.
+//! Elements of arrays of uniforms. A word like `m[2]` is one name, so the flow from different
+//! elements is distinguished.
 
 use crate::intercept::gl::shader::source::prover::declarations::behind;
 use crate::intercept::gl::shader::source::prover::tokens::is_name;
@@ -7,7 +7,7 @@ use crate::intercept::gl::state::shader::position_names::{Choice, Elements, Uses
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
-/// The number of words of an element: `m [ 2 ]`.
+/// Number of words of an element: `m [ 2 ]`.
 const WORDS: usize = 4;
 
 /// Names of uniforms, and of members of uniform and storage blocks, that are arrays.
@@ -23,7 +23,7 @@ pub fn arrays<'a>(words: &[&'a str]) -> HashSet<&'a str> {
         if *word == ";" && (uniform || (in_block && depth == 1)) {
             let beside = |pair: &&[&'a str]| pair[1] == "[" && is_name(pair[0]);
             found.extend(statement.windows(2).filter(beside).map(|pair| pair[0]));
-            // `vec4[4] m`
+            // Type with brackets: `vec4[4] m`.
             let behind = |pair: &&[&'a str]| pair[0] == "]" && is_name(pair[1]);
             found.extend(statement.windows(2).filter(behind).map(|pair| pair[1]));
         }
@@ -43,14 +43,14 @@ pub fn arrays<'a>(words: &[&'a str]) -> HashSet<&'a str> {
     found
 }
 
-/// The words of each function's body.
+/// Returns the ranges of words of all function bodies.
 fn bodies(words: &[&str]) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let (mut depth, mut start, mut body) = (0usize, 0, None);
     for (at, word) in words.iter().enumerate() {
         match *word {
             "{" => {
-                // A name and parentheses; `layout(…)` begins with them.
+                // A function has a name and parentheses. `layout(…)` begins with its parentheses.
                 let function = words[start..at].iter().position(|word| *word == "(").is_some_and(|open| open > 1);
                 if depth == 0 && function {
                     body = Some(at + 1);
@@ -71,8 +71,8 @@ fn bodies(words: &[&str]) -> Vec<Range<usize>> {
     found
 }
 
-/// `words`, which are parts of `text`, with each element of one of the `arrays` that a function
-/// names as one word.
+/// Returns `words`, which are parts of `text`. In functions each element of one of the `arrays`
+/// becomes one word.
 pub fn joined_in_bodies<'a>(text: &'a str, words: &[&'a str], arrays: &HashSet<&str>) -> Vec<&'a str> {
     let mut found = Vec::with_capacity(words.len());
     let mut copied = 0;
@@ -85,7 +85,8 @@ pub fn joined_in_bodies<'a>(text: &'a str, words: &[&'a str], arrays: &HashSet<&
     found
 }
 
-/// `words`, which are parts of `text`, with each element of one of the `arrays` as one word.
+/// Returns `words`, which are parts of `text`. Each element of one of the `arrays` becomes one
+/// word.
 pub fn joined<'a>(text: &'a str, words: &[&'a str], arrays: &HashSet<&str>) -> Vec<&'a str> {
     let mut found = Vec::with_capacity(words.len());
     let mut at = 0;
@@ -103,7 +104,7 @@ pub fn joined<'a>(text: &'a str, words: &[&'a str], arrays: &HashSet<&str>) -> V
     found
 }
 
-/// The array and the number of an element that is one word.
+/// Returns the array and the number of an element that is one word.
 pub fn parts(word: &str) -> Option<(&str, u32)> {
     let (array, number_and_bracket) = word.split_once('[')?;
     Some((array.trim(), number(number_and_bracket.strip_suffix(']')?.trim())?))
@@ -113,17 +114,17 @@ fn number(word: &str) -> Option<u32> {
     word.trim_end_matches(['u', 'U']).parse().ok()
 }
 
-/// Collects how a text uses elements of arrays.
+/// Uses of the elements of arrays in a text.
 #[derive(Default)]
 pub struct Usage<'a> {
-    /// Of elements, and of arrays whose elements are chosen otherwise.
+    /// Uses of elements, and of arrays whose elements are chosen in other ways.
     uses: HashMap<&'a str, Uses>,
-    /// The name between the brackets; `None`: more than a name.
+    /// Name between the brackets; `None`: more than a name.
     indices: HashMap<&'a str, Option<&'a str>>,
 }
 
 impl<'a> Usage<'a> {
-    /// Reads the words of a text; `stands_for`: the element that a macro stands for.
+    /// Reads the words of a text. `stands_for` returns the element that a macro means.
     pub fn new(words: &[&'a str], arrays: &HashSet<&str>, stands_for: impl Fn(&'a str) -> Option<&'a str>) -> Self {
         let mut usage = Self::default();
         for at in bodies(words).into_iter().flatten() {
@@ -151,8 +152,8 @@ impl<'a> Usage<'a> {
         usage
     }
 
-    /// Returns the known elements among the names that are `reached`. `is_uniform`: nothing in the
-    /// text writes to a name.
+    /// Returns the known elements among the names `reached`. `is_uniform`: true if the text does
+    /// not write to the name.
     pub fn elements(
         &self,
         arrays: &HashSet<&str>,
@@ -176,7 +177,7 @@ impl<'a> Usage<'a> {
     }
 }
 
-/// Returns the uses of the vector whose first word is at `at`, and that ends before `after`.
+/// Returns the uses of the vector whose first word is at `at` and that ends before `after`.
 fn uses_at(words: &[&str], at: usize, after: usize) -> Uses {
     let swizzle = words.get(after).filter(|word| **word == ".").and_then(|_| words.get(after + 1));
     let after = if swizzle.is_some() { after + 2 } else { after };
@@ -190,7 +191,7 @@ fn uses_at(words: &[&str], at: usize, after: usize) -> Uses {
     Uses { products, factors }
 }
 
-/// The function of whose arguments the word at `at` is a part.
+/// Returns the function that has the word at `at` in its arguments.
 fn called<'a>(words: &[&'a str], at: usize) -> Option<&'a str> {
     let mut depth = 0;
     for place in (0..at).rev() {

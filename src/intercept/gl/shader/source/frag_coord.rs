@@ -1,9 +1,9 @@
-//! `gl_FragCoord` of the program's fragment shaders: in the coordinates of the program's window.
+//! `gl_FragCoord` of the program's fragment shaders, in the coordinates of the program's window.
 //!
-//! A view is a tile of the atlas, with another place and size than the window. The text of a
-//! fragment shader that names `gl_FragCoord` gets an expression in its place, which moves the tile
-//! to the window's origin and scales it to the window's size. What the program computes from it is
-//! then what it would be in a window that shows the view.
+//! A view is a tile of the atlas, with another position and size than the window. If the text of a
+//! fragment shader uses `gl_FragCoord`, an expression replaces it. The expression moves the tile to
+//! the window's origin and scales it to the window's size. So the program computes the same values
+//! as in a window that shows the view.
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::shader::programs;
@@ -16,7 +16,7 @@ const UNIFORM: &str = FragCoord::UNIFORM;
 
 const NAME: &str = "gl_FragCoord";
 
-/// Declaration of a fragment shader about its coordinates.
+/// Declaration of the coordinates in a fragment shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Convention {
     /// `layout(origin_upper_left)`.
@@ -25,8 +25,8 @@ pub struct Convention {
     pub integer: bool,
 }
 
-/// `source` with coordinates of the program's window. `None` where it names none, or declares them
-/// only under a condition. `es_context`: as for [`patch`](super::patch::patch).
+/// Returns `source` with coordinates of the program's window. `None`: the text does not use them,
+/// or declares them only under a condition. `es_context`: as for [`patch`](super::patch::patch).
 pub fn patch(source: &str, es_context: bool) -> Option<(String, Convention)> {
     let bare = strip_comments(source);
     let mut places = words(&bare, NAME).peekable();
@@ -58,7 +58,7 @@ pub fn patch(source: &str, es_context: bool) -> Option<(String, Convention)> {
     Some((head.declaring(&declared, &text), convention))
 }
 
-/// Places of `word` as a whole identifier.
+/// Returns the places of `word` as a whole identifier.
 fn words<'a>(bare: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     bare.match_indices(word)
@@ -66,7 +66,7 @@ fn words<'a>(bare: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
         .filter(move |at| !bare[..*at].ends_with(is_name) && !bare[at + word.len()..].starts_with(is_name))
 }
 
-/// Returns the convention of the declaration at this place, if the name is declared there.
+/// Returns the declared convention if this place declares the name.
 fn declaration(bare: &str, at: usize) -> Option<Convention> {
     bare[..at].trim_end().strip_suffix("vec4").filter(|before| before.ends_with(|c: char| c.is_whitespace()))?;
     let start = bare[..at].rfind([';', '}']).map_or(0, |end| end + 1);
@@ -74,7 +74,7 @@ fn declaration(bare: &str, at: usize) -> Option<Convention> {
     Some(Convention { upper_left: says("origin_upper_left"), integer: says("pixel_center_integer") })
 }
 
-/// Number of conditions of the preprocessor that are open at the end of a text.
+/// Returns the number of preprocessor conditions that are open at the end of a text.
 fn condition_depth(bare: &str) -> usize {
     bare.lines().fold(0, |depth: usize, line| {
         let directive = line.trim_start().strip_prefix('#').map_or("", str::trim_start);
@@ -86,8 +86,8 @@ fn condition_depth(bare: &str) -> usize {
     })
 }
 
-/// Sends to the fragment shader that draws where its fragments are in the program's window, unless
-/// it knows.
+/// Sends the transformation to window coordinates to the present fragment shader, unless the shader
+/// has it already.
 pub fn upload(ctx: &Context) {
     let pipelines = &ctx.shaders.pipelines;
     if pipelines.used != 0 {

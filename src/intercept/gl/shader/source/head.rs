@@ -1,8 +1,8 @@
-//! The head of a shader's text, behind which uniforms of Cupola are declared.
+//! Head of a shader's text. Uniforms of Cupola are declared after it.
 
 use crate::intercept::gl::shader::source::patch::{end_of_version_line, version};
 
-/// Text before all declarations: `#version`, the last `#extension`, and conditions around it.
+/// Text before all declarations: `#version`, the last `#extension`, and the conditions around it.
 pub struct Head<'a> {
     text: &'a str,
     rest: &'a str,
@@ -11,8 +11,8 @@ pub struct Head<'a> {
 }
 
 impl<'a> Head<'a> {
-    /// That of `source`; `bare` is the same without comments, byte for byte. `None` where a
-    /// declaration would have no line of its own. `es_context`: as for
+    /// Returns the head of `source`. `bare` is the same text without comments, byte for byte.
+    /// `None`: a declaration would have no line of its own. `es_context`: as for
     /// [`patch`](super::patch::patch).
     pub fn of(source: &'a str, bare: &str, es_context: bool) -> Option<Self> {
         let (version, es) = version(bare, es_context);
@@ -20,22 +20,22 @@ impl<'a> Head<'a> {
         (text.is_empty() || text.ends_with('\n')).then_some(Self { text, rest, version, es })
     }
 
-    /// Number of its bytes.
+    /// Returns the number of bytes.
     pub fn length(&self) -> usize {
         self.text.len()
     }
 
-    /// Returns the text that follows it.
+    /// Returns the text that follows the head.
     pub fn rest(&self) -> &'a str {
         self.rest
     }
 
-    /// The declaration of a uniform, with the highest precision. `value`: what it is at first,
-    /// where the language can say that.
+    /// Returns the declaration of a uniform, with the highest precision. `value`: its initial
+    /// value, if the language allows one.
     pub fn uniform(&self, kind: &str, name: &str, value: Option<&str>) -> String {
         match (self.es, self.version, value) {
-            // The precision of the stage's floats may not be set yet, and a fragment shader may not
-            // have this one.
+            // The text may not have set the default precision yet, and a fragment shader may not
+            // support high precision.
             (true, 100, _) => format!(
                 "#ifdef GL_FRAGMENT_PRECISION_HIGH\nuniform highp {kind} {name};\n#else\nuniform mediump {kind} {name};\n\
                  #endif\n"
@@ -46,7 +46,7 @@ impl<'a> Head<'a> {
         }
     }
 
-    /// The text with `declarations`, followed by `rest`, which has the lines that followed before.
+    /// Returns the text with `declarations`, followed by `rest`, whose lines keep their numbers.
     pub fn declaring(&self, declarations: &str, rest: &str) -> String {
         let line = self.text.matches('\n').count() + 1;
         // Before GLSL 330 and ESSL 300, `#line n` numbers the *following* line n + 1.
@@ -56,7 +56,7 @@ impl<'a> Head<'a> {
     }
 }
 
-/// The offset after the last `#extension`, and after the conditions that it is in.
+/// Returns the offset after the last `#extension`, and after the conditions around it.
 fn after_extensions(bare: &str) -> usize {
     let (mut offset, mut found, mut depth) = (0, 0, 0_usize);
     let mut waits = false;

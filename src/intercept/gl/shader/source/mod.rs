@@ -1,9 +1,9 @@
-//! The text of the program's shaders: what it says, and what Cupola adds to it.
+//! Text of the program's shaders: analysis, and Cupola's additions.
 //!
 //! [`prover`] proves from the text of a vertex shader that positions are an attribute times
-//! matrices, [`dependence`] finds what flows into the position, and [`compute`] what a compute
-//! shader reads and writes. [`patch`] adds the epilogue that re-projects `gl_Position`, and
-//! [`frag_coord`] gives fragment shaders window coordinates of the program.
+//! matrices. [`dependence`] finds the names that flow into the position, [`compute`] the images and
+//! buffers that a compute shader reads and writes. [`patch`] adds the epilogue that re-projects
+//! `gl_Position`. [`frag_coord`] gives fragment shaders window coordinates of the program.
 
 pub mod compute;
 pub mod dependence;

@@ -1,13 +1,13 @@
-//! The text patch that lets a program's own shader draw into a view.
+//! Change of a shader's text that lets the program's own shader draw to a view.
 //!
 //! The last stage before rasterisation gets an epilogue that re-projects `gl_Position`
-//! (`geom::reprojection`): the program's `main` is renamed by a macro and called from ours,
-//! so that its text stays untouched and its line numbers right.
+//! (`geom::reprojection`). A macro renames the program's `main`, and a new `main` calls it. So the
+//! program's text does not change, and its line numbers stay correct.
 
 use crate::correct::projected::projection::functions;
 use std::borrow::Cow;
 
-/// A stage that can be the last one before rasterisation.
+/// Stage that can be the last one before rasterisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Vertex shader.
@@ -18,9 +18,9 @@ pub enum Stage {
     Geometry,
 }
 
-/// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it).
-/// `es_context`: the context is OpenGL ES, which says what a text without `#version` is. `curved`:
-/// there are views to whose lens vertices are projected.
+/// Returns `source` with the epilogue. `None`: the text cannot be patched (it has no `main`).
+/// `es_context`: the context is OpenGL ES, which determines the language of a text without
+/// `#version`. `curved`: there are views to whose lens vertices are projected.
 pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Option<String> {
     let bare = strip_comments(source);
     if !defines_main(&bare) {
@@ -30,7 +30,8 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
     // The macro must come after `#version` and may come before `#extension`.
     let head_end = end_of_version_line(source, &bare);
     let (head, body) = source.split_at(head_end);
-    // Nothing can follow a directive on its line: such a text is in error.
+    // A text must continue on a new line after a directive. Otherwise it is wrong, and is not
+    // patched.
     let ends_within = |part: &str| !part.is_empty() && !part.ends_with('\n');
     if ends_within(head) {
         return None;
@@ -45,8 +46,7 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
              void main() {{ cupola_main(); gl_Position = cupola_fix(gl_Position); }}\n"
         ),
         Stage::Geometry => {
-            // A function declaration may not stand before `#extension`, so it goes after the last
-            // one.
+            // A declaration must not stand before `#extension`, so it follows the last one.
             let split = after_last_extension(&bare).max(head_end);
             let (before, after) = source.split_at(split);
             if ends_within(before) {
@@ -77,7 +77,7 @@ pub fn mentions(source: &str, word: &str) -> bool {
     })
 }
 
-/// Comments replaced by spaces, byte for byte, so that offsets stay those of the source.
+/// Replaces comments by spaces, byte for byte, so that offsets are those of the source.
 pub fn strip_comments(source: &str) -> Cow<'_, str> {
     if !source.contains("//") && !source.contains("/*") {
         return Cow::Borrowed(source);
@@ -101,12 +101,13 @@ pub fn strip_comments(source: &str) -> Cow<'_, str> {
         }
         i = end;
     }
-    // Only whole comments became ASCII spaces, so the text is still UTF-8.
+    // Only complete comments became ASCII spaces, so the text is still UTF-8.
     String::from_utf8(out).map_or(Cow::Borrowed(source), Cow::Owned)
 }
 
-/// Version number and whether it is ESSL; no `#version` means GLSL 110, or ESSL 100
-/// on an ES context (many desktop texts name precisions too, for `#ifdef GL_ES`).
+/// Returns the version number, and whether the language is ESSL. Without `#version` it is GLSL 110,
+/// or ESSL 100 in a context of OpenGL ES (many desktop texts contain precisions too, for `#ifdef
+/// GL_ES`).
 pub(in crate::intercept::gl) fn version(bare: &str, es_context: bool) -> (u32, bool) {
     for line in bare.lines() {
         let Some(rest) = line.trim_start().strip_prefix('#').map(str::trim_start) else { continue };
@@ -127,7 +128,7 @@ fn after_last_extension(bare: &str) -> usize {
     end_of_directive(bare, bare, "extension")
 }
 
-/// The offset after the line of the last `#directive`; 0 if there is none.
+/// Returns the offset after the line of the last `#directive`; 0 if there is none.
 fn end_of_directive(source: &str, bare: &str, directive: &str) -> usize {
     let mut offset = 0;
     let mut found = 0;
@@ -141,7 +142,7 @@ fn end_of_directive(source: &str, bare: &str, directive: &str) -> usize {
     found.min(source.len())
 }
 
-/// True if there is a `main` followed by `(` at brace depth 0.
+/// True if there is a `main` followed by `(` outside of all braces.
 fn defines_main(bare: &str) -> bool {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     bare.match_indices("main").any(|(at, _)| {
@@ -182,7 +183,7 @@ mod tests {
         for source in ["#version 300 es\nvoid main() {}", "#version 100\nvoid main() {}"] {
             assert!(qualified(source, false) && qualified(source, true), "{source}");
         }
-        // Many programs give both kinds of context the same text.
+        // Many programs use the same text for both kinds of context.
         let both = "#ifdef GL_ES\nprecision mediump float;\n#endif\nvoid main() {}";
         assert!(qualified(both, true) && !qualified(both, false));
     }
@@ -207,7 +208,7 @@ mod tests {
         assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex, false, false).is_some());
     }
 
-    /// Text that we add would stand on the line of the directive.
+    /// Added text would be on the line of the directive.
     #[test]
     fn a_main_on_the_line_of_the_version_is_none() {
         for source in ["#version 330 void main() {}", "// a\n#version 330 es void main() {}"] {

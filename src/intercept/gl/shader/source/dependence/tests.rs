@@ -40,7 +40,8 @@ fn other_matrices_do_not() {
     }
 }
 
-/// `uniform vec4 m[…]` and a body; the groups of four that flow into the position.
+/// Returns the groups of four vectors that flow into the position, for a declaration of uniforms
+/// and a body.
 fn fours(declared: &str, body: &str) -> Vec<(u32, Order)> {
     let text = format!("{declared}\nin vec4 v; in vec3 n; out vec3 s;\nvoid main() {{ {body} }}");
     let names = of_stage([&*text]).expect("understood");
@@ -67,7 +68,8 @@ fn four_vectors_are_columns_or_rows_by_their_use() {
     assert_eq!(fours(defined, products), [(2, Order::Rows)]);
 }
 
-/// As Unity's shaders are translated by HLSLcc; texts of both stages are in one source.
+/// The form of Unity's shaders after translation by HLSLcc. One source has the texts of both
+/// stages.
 #[test]
 fn macros_of_layouts_are_understood() {
     let text = "#ifdef VERTEX\n#version 330\n#define HLSLCC_ENABLE_UNIFORM_BUFFERS 1\n#if HLSLCC_ENABLE_UNIFORM_BUFFERS\n\

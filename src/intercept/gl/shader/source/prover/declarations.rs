@@ -1,4 +1,4 @@
-//! Declarations in a shader's text outside of its functions, and the places of its functions.
+//! Declarations in a shader's text outside of its functions, and the ranges of its functions.
 
 use crate::intercept::gl::shader::source::prover::tokens::is_name;
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ pub enum Global<'a> {
     Attribute(usize),
     /// A 4×4 matrix of floats that the program sets.
     Matrix,
-    /// A block of uniforms by the name of its instance: the block's own name.
+    /// The instance of a uniform block, with the name of the block.
     Block(&'a str),
     /// Anything else.
     Other,
@@ -20,26 +20,26 @@ pub enum Global<'a> {
 /// A function.
 #[derive(Debug)]
 pub struct Function<'a> {
-    /// Its name.
+    /// Name.
     pub name: &'a str,
-    /// The words between its parentheses.
+    /// Range of the words between its parentheses.
     pub parameters: Range<usize>,
-    /// The words between its braces; empty for a prototype.
+    /// Range of the words between its braces; empty for a prototype.
     pub body: Range<usize>,
 }
 
-/// The text's outermost level.
+/// Declarations at the outermost level of a text.
 #[derive(Debug, Default)]
 pub struct Declarations<'a> {
-    /// Names and what they stand for.
+    /// Names and their meanings.
     pub globals: HashMap<&'a str, Global<'a>>,
-    /// Functions, in order.
+    /// Functions, in the order of the text.
     pub functions: Vec<Function<'a>>,
-    /// 4×4 matrices of blocks that have instances: name of the block, name of the member.
+    /// 4×4 matrices of blocks with instances: name of the block, name of the member.
     pub members: Vec<(&'a str, &'a str)>,
 }
 
-/// Reads the declarations of `words`; `None` where the text is not understood.
+/// Reads the declarations of `words`. `None`: the text is not understood.
 pub fn read<'a>(words: &[&'a str]) -> Option<Declarations<'a>> {
     let mut found = Declarations::default();
     let mut start = 0;
@@ -49,7 +49,7 @@ pub fn read<'a>(words: &[&'a str]) -> Option<Declarations<'a>> {
     Some(found)
 }
 
-/// The index behind the bracket that closes the one at `open`.
+/// Returns the index after the bracket that closes the one at `open`.
 pub fn behind(words: &[&str], open: usize) -> Option<usize> {
     let (opens, closes) = match *words.get(open)? {
         "(" => ("(", ")"),
@@ -71,7 +71,7 @@ pub fn behind(words: &[&str], open: usize) -> Option<usize> {
     None
 }
 
-/// Words before a type that say nothing here.
+/// Words before a type that have no meaning here.
 const QUALIFIERS: [&str; 17] = [
     "attribute",
     "in",
@@ -93,7 +93,7 @@ const QUALIFIERS: [&str; 17] = [
 ];
 
 impl<'a> Declarations<'a> {
-    /// Reads one declaration; the index behind it.
+    /// Reads one declaration. Returns the index after it.
     fn statement(&mut self, words: &[&'a str], start: usize) -> Option<usize> {
         let mut at = start;
         let (mut attribute, mut uniform) = (false, false);
@@ -114,7 +114,7 @@ impl<'a> Declarations<'a> {
         let (kind, after) = (words[at], at + 1);
         match *words.get(after)? {
             "{" => self.block(words, kind, after, uniform),
-            // `invariant gl_Position;`
+            // A statement like `invariant gl_Position;`.
             ";" => Some(after + 1),
             "," => self.skip(words, at),
             "[" => self.skip(words, at),
@@ -132,13 +132,13 @@ impl<'a> Declarations<'a> {
         }
     }
 
-    /// The names of a declaration, from the first one on.
+    /// Reads the names of a declaration from the first one on. Returns the index after them.
     fn variables(&mut self, words: &[&'a str], start: usize, global: &Global<'a>) -> Option<usize> {
         let mut at = start;
         loop {
             let name = *words.get(at).filter(|word| is_name(word))?;
             let plain = matches!(*words.get(at + 1)?, "," | ";");
-            // A matrix may have a value from the beginning; the driver says which.
+            // A matrix may have an initial value, which the driver knows.
             let initialised = words[at + 1] == "=" && *global == Global::Matrix;
             self.declare(name, if plain || initialised { global.clone() } else { Global::Other });
             at += 1;
@@ -155,14 +155,14 @@ impl<'a> Declarations<'a> {
     }
 
     fn declare(&mut self, name: &'a str, global: Global<'a>) {
-        // Branches of conditional compilation may declare the same twice, in two dialects.
+        // Branches of conditional compilation may declare the same name twice, in two dialects.
         let known = self.globals.entry(name).or_insert_with(|| global.clone());
         if *known != global {
             *known = Global::Other;
         }
     }
 
-    /// Skips a statement of no interest, up to its semicolon; names in it stand for anything.
+    /// Skips a statement that is not needed, up to its semicolon. Its names may have any meaning.
     fn skip(&mut self, words: &[&'a str], start: usize) -> Option<usize> {
         let mut at = start;
         loop {
@@ -193,7 +193,7 @@ impl<'a> Declarations<'a> {
         Some(end)
     }
 
-    /// `uniform Name { … } instance;`
+    /// Reads a block like `uniform Name { … } instance;`.
     fn block(&mut self, words: &[&'a str], name: &'a str, open: usize, uniform: bool) -> Option<usize> {
         let close = behind(words, open)?;
         let instance = *words.get(close)?;
@@ -218,7 +218,7 @@ impl<'a> Declarations<'a> {
         self.end(words, close)
     }
 
-    /// A member of a block: as a uniform, whatever else it is.
+    /// Reads a member of a block like a uniform, with any qualifiers.
     fn member(&mut self, words: &[&'a str], start: usize) -> Option<usize> {
         let mut at = start;
         while words.get(at) == Some(&"layout") || words.get(at).is_some_and(|word| QUALIFIERS.contains(word)) {

@@ -1,10 +1,10 @@
-//! Proves from a vertex shader's text where its vertices are: `gl_Position` is a product of
-//! matrices that the program sets and of one attribute.
+//! Proves from a vertex shader's text where its vertices are: `gl_Position` is a product of one
+//! attribute and matrices that the program sets.
 //!
-//! A text that is not of this form, or not understood, is not proven: a program that is cut too
-//! narrowly by mistake would lose a part of its picture. The names on the way from the attribute to
-//! `gl_Position` must be declared once, written once, unconditionally and in `main`; of conditional
-//! compilation all branches are looked at.
+//! A text of another form, or one that is not understood, is not proven: after a wrong proof a part
+//! of the picture would be missing. All names between the attribute and `gl_Position` must be
+//! declared once, and written once, unconditionally and in `main`. All branches of conditional
+//! compilation are examined.
 
 pub(in crate::intercept::gl::shader) mod declarations;
 pub(in crate::intercept::gl::shader) mod tokens;
@@ -13,19 +13,19 @@ use declarations::{Declarations, Function, Global, behind};
 use std::cell::Cell;
 use tokens::{Tokens, is_name, number};
 
-/// The attribute that holds positions.
+/// Attribute that has the positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Attribute {
     /// `gl_Vertex`.
     Conventional,
-    /// One of the program's own.
+    /// A named attribute of the program.
     Named(String),
 }
 
-/// One of the matrices of the product.
+/// Matrix of the product.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Factor {
-    /// A uniform, by the name that OpenGL has for it.
+    /// A uniform, by its name in OpenGL.
     Uniform(String),
     /// `GL_MODELVIEW`.
     ModelView,
@@ -36,21 +36,21 @@ pub enum Factor {
 /// `gl_Position = factors[0] · factors[1] · … · (attribute)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Proof {
-    /// The matrices, from the left.
+    /// Matrices, from the left.
     pub factors: Vec<Factor>,
-    /// The attribute.
+    /// Attribute.
     pub attribute: Attribute,
-    /// Number of its components that count, 2…4; the rest are 0, 0, 1.
+    /// Number of components that are used, 2…4. The others are 0, 0, 1.
     pub components: usize,
 }
 
-/// More matrices are not multiplied: roundings add up.
+/// Greatest number of matrices, since rounding errors add up.
 const MOST_FACTORS: usize = 8;
 
-/// Greatest number of steps. It bounds the depth of recursion, too.
+/// Greatest number of steps. It also limits the depth of recursion.
 const MOST_STEPS: u32 = 64;
 
-/// Words of shaders whose draws do more than what is seen, or go elsewhere.
+/// Words of shaders whose draws have other effects than visible ones, or other targets.
 const EFFECTS: [&str; 12] = [
     "gl_PointSize",
     "gl_Layer",
@@ -66,7 +66,8 @@ const EFFECTS: [&str; 12] = [
     "subroutine",
 ];
 
-/// Returns the proof for a vertex shader, if there is one. `es_context`: precisions count.
+/// Returns the proof for a vertex shader, if there is one. `es_context`: low precisions prevent a
+/// proof.
 pub fn prove(source: &str, es_context: bool) -> Option<Proof> {
     let bare = tokens::bare(source);
     let Tokens { words, macros } = tokens::split(&bare)?;
@@ -91,7 +92,7 @@ pub fn prove(source: &str, es_context: bool) -> Option<Proof> {
     }
 }
 
-/// A product of matrices, and of a position if it ends with one.
+/// Product of matrices, and of a position if it ends with one.
 struct Value {
     factors: Vec<Factor>,
     position: Option<(Attribute, usize)>,
@@ -110,12 +111,12 @@ impl<'a> Text<'a> {
         self.words.get(at).copied().unwrap_or_default()
     }
 
-    /// True if a function may change variables that it is given.
+    /// True if a function may change its arguments.
     fn gives_back_arguments(&self) -> bool {
         self.declarations.functions.iter().any(|f| self.words[f.parameters.clone()].contains(&"out"))
     }
 
-    /// Returns the places at which functions name `name`, as a variable.
+    /// Returns the places at which functions use `name` as a variable.
     fn uses(&self, name: &'a str) -> impl Iterator<Item = usize> + '_ {
         let ranges = self.declarations.functions.iter().flat_map(|f| [f.parameters.clone(), f.body.clone()]);
         ranges.flatten().filter(move |at| self.words[*at] == name && self.word(at.wrapping_sub(1)) != ".")
@@ -133,7 +134,7 @@ impl<'a> Text<'a> {
         is_name(before) && !matches!(before, "return" | "else" | "case" | "do")
     }
 
-    /// True if the word at `at` is assigned to, wholly or in part.
+    /// True if the word at `at`, or a part of it, is assigned to.
     fn writes(&self, at: usize) -> bool {
         let mut after = at + 1;
         loop {
@@ -152,14 +153,14 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// A name that nothing but its declaration outside of functions makes: it is neither hidden nor
-    /// written.
+    /// True if `name` has the same meaning everywhere: no function declares a variable of this
+    /// name, or writes to it.
     fn is_constant(&self, name: &'a str) -> bool {
         !self.macros.contains(&name) && self.uses(name).all(|at| !self.declares(at) && !self.writes(at))
     }
 
-    /// The only expression that `name` ever gets, at the outermost level of `main`: its first word,
-    /// and the semicolon behind it. `local`: a variable of `main` itself.
+    /// Returns the only expression that is assigned to `name`, at the outermost level of `main`:
+    /// its first word, and the semicolon after it. `local`: `name` is a variable of `main` itself.
     fn written(&self, name: &'a str, local: bool) -> Option<(usize, usize)> {
         if self.macros.contains(&name) {
             return None;
@@ -185,7 +186,7 @@ impl<'a> Text<'a> {
         Some((at + 2, at + length))
     }
 
-    /// True if a place is in `main`, within no other braces or parentheses.
+    /// True if a place is in `main`, outside of all other braces and parentheses.
     fn outermost(&self, at: usize) -> bool {
         if !self.main.body.contains(&at) {
             return false;
@@ -195,14 +196,14 @@ impl<'a> Text<'a> {
         count("{") == count("}") && count("(") == count(")")
     }
 
-    /// The value of the words `start..end`: factors with `*` between.
+    /// Returns the product of the words `start..end`: factors with `*` between them.
     fn product(&self, start: usize, end: usize) -> Option<Value> {
         let mut value = Value { factors: Vec::new(), position: None };
         let mut at = start;
         loop {
             let (next, after) = self.factor(at, end)?;
             if value.position.is_some() {
-                // A row vector times a matrix.
+                // The product of a row vector and a matrix is not supported.
                 return None;
             }
             value.factors.extend(next.factors);
@@ -218,7 +219,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// One factor from `at` on, and the index behind it.
+    /// Returns the factor at `at`, and the index after it.
     fn factor(&self, at: usize, end: usize) -> Option<(Value, usize)> {
         let word = self.word(at);
         self.steps.set(self.steps.get() + 1);
@@ -263,7 +264,8 @@ impl<'a> Text<'a> {
                 Some(_) => None,
                 None => {
                     let (start, semicolon) = self.written(word, true)?;
-                    // A value that comes later, or that names itself, is not this one.
+                    // An expression that comes later, or that contains the name itself, is not its
+                    // value.
                     (semicolon < at)
                         .then(|| self.product(start, semicolon))?
                         .and_then(|v| one(v.factors, v.position, 1))
@@ -272,7 +274,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// True if a name of OpenGL's stands for what OpenGL says.
+    /// True if a built-in name has the meaning that OpenGL defines.
     fn is_built_in(&self, word: &'a str) -> bool {
         let own =
             self.declarations.globals.contains_key(word) || self.declarations.functions.iter().any(|f| f.name == word);
@@ -313,8 +315,8 @@ impl<'a> Text<'a> {
         Some((attribute, components))
     }
 
-    /// Returns the number of components that `name.swizzle` gives, if they are the ones that come
-    /// after `before`.
+    /// Returns the number of components of `name.swizzle`, if they are the components that follow
+    /// the first `before` ones.
     fn taken(&self, name: &str, swizzle: &str, before: usize) -> Option<usize> {
         let size = match (name, self.declarations.globals.get(name)) {
             ("gl_Vertex", None) => 4,

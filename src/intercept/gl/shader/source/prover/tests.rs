@@ -1,4 +1,4 @@
-//! Texts that are proven, and above all texts that are not.
+//! Texts that are proven, and texts that must not be proven.
 
 use crate::intercept::gl::shader::source::prover::Attribute;
 use crate::intercept::gl::shader::source::prover::Factor;
@@ -65,7 +65,7 @@ fn blocks_and_dialects_are_proven() {
 #[test]
 fn everything_else_is_not() {
     for statements in [
-        // Another position.
+        // Another form of position.
         "gl_Position = p * vec4(a + t, 1.0);",
         "gl_Position = p * vec4(a * t, 1.0);",
         "gl_Position = p * vec4(a, t);",
@@ -82,7 +82,7 @@ fn everything_else_is_not() {
         "gl_Position = p * f(a4);",
         "gl_Position = p;",
         "gl_Position = q * a4;",
-        // Written again, or only sometimes.
+        // Positions that are written again, or only under a condition.
         "gl_Position = p * a4; gl_Position.y = -gl_Position.y;",
         "gl_Position = p * a4; gl_Position *= 2.0;",
         "gl_Position = p * a4; gl_Position[1] += 2.0;",
@@ -96,13 +96,13 @@ fn everything_else_is_not() {
         "vec4 e; gl_Position = p * e; e = v * a4;",
         "vec4 e; gl_Position = p * e;",
         "vec4 e = e; gl_Position = p * e;",
-        // Names that mean something else.
+        // Names with another meaning.
         "vec4 a4 = vec4(t); gl_Position = p * a4;",
         "vec4 x, a4; a4 = vec4(t); gl_Position = p * a4;",
         "mat4 p = mat4(t); gl_Position = p * a4;",
         "{ vec4 e = a4; } vec4 e = v * a4; gl_Position = p * e;",
         "mat3 e = p * v; gl_Position = e * a4;",
-        // Effects.
+        // Other effects.
         "gl_Position = p * a4; gl_PointSize = 9.0;",
         "gl_Position = p * a4; gl_Layer = 1;",
         "",
@@ -143,7 +143,7 @@ fn coarse_numbers_of_opengl_es_are_not_exact_enough() {
     assert!(prove(&text, false).is_some() && prove(&text, true).is_none());
 }
 
-/// Whatever a text is cut to, or two of its words exchanged for, nothing breaks.
+/// If a text is cut, or two of its words are exchanged, nothing fails.
 #[test]
 fn damaged_texts_do_no_harm() {
     let text = format!(

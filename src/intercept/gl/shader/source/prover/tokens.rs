@@ -6,17 +6,17 @@ use crate::intercept::gl::shader::source::patch;
 pub struct Tokens<'a> {
     /// Names, numbers and operators, in order.
     pub words: Vec<&'a str>,
-    /// Names of macros, and the words that they stand for.
+    /// Names of macros, and their words.
     pub macros: Vec<&'a str>,
 }
 
-/// Operators of more than one character, longer ones first.
+/// Operators of more than one character, in order of descending length.
 const OPERATORS: [&str; 21] = [
     "<<=", ">>=", "==", "!=", "<=", ">=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "++", "--", "&&", "||", "^^",
     "<<", ">>",
 ];
 
-/// A macro that has one of these may be a statement, or change what statements are.
+/// Words in macros that may be statements, or change the structure of statements.
 const KEYWORDS: [&str; 24] = [
     "{",
     "}",
@@ -49,8 +49,8 @@ pub fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
 
-/// Splits a text without comments into words. Of conditional compilation all branches are taken.
-/// `None`: the text has what is not followed (continued lines, directives that are not known, names
+/// Splits a text without comments into words. All branches of conditional compilation are included.
+/// `None`: the text has features that are not supported (continued lines, unknown directives, names
 /// made by macros).
 pub fn split(bare: &str) -> Option<Tokens<'_>> {
     if bare.contains('\\') || !bare.is_ascii() {
@@ -105,7 +105,7 @@ pub fn words<'a>(line: &'a str, found: &mut Vec<&'a str>) {
     }
 }
 
-/// Length of the number at the beginning of `text`: `1`, `1.0f`, `.5`, `1e-3`, `0x1Fu`.
+/// Returns the length of the number at the beginning of `text`: `1`, `1.0f`, `.5`, `1e-3`, `0x1Fu`.
 fn number_length(text: &str) -> usize {
     let mut before = ' ';
     text.find(|c: char| {
@@ -116,7 +116,7 @@ fn number_length(text: &str) -> usize {
     .unwrap_or(text.len())
 }
 
-/// The value of a number that needs no exponent; `None` for other words.
+/// Returns the value of a number without an exponent; `None` for other words.
 pub fn number(word: &str) -> Option<f64> {
     word.trim_end_matches(['f', 'F'])
         .parse()
@@ -124,7 +124,7 @@ pub fn number(word: &str) -> Option<f64> {
         .filter(|_| word.starts_with(|c: char| c.is_ascii_digit() || c == '.'))
 }
 
-/// A text without its comments, byte for byte.
+/// Returns a text without its comments, byte for byte.
 pub fn bare(source: &str) -> std::borrow::Cow<'_, str> {
     patch::strip_comments(source)
 }
