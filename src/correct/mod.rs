@@ -1,9 +1,9 @@
 //! From rig and views to passes, independent of the graphics API.
 //!
-//! `passes` holds the types, `sources` finds how an output's pixels become directions, `plan`
-//! builds the passes, `shaders` turns them into constants, programs and draws. `projected` serves
-//! programs whose vertices are projected to outputs. Each room uses only those before it. `single`
-//! is the only place where f64 becomes f32.
+//! `passes` holds the types. `sources` finds how an output's pixels become directions. `plan`
+//! builds the passes. `shaders` turns them into constants, programs and draws. `projected` serves
+//! programs whose vertices are projected to outputs. Each folder uses only folders before it.
+//! `single` is the only place where f64 becomes f32.
 
 pub mod passes;
 pub mod plan;

@@ -1,4 +1,4 @@
-//! The only place where f64 becomes f32: every coefficient is folded in f64 and rounded once.
+//! The only place where f64 becomes f32: every coefficient is computed in f64 and rounded once.
 
 use glam::{DMat3, DMat4, DVec3};
 
@@ -27,7 +27,7 @@ pub fn pixels(length: i32) -> f32 {
     length as f32
 }
 
-/// A pixel of a table: direction and weight, rounded once.
+/// Rounds a pixel of a table: direction and weight.
 pub(in crate::correct) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {
     [direction.x as f32, direction.y as f32, direction.z as f32, weight as f32]
 }

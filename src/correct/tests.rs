@@ -1,4 +1,4 @@
-//! The passes against brute force: every pixel of several rigs.
+//! The passes, compared with a direct computation of every pixel of several rigs.
 
 use crate::ErrorKind;
 use crate::correct::passes::output_pass::{Batch, Plan};
@@ -16,7 +16,7 @@ use crate::views::{Request, ViewPlan};
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 
-/// The batch of each pixel, row by row; panics where two claim one.
+/// Returns the batch of each pixel, row by row; panics if a pixel is in two.
 fn painted(plan: &Plan, output: usize) -> Vec<Option<usize>> {
     let pass = &plan.passes[output];
     let mut painted = vec![None; (pass.size.0 * pass.size.1) as usize];
@@ -34,8 +34,8 @@ fn painted(plan: &Plan, output: usize) -> Vec<Option<usize>> {
     painted
 }
 
-/// Checks every pixel of every output against the exact map; returns how many show something, or
-/// what is wrong.
+/// Checks every pixel of every output against the exact map. Returns the number of pixels that show
+/// something, or a description of the error.
 fn check(rig: &Rig, plan: &Plan) -> Result<usize, String> {
     let mut lit = 0;
     for (index, pass) in plan.passes.iter().enumerate() {
@@ -168,13 +168,12 @@ fn the_check_of_batches_notices_what_is_wrong() {
         check(&rig, &bad).is_err()
     };
     assert!(fails(&|batches| drop(batches.pop())), "pixels are missing");
-    assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.edge = false)), "dark pixels are not told");
+    assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.edge = false)), "dark pixels are not reported");
     assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.views.clear())), "a view is missing");
     assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.neighbours.clear())), "a neighbour is missing");
 }
 
-/// Number of pixels that show something for which no view answers, and of those that show
-/// something.
+/// Returns the number of lit pixels that no view serves, and the number of lit pixels.
 fn holes(plan: &Plan) -> (usize, usize) {
     let (mut holes, mut lit) = (0, 0);
     for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
@@ -193,8 +192,8 @@ fn holes(plan: &Plan) -> (usize, usize) {
     (holes, lit)
 }
 
-/// Rigs whose pictures reach beyond the outline of the screen. Views are those of pictures 4096
-/// wide: what a view is wider than its part is then a small part of a pixel.
+/// Rigs whose pictures reach beyond the outline of the screen. Views have the resolution for
+/// pictures 4096 wide, so that the margin of a view is a small part of a pixel.
 #[test]
 fn no_pixel_beside_a_silhouette_is_without_a_view() {
     let sphere = "radius = 1.421\nposition = [0.0645, -0.111, -0.1215]\n";
@@ -225,8 +224,8 @@ fn no_pixel_beside_a_silhouette_is_without_a_view() {
     }
 }
 
-/// A mirror that is seen so flatly that it lights a sliver of the picture. A part of what that
-/// shows lies between the planner's samples, in a cell that gets no view therefore.
+/// A mirror at a flat angle lights only a sliver of the picture. A part of the sliver lies between
+/// the planner's samples, in a cell that therefore gets no view.
 #[test]
 fn a_sliver_between_the_planners_samples_gets_a_view() {
     let text = "[dome]\nradius = 5\ntilt = -146.08266086875614\n[screen]\nshape = \"sphere\"\n\
@@ -247,7 +246,7 @@ fn a_sliver_between_the_planners_samples_gets_a_view() {
     let (found, lit) = holes(&plan);
     assert!(found == 0 && lit > 90, "{found} of {lit} pixels");
     let planned = crate::views::plan(&rig, &request).expect("a plan");
-    assert!(planned.views.len() < plan.views.views.len(), "the planner knows all of it: the case is void");
+    assert!(planned.views.len() < plan.views.views.len(), "the planner finds all of it, so this test shows nothing");
 }
 
 #[test]
@@ -299,7 +298,7 @@ fn passthrough_has_no_passes_and_a_missing_mask_is_an_error() {
 }
 
 #[test]
-#[ignore = "prints times, for people"]
+#[ignore = "only prints times"]
 fn times() {
     let dome = (rig(vec![fisheye(180.0, 90.0)]), request(&[(4096, 4096)]));
     for (name, (rig, request)) in [("fisheye at 4096²", dome), ("six projectors at 1080p", planetarium((1920, 1080)))]
@@ -344,8 +343,8 @@ fn even_light_is_even_on_every_screen() {
             let ray = DVec3::new((2.0 * across - 1.0) * tangents[0], (1.0 - 2.0 * down) * tangents[1], -1.0);
             let hit = rig.surface().hit(position, ray).unwrap();
             let (away, towards) = (hit.point - position, ray.normalize());
-            // In units of the pixel's tangents; the cube of the length is the slant of the
-            // picture's plane and its distance.
+            // In units of the pixel's tangents. The cube of the length accounts for the slant of
+            // the picture's plane and for its distance.
             let solid_angle = ray.length().powi(-3);
             let area = away.length_squared() * solid_angle / hit.normal.dot(towards).abs();
             let weight = table.at(across, down).unwrap().weight;
@@ -356,7 +355,7 @@ fn even_light_is_even_on_every_screen() {
         }
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         let worst = levels.iter().map(|level| (level / mean - 1.0).abs()).fold(0.0, f64::max);
-        // Areas are differences over a pixel, off by the square of its size.
+        // Areas are differences over a pixel; their error is the square of its size.
         assert!(worst < 2e-3, "{screen}: {worst}");
         assert!(levels.len() > 1_000 && full > 50, "{screen}: {} dimmed, {full} not", levels.len());
     }

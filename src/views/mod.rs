@@ -1,9 +1,10 @@
-//! The planner: which directions the outputs sample, and the fewest, tightest views that show them.
+//! The planner finds the directions that the outputs sample, and the fewest, tightest views that
+//! show them.
 //!
-//! One room for each step: `sampling` finds the directions that outputs show, `fitting` the opening
-//! and the resolution of a view with given axes, `arranging` chooses the views, `placing` puts them
-//! into the atlas. `planner` runs the steps; `view_plan` holds the request and the result,
-//! `reporting` looks at it. Each room uses only those before it.
+//! There is one folder for each step. `sampling` finds the directions that outputs show. `fitting`
+//! finds the opening and the resolution of a view with given axes. `arranging` chooses the views.
+//! `placing` puts them into the atlas. `planner` runs the steps. `view_plan` holds the request and
+//! the result; `reporting` reports on the result. Each folder uses only folders before it.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over

@@ -12,25 +12,25 @@ use crate::views::view_plan::{LEFT_OUT, Request, ViewPlan};
 use glam::DVec2;
 use std::borrow::Cow;
 
-/// Plans the views of `rig`: deterministic, and without a graphics API.
+/// Plans the views of `rig`. The result is deterministic and needs no graphics API.
 ///
-/// A rig with `passthrough` has no views; one with `content` has one, the program's window. Of all
-/// others: Every direction that an output shows at a pixel's centre lies in `owned` of at least one
-/// view of `output_views[output]`, by a quarter of a texel where views meet or end, and the
-/// bilinear footprint of every sample stays inside the tile.
+/// A rig with `passthrough` has no views. A rig with `content` has one view, the program's window.
+/// For all other rigs, every direction that an output shows at a pixel's centre lies in `owned` of
+/// at least one view of `output_views[output]`, by a quarter of a texel where views meet or end.
+/// The bilinear footprint of every sample stays inside the tile.
 ///
 /// # Errors
 ///
 /// [`InvalidArgument`](crate::ErrorKind::InvalidArgument) if one side of a size is 0 or the list of
 /// sizes has the wrong length; [`InvalidRig`](crate::ErrorKind::InvalidRig) if `method` is
-/// [`Single`](crate::rig::ViewMethod::Single) and an output sees too much for one perspective view;
-/// [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into the atlas. Where only the
+/// [`Single`](crate::rig::ViewMethod::Single) and an output shows too much for one perspective
+/// view; [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into the atlas. Where only the
 /// resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     Planning::new(rig, request, 0, &Cache::none())?.place()
 }
 
-/// Views that are chosen and may yet be widened.
+/// Views that are chosen and may still be widened.
 #[derive(Debug)]
 pub(crate) struct Planning<'a> {
     rig: Cow<'a, Rig>,
@@ -42,7 +42,7 @@ pub(crate) struct Planning<'a> {
 
 impl<'a> Planning<'a> {
     /// Chooses the views of a rig whose outputs sample up to `sampling_margin` texels beside the
-    /// exact place; `cache` may know what is chosen, or keeps it.
+    /// exact place. Takes the choice from `cache`, or stores it there.
     ///
     /// # Errors
     /// As [`plan`].
@@ -61,7 +61,7 @@ impl<'a> Planning<'a> {
         Ok(Self { rig, request, sampling_margin, output_maps, arrangement })
     }
 
-    /// The views with their places in the atlas, without those that no pixel samples.
+    /// Returns the views with their places in the atlas, without views that no pixel samples.
     ///
     /// # Errors
     /// [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into the atlas.
@@ -69,24 +69,24 @@ impl<'a> Planning<'a> {
         loop {
             let Arrangement { views, notes } = &self.arrangement;
             let plan = layout::place(&self.rig, self.request, self.sampling_margin, views, notes)?;
-            // Content is one picture, whatever of it is shown.
+            // Content is one picture, whatever part of it is shown.
             let idle = if self.rig.content.is_some() { None } else { idle::find(&plan, &self.output_maps) };
             let Some(idle) = idle else { return Ok(plan) };
             let view = self.arrangement.views.remove(idle);
-            self.arrangement.notes.push(format!("{LEFT_OUT}{}: the centre of no pixel lies there", view.name));
+            self.arrangement.notes.push(format!("{LEFT_OUT}{}: no pixel's centre lies there", view.name));
         }
     }
 
-    /// Widens a view of the latest plan so that it answers for the tangents in `extent`, too.
-    /// Returns whether it did: views that are pictures of outputs stay as they are.
+    /// Widens a view of the latest plan so that it also serves the tangents in `extent`. Returns
+    /// true if it did: views with an exact size stay unchanged.
     pub fn widen(&mut self, view: usize, extent: &Frustum) -> bool {
         let Some(view) = self.arrangement.views.get_mut(view).filter(|view| view.exact.is_none()) else { return false };
         view.fit.extent = view.fit.extent.union(extent);
         true
     }
 
-    /// Adds views for what an output shows at pixel positions that no view can be widened to show.
-    /// Returns whether there are some.
+    /// Adds views for directions that an output shows at pixel positions and that no view can be
+    /// widened to show. Returns true if there are any.
     pub fn add(&mut self, output: usize, places: &[DVec2]) -> bool {
         let Some(output_map) = self.output_maps.get(output) else { return false };
         let added = unseen::views(&self.rig, (output, output_map), places, &self.arrangement.views);

@@ -1,4 +1,5 @@
-//! The planner against brute force: every pixel, random rigs, and the goals of docs/results.md.
+//! The planner, compared with a direct computation of every pixel, with random rigs, and with the
+//! goals of docs/results.md.
 
 mod complete;
 
@@ -65,7 +66,7 @@ fn texel(view: &View, direction: DVec3) -> Option<DVec2> {
     Some(part * DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height)))
 }
 
-/// The view that answers for a direction that `output` shows.
+/// Returns the view that serves a direction that `output` shows.
 fn answering(plan: &ViewPlan, output: usize, direction: DVec3) -> Option<usize> {
     plan.output_views[output].iter().copied().find(|&view| {
         let view = &plan.views[view];
@@ -73,8 +74,8 @@ fn answering(plan: &ViewPlan, output: usize, direction: DVec3) -> Option<usize> 
     })
 }
 
-/// Texels per pixel around a pixel: the least over all directions. Of a domemaster, per nominal
-/// pixel.
+/// Returns the texels per pixel around a pixel, in the direction with the fewest; for a domemaster,
+/// per nominal pixel.
 fn least_density(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2, view: &View) -> Option<f64> {
     const STEP: f64 = 1e-3;
     let at = |offset: DVec2| texel(view, exact_direction(rig, output, size, pixel + offset)?);
@@ -94,8 +95,8 @@ fn least_density(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2, view:
     Some((0.5 * (a + c) - (0.25 * (a - c) * (a - c) + b * b).sqrt()).max(0.0).sqrt())
 }
 
-/// Checks a plan against every pixel of every output; returns the number of pixels whose
-/// resolution was measured, or what is wrong.
+/// Checks a plan against every pixel of every output. Returns the number of pixels whose resolution
+/// was measured, or a description of the error.
 fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<usize, String> {
     let mut measured = 0;
     let mut used = vec![false; plan.views.len()];
@@ -132,7 +133,7 @@ fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<
     }
 }
 
-/// A rig of up to four outputs, with everything that the planner depends on.
+/// Returns a rig of up to four outputs, with everything that the planner depends on.
 pub(crate) fn random_rig(random: &mut Random) -> (Rig, Request) {
     let count = 1 + (random.unit() * 4.0) as usize;
     let mut rig = rig(Vec::new());
@@ -209,8 +210,8 @@ fn the_check_of_plans_notices_what_is_wrong() {
 
 #[test]
 fn the_dome_needs_little_more_than_its_disc() {
-    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and widened parts are
-    // 2 texels of each side.
+    // Cropped faces of a cube need 1.548 texels per pixel with five views, 2.06 with four. Guards
+    // and widened parts take 2 texels of each side.
     use Favour::{Balanced, Processor};
     let bars = [
         (512, Balanced, 4, 1.91),
@@ -295,12 +296,12 @@ fn cells_that_the_search_finds_show_everything_and_cost_what_was_estimated() {
     };
     let texels = [planned(&cells), planned(&cube_cells)];
     println!("estimated {found} and {cube} texels, planned {texels:?}");
-    // A plan has a little less than what was estimated: by 1.0 % and 0.4 %.
+    // A plan has a little fewer texels than estimated: by 1.0 % and 0.4 %.
     let as_estimated = |texels: f64, estimated: f64| (0.985..=1.0).contains(&(texels / estimated));
     assert!(as_estimated(texels[0], found) && as_estimated(texels[1], cube), "{texels:?} {found} {cube}");
-    // Negative control: what was estimated of the other cells, which differ by 2 %, does not do.
+    // Negative control: the estimate of the other cells, which differs by 2 %, does not match.
     assert!(!as_estimated(texels[0], cube) && !as_estimated(texels[1], found), "{texels:?} {found} {cube}");
-    // What the search goes by: the dearer cells make the dearer plan.
+    // The search relies on this: the cells with the higher estimate give the plan with more texels.
     assert!(found > cube && texels[0] > texels[1], "{texels:?} {found} {cube}");
 }
 
@@ -333,7 +334,7 @@ fn few_views_or_few_texels_as_the_rig_favours() {
 
 #[test]
 fn a_projector_off_the_centre_needs_one_tight_view() {
-    // Along its offset, against it, and across: 1.60, 1.27 and 1.58.
+    // The projector looks along its offset, against it, and across: 1.60, 1.27 and 1.58.
     for position in [DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.0, 0.0, -3.0), DVec3::new(3.0, 0.0, 0.0)] {
         let rig = rig(vec![projector("p", position, [0.0; 3], lens(60.0, 40.0))]);
         let request = request(&[(1920, 1080)]);
@@ -468,7 +469,7 @@ fn an_output_outside_of_the_window_has_no_views() {
     for round in 0..12 {
         let (mut rig, mut request) = random_rig(&mut random);
         let is_dedicated = plan(&rig, &request).unwrap();
-        // Of a kind that shares views, or has its own.
+        // An output of a kind that shares views, or that has dedicated views.
         let other = match round % 3 {
             0 => fisheye(360.0, 0.0),
             1 => projector("outside", DVec3::ZERO, [2.0, 0.3, 0.0], lens(40.0, 30.0)),
@@ -487,7 +488,7 @@ fn an_output_outside_of_the_window_has_no_views() {
 #[test]
 fn degenerate_outputs_are_planned() {
     // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's
-    // place.
+    // position.
     let mut rig = rig(vec![
         fisheye(360.0, 0.0),
         projector("outside", DVec3::new(0.0, 1.0, 30.0), [0.0, -2.0, 0.0], lens(30.0, 25.0)),

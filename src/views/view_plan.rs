@@ -1,4 +1,4 @@
-//! Types of the planner's question and answer: request, views, tiles, plan.
+//! Types of the planner's input and result: request, views, tiles, plan.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, PictureMap};
@@ -24,7 +24,7 @@ impl Tile {
     }
 }
 
-/// One picture of the program's world; a perspective one mostly.
+/// One picture of the program's world, mostly in perspective.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct View {
     /// Name in messages: `front`, `left`, `projector-3` …
@@ -33,14 +33,14 @@ pub struct View {
     pub rotation: DMat3,
     /// Opening of the whole tile, guard included.
     pub frustum: Frustum,
-    /// The part of the opening that outputs sample: what this view answers for.
+    /// Part of the opening that outputs sample.
     pub owned: Frustum,
-    /// Place in the atlas.
+    /// Tile in the atlas.
     pub tile: Tile,
-    /// Drawn with the program's own projection, whatever `frustum` says.
+    /// True if the view is drawn with the program's own projection, whatever `frustum` is.
     pub program_lens: bool,
-    /// It is the picture of an output, pixel for pixel, to which vertices are projected by this
-    /// map; `rotation` leads to its axes, and the openings stand for nothing.
+    /// Map by which vertices are projected, if the view is the picture of an output, pixel for
+    /// pixel. `rotation` then leads to the axes of this map, and the openings have no meaning.
     pub curved: Option<PictureMap>,
     /// Distance of the eye to the right of the viewer's position, metres.
     pub eye: f64,
@@ -49,8 +49,8 @@ pub struct View {
 /// Input of the planner beside the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// Resolution of each output in pixels, in the rig's order; (0, 0) of one that is not shown,
-    /// which gets no views.
+    /// Resolution of each output in pixels, in the rig's order; (0, 0) for an output that is not
+    /// shown, which gets no views.
     pub output_sizes: Vec<(u32, u32)>,
     /// Size of the program's window in pixels.
     pub window: (u32, u32),
@@ -62,15 +62,15 @@ pub struct Request {
     pub max_atlas: u32,
 }
 
-/// The views and where they are.
+/// The views and their places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewPlan {
-    /// The views; where two show a direction, the first one answers.
+    /// The views. If two show a direction, the first one is sampled.
     pub views: Vec<View>,
-    /// For each output the indices of the views that it samples.
+    /// For each output, the indices of the views that it samples.
     pub output_views: Vec<Vec<usize>>,
-    /// Width and height of the atlas in texels; [`ViewPlan::NO_ATLAS`]: each view has a picture of
-    /// its own.
+    /// Width and height of the atlas in texels; [`ViewPlan::NO_ATLAS`] if each view has its own
+    /// picture.
     pub atlas: (u32, u32),
     /// The flat panel: tile, and its rotation and opening as a view (`program_lens` is true).
     pub panel: Option<View>,
@@ -78,7 +78,7 @@ pub struct ViewPlan {
     pub primary: Option<Tile>,
     /// Texels around the sampled part of each tile (none around those with `program_lens`).
     pub guard: u32,
-    /// Texels among them for outputs whose sampling is approximate: views stay valid this far
+    /// Part of the guard for outputs whose sampling is approximate: views stay valid this far
     /// beyond their part.
     pub sampling_margin: u32,
     /// Remarks for the user: what was left out or scaled down, and why.
@@ -89,15 +89,15 @@ pub struct ViewPlan {
 pub(crate) const LEFT_OUT: &str = "no view ";
 
 impl ViewPlan {
-    /// The notes about what is unusual: not those about directions that no output shows.
+    /// Returns the notes without those about directions that no output shows.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         self.notes.iter().map(String::as_str).filter(|note| !note.starts_with(LEFT_OUT))
     }
 
-    /// The size of an atlas that is none.
+    /// Size of the atlas if there is none.
     pub const NO_ATLAS: (u32, u32) = (0, 0);
 
-    /// Width and height in texels of the picture in which `view` has its tile.
+    /// Returns width and height in texels of the picture in which `view` has its tile.
     pub fn picture_size(&self, view: &View) -> (u32, u32) {
         if self.atlas == Self::NO_ATLAS { (view.tile.width, view.tile.height) } else { self.atlas }
     }
@@ -113,7 +113,7 @@ impl Request {
         if let Some(index) = self.output_sizes.iter().position(|size| (size.0 == 0) != (size.1 == 0)) {
             let (width, height) = self.output_sizes[index];
             return invalid(format!(
-                "output {index} has {width} × {height} pixels; in a larger window, or with fewer outputs, it would have some"
+                "output {index} has {width} × {height} pixels; use a larger window, or fewer outputs"
             ));
         }
         if (self.panel || self.primary) && (self.window.0 == 0 || self.window.1 == 0) {

@@ -1,7 +1,7 @@
-//! The accumulation buffer of old OpenGL, which framebuffer objects have not.
+//! The accumulation buffer of old OpenGL, which framebuffer objects do not have.
 //!
-//! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11
-//! bits.
+//! Values are 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit
+//! floats have only 11 bits.
 
 use super::driver::api::Gl;
 use super::driver::own_names;
@@ -24,18 +24,18 @@ pub enum Operation {
     Add,
     /// `A *= v`.
     Multiply,
-    /// `C = v A`, as far as the program's colour mask lets it.
+    /// `C = v A`, in the channels that the program's colour mask writes.
     Return,
 }
 
-/// An accumulation buffer. The methods take the context that it was made on as current.
+/// An accumulation buffer. Its methods need the context on which it was made to be current.
 #[derive(Debug)]
 pub struct Accumulation {
     caps: Capabilities,
     framebuffer: u32,
     texture: u32,
     vertex_array: u32,
-    /// Takes encoded values as they are.
+    /// Sampler that does not convert from sRGB.
     sampler: u32,
     program: u32,
     scale: i32,
@@ -62,8 +62,8 @@ void main() {
 ";
 
 impl Accumulation {
-    /// A buffer of `size` (width, height in pixels), all zero. Every binding that is touched is put
-    /// back.
+    /// Makes a buffer of `size` (width, height in pixels), all zero. Restores every binding that it
+    /// changes.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the shader (OpenGL before 3.0) or the
@@ -73,7 +73,8 @@ impl Accumulation {
         let (framebuffer, mut vertex_array, mut sampler) = (own_names::framebuffer(gl), 0, 0);
         let saved = state::save_and_set(gl, &caps, state::UNITS, &KnownState::default());
         let program = link(gl, VERTEX, FRAGMENT);
-        // SAFETY: makes objects of Cupola on the current context; `saved` holds what is touched.
+        // SAFETY: makes objects of Cupola on the current context; `saved` holds the state that
+        // changes.
         let (texture, status) = unsafe {
             let texture = own_names::texture(gl);
             gl.active_texture(api::GL_TEXTURE0);
@@ -109,7 +110,8 @@ impl Accumulation {
                 made.program = other.as_ref().copied().unwrap_or(0);
                 made.destroy(gl);
                 Err(other.err().unwrap_or_else(|| {
-                    let message = format!("The driver gives no accumulation buffer of {} × {}.", size.0, size.1);
+                    let message =
+                        format!("The driver cannot make an accumulation buffer of {} × {} pixels.", size.0, size.1);
                     Error::new(ErrorKind::Graphics, message)
                 }))
             }
@@ -121,8 +123,8 @@ impl Accumulation {
         self.size
     }
 
-    /// Does what `glAccum` does, in `parts`. The colours are those of the
-    /// texture `colours`, and go to `framebuffer`; both are as large as the buffer.
+    /// Runs an operation of `glAccum` in the rectangles `parts`. Accumulate and load read the
+    /// texture `colours`; return writes to `framebuffer`. Both have the size of this buffer.
     pub fn operate(
         &self,
         gl: &Gl,
@@ -143,7 +145,7 @@ impl Accumulation {
             Operation::Multiply => Some((api::GL_ZERO, api::GL_SRC_COLOR)),
             _ => None,
         };
-        // SAFETY: a context is current; what `saved` does not hold is put back below.
+        // SAFETY: a context is current; state that `saved` does not hold is restored below.
         unsafe {
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, if returns { framebuffer } else { self.framebuffer });
             gl.active_texture(api::GL_TEXTURE0 + ATLAS_UNIT);
@@ -176,7 +178,7 @@ impl Accumulation {
     pub fn clear(&self, gl: &Gl, colour: [f32; 4], parts: &[LowerLeftRect]) {
         let saved = state::save_and_set(gl, &self.caps, 0, &KnownState::default());
         let mut scissor = [0; 4];
-        // SAFETY: a context is current; the scissor is put back.
+        // SAFETY: a context is current; the scissor is restored.
         unsafe {
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.framebuffer);
             gl.get_integerv(api::GL_SCISSOR_BOX, scissor.as_mut_ptr());
@@ -191,7 +193,7 @@ impl Accumulation {
         state::restore(gl, &self.caps, &saved);
     }
 
-    /// Deletes it.
+    /// Deletes the buffer's objects.
     pub fn destroy(&self, gl: &Gl) {
         // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
@@ -204,7 +206,7 @@ impl Accumulation {
     }
 }
 
-/// Blending of the first draw buffer, which is switched on for a moment with other factors.
+/// Blending state of the first draw buffer, saved while an operation blends with other factors.
 struct SavedBlend {
     /// Factors and equations, as in [`FUNCTIONS`] and [`EQUATIONS`].
     functions: [i32; 4],
@@ -216,7 +218,7 @@ const FUNCTIONS: [u32; 4] =
 const EQUATIONS: [u32; 2] = [api::GL_BLEND_EQUATION_RGB, api::GL_BLEND_EQUATION_ALPHA];
 
 impl SavedBlend {
-    /// Adds up with these factors from now on.
+    /// Saves the state, and switches blending on: a sum with these factors.
     ///
     /// # Safety
     /// A context is current.

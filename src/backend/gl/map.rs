@@ -1,5 +1,5 @@
-//! The map that the shaders compute, read back: the very programs that correct, with another last
-//! stage.
+//! The map that the correction's shaders compute, read back. The programs are the same except for
+//! the last stage.
 
 use super::driver::api::*;
 use super::driver::values::integer;
@@ -10,10 +10,10 @@ use crate::correct::shaders::map::MapPixel;
 use crate::correct::{LowerLeftRect, Plan};
 use crate::error::{Error, ErrorKind, Result};
 
-/// Runs the map of output `output` of `plan` on the current context, which is left as it was. Row 0
-/// is at the top. The direction is that of the atlas coordinates as the sampler gets them, so the
-/// error of every f32 operation up to there is in it; only the way back from the atlas is computed
-/// in f64.
+/// Computes the map of output `output` of `plan` on the current context, whose state is restored.
+/// Row 0 is at the top. Each direction is that of the atlas coordinates that the sampler gets. So
+/// it contains the error of every f32 operation up to there; only the step from the atlas back to a
+/// direction is computed in f64.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidArgument`] where the plan has no such output; [`ErrorKind::Graphics`] where

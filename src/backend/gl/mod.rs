@@ -4,8 +4,8 @@
 //! driver ◄── state ◄── objects ◄── passes, accumulation, map
 //! ```
 //!
-//! `driver` is the function table with what answers questions, `state` what is put back, `objects`
-//! are programs, textures and framebuffers of Cupola, `passes` the correction of a frame.
+//! `driver` holds the function table and queries. `state` saves and restores the program's state.
+//! `objects` are programs, textures and framebuffers of Cupola. `passes` correct a frame.
 
 pub mod accumulation;
 pub mod driver;

@@ -41,7 +41,7 @@ fn headless(api: Api) -> Headless {
     Headless::new(api).expect("a driver that draws without a window (Mesa's llvmpipe will do)")
 }
 
-/// One context of each kind, made current in turn.
+/// Returns one context of each kind, made current in turn.
 fn contexts() -> impl Iterator<Item = Headless> {
     [Api::Core, Api::Compatibility, Api::Es3].into_iter().map(headless)
 }

@@ -1,4 +1,4 @@
-//! The functions of the null driver. What is not here does nothing and answers zero, as
+//! Functions of the null driver. A function that is not here does nothing and returns zero, as
 //! [`Gl`](crate::backend::gl::driver::api::Gl) does for functions that a driver lacks.
 
 use super::{DrawCall, Record, note};
@@ -6,7 +6,7 @@ use crate::backend::gl::driver::api::*;
 use crate::correct::LowerLeftRect;
 use std::ffi::{CStr, c_void};
 
-/// The driver's function of this name; null = there is none.
+/// Returns the driver's function of this name; null if there is none.
 pub fn find(name: &CStr) -> *const c_void {
     let found = FUNCTIONS.iter().find(|(known, _)| *known == name);
     found.map_or(std::ptr::null(), |(_, function)| function.cast())
@@ -35,7 +35,7 @@ macro_rules! functions {
      others { $($name:literal $function:ident;)* }) => {
         $(
             extern "system" fn $generator(count: i32, names: *mut u32) {
-                // SAFETY: OpenGL's callers give an array of as many names.
+                // SAFETY: callers of OpenGL pass an array of `count` names.
                 generated($kind, unsafe { array_mut(names, count) });
             }
             extern "system" fn $deleter(count: i32, names: *const u32) {
@@ -87,14 +87,14 @@ functions! {
 }
 
 /// # Safety
-/// `count` elements, or none at all.
+/// `pointer` is null, or points to `count` elements.
 unsafe fn array<'a, T>(pointer: *const T, count: i32) -> &'a [T] {
     // SAFETY: as promised.
     if pointer.is_null() { &[] } else { unsafe { std::slice::from_raw_parts(pointer, count.max(0) as usize) } }
 }
 
 /// # Safety
-/// `count` elements that nobody else uses, or none at all.
+/// `pointer` is null, or points to `count` elements that nothing else uses.
 unsafe fn array_mut<'a, T>(pointer: *mut T, count: i32) -> &'a mut [T] {
     // SAFETY: as promised.
     if pointer.is_null() { &mut [] } else { unsafe { std::slice::from_raw_parts_mut(pointer, count.max(0) as usize) } }
@@ -144,7 +144,7 @@ extern "system" fn get_integerv(name: u32, values: *mut i32) {
         GL_POLYGON_MODE => vec![GL_FILL as i32; 2],
         _ => vec![0],
     });
-    // SAFETY: OpenGL's callers give room for as many values as the name has.
+    // SAFETY: callers of OpenGL pass room for all values of the name.
     unsafe { array_mut(values, known.len() as i32) }.copy_from_slice(&known);
 }
 
@@ -215,7 +215,7 @@ extern "system" fn check_framebuffer_status(_: u32) -> u32 {
     note(|_| GL_FRAMEBUFFER_COMPLETE)
 }
 
-/// Every name is that of an object.
+/// Every name but 0 is that of an object.
 extern "system" fn is_object(name: u32) -> u8 {
     note(|_| u8::from(name != 0))
 }
@@ -230,7 +230,7 @@ extern "system" fn viewport_indexed(index: u32, x: f32, y: f32, width: f32, heig
     }
 }
 
-/// Viewports are the only indexed numbers that are asked for.
+/// Viewports are the only indexed floats that Cupola queries.
 extern "system" fn get_indexed_floats(name: u32, _: u32, values: *mut f32) {
     get_floatv(name, values);
 }

@@ -1,12 +1,12 @@
-//! A driver that draws nothing: an OpenGL function table that records what a plan makes Cupola do,
-//! so that planning, passes and the C interface are tested without a driver.
+//! A driver that draws nothing: an OpenGL function table that records Cupola's calls. With it,
+//! planning, passes and the C interface are tested without a driver.
 //!
 //! ```text
 //! rig → plan → GlBackend, Embedded or the C interface → Gl table ─ find() → Record
 //! ```
 //!
-//! Each thread has a record of its own, as each thread has a current context of its own. It counts
-//! the objects that are alive, so that leaks are seen, and raises an error at a chosen call.
+//! Each thread has its own record, as it has its own current context. The record counts live
+//! objects, so that tests find leaks. The driver can raise an error at a chosen call.
 
 mod functions;
 #[cfg(test)]
@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 
 pub use functions::find;
 
-/// One draw call that the driver was given.
+/// One draw call that the driver received.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DrawCall {
     /// Framebuffer that is bound for drawing; 0 is the window.
@@ -31,7 +31,7 @@ pub struct DrawCall {
     pub count: i32,
 }
 
-/// Calls that the driver got since [`reset`].
+/// Calls that the driver received since [`reset`].
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// The draw calls, in order.
@@ -46,7 +46,7 @@ pub struct Record {
     framebuffers: [u32; 2],
     program: u32,
     viewport: LowerLeftRect,
-    /// The call from which on the error flag is set, once.
+    /// Number of the call at which the error flag is set, once.
     fails_at: Option<u64>,
     error: u32,
 }
@@ -55,27 +55,27 @@ thread_local! {
     static RECORD: RefCell<Record> = RefCell::default();
 }
 
-/// Begins a new record, of a context whose window has this viewport.
+/// Begins a new record, for a context whose window has this viewport.
 pub fn reset(viewport: LowerLeftRect) {
     RECORD.set(Record { viewport, ..Record::default() });
 }
 
-/// Lets the error flag be `GL_OUT_OF_MEMORY` after the call of this number.
+/// Sets the error flag to `GL_OUT_OF_MEMORY` at the call of this number.
 pub fn fail_at(call: u64) {
     RECORD.with_borrow_mut(|record| record.fails_at = Some(call));
 }
 
-/// The record of this thread.
+/// Returns the record of this thread.
 pub fn recorded() -> Record {
     RECORD.with_borrow(Clone::clone)
 }
 
-/// The function table of the driver.
+/// Returns the function table of the driver.
 pub fn driver() -> crate::backend::gl::driver::api::Gl {
     crate::backend::gl::driver::api::Gl::load(find)
 }
 
-/// Counts a call, and notes it.
+/// Counts a call, and runs `work` on the record.
 fn note<R>(work: impl FnOnce(&mut Record) -> R) -> R {
     RECORD.with_borrow_mut(|record| {
         record.calls += 1;

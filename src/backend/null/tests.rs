@@ -9,7 +9,7 @@ use crate::views::Request;
 
 const WINDOW: (u32, u32) = (640, 360);
 
-/// The plan of a preset, and where its outputs are in the window.
+/// Returns the plan of a preset, and the places of its outputs in the window.
 fn plan(name: &str) -> (Plan, Vec<LowerLeftRect>) {
     let rig = rig::load(name).expect("a preset");
     let places = rig.layout(WINDOW);
@@ -23,7 +23,7 @@ fn from_below(PixelRect { x, y, width, height }: PixelRect) -> LowerLeftRect {
     LowerLeftRect::new(x as i32, (WINDOW.1 - y - height) as i32, width as i32, height as i32)
 }
 
-/// The presets that correct something.
+/// Returns the names of the presets that correct something.
 fn presets() -> impl Iterator<Item = &'static str> {
     ["fisheye", "fisheye-210", "planetarium-2", "planetarium-6", "idome"].into_iter()
 }
@@ -72,8 +72,8 @@ fn a_second_frame_makes_and_links_nothing() {
     assert!(first.linked > 0, "the control: something was linked");
 }
 
-/// Wherever the driver runs out of memory while a plan is prepared, preparing says so or goes on,
-/// and leaves nothing.
+/// The driver runs out of memory at each call of a preparation in turn. The preparation reports an
+/// error or succeeds, and leaves no object behind.
 #[test]
 fn errors_while_preparing_leave_nothing_behind() {
     let (plan, _) = plan("planetarium-2");

@@ -1,4 +1,4 @@
-//! Results of the shaders, against f64.
+//! Results of the shaders, compared with f64.
 
 use super::Driver;
 use super::plans::*;
@@ -11,14 +11,13 @@ use glam::DVec3;
 struct Comparison {
     /// Greatest angle between the two directions, in pixels of the output.
     worst: f64,
-    /// Pixels where one of them shows nothing and the other does.
+    /// Number of pixels where only one of both shows something.
     disagreements: usize,
     not_finite: usize,
     compared: usize,
 }
 
-/// Compares pixels with `exact`; `pixel` is the angle that a pixel spans there, around what `exact`
-/// says.
+/// Compares pixels with `exact`. `pixel`: returns the angle of a pixel around the exact direction.
 fn compare(
     map: &[MapPixel],
     width: u32,
@@ -27,7 +26,7 @@ fn compare(
     pixel: impl Fn(u32, u32, DVec3) -> f64,
 ) -> Comparison {
     let mut found = Comparison { worst: 0.0, disagreements: 0, not_finite: 0, compared: 0 };
-    // Of numbers that are small if they are finite, the sum tells.
+    // These numbers are small if they are finite, so their sum detects one that is not.
     let sum = |shown: &MapPixel| {
         let ([x, y, z], [u, v]) = (shown.direction, shown.atlas);
         x + y + z + u + v
@@ -69,7 +68,7 @@ pub fn fisheye_180_at_4096(driver: &dyn Driver) {
     assert!(found.compared > 4_000_000);
     // Pixels whose centre lies on the rim within f32's rounding.
     assert!(found.disagreements < 8, "{found:?}");
-    // Negative control: half a pixel's aside must be seen.
+    // Negative control: a shift by half a pixel is noticed.
     let aside = |c: u32, r: u32| fisheye_direction(&plan, (4096, 4095), c, r.min(4094));
     assert!(compare(&map, size.0, 997, aside, |_, _, _| pixel).worst > 0.2);
 }
@@ -80,7 +79,7 @@ pub fn wide_fisheyes_not_square_and_off_centre(driver: &dyn Driver) {
         let aperture = degrees.to_radians();
         let plan = fisheye_plan(size, aperture, offset);
         let map = driver.map(&plan, 0);
-        // Off the centre a pixel spans as little as 1/(1 + |offset|) of its angle.
+        // For a viewer off the centre, a pixel spans as little as 1/(1 + |offset|) of its angle.
         let pixel = aperture / 512.0 / (1.0 + offset.length());
         let found = compare(&map, size.0, 1, |c, r| fisheye_direction(&plan, size, c, r), |_, _, _| pixel);
         println!("fisheye {degrees}°: {found:?}");
@@ -88,7 +87,7 @@ pub fn wide_fisheyes_not_square_and_off_centre(driver: &dyn Driver) {
     }
 }
 
-/// The exact direction of a projector's pixel, in viewer axes.
+/// Returns the exact direction of a projector's pixel, in viewer axes.
 fn projector_direction(projector: &Projector, size: (u32, u32), column: u32, row: u32) -> Option<DVec3> {
     let viewer = viewer();
     let (x, y) = normalised(size, column, row);
@@ -115,7 +114,7 @@ pub fn projectors_from_near_the_centre_to_near_the_screen(driver: &dyn Driver) {
             let found = compare_projector(&map, &projector, size, 3);
             println!("projector at {distance} R, {size:?}: {found:?}");
             assert!(found.worst <= bound && found.not_finite == 0 && found.disagreements == 0, "{distance}: {found:?}");
-            // Negative control: a projector that stands a ten thousandth of a radius aside.
+            // Negative control: a projector that is moved by a ten-thousandth of the radius.
             let mut moved = projector;
             moved.pose.position.x += 1e-4;
             assert!(compare_projector(&map, &moved, size, 997).worst > 2.0 * bound);

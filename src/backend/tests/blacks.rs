@@ -1,4 +1,4 @@
-//! Pictures of what black is raised to, against the closed form of each pixel.
+//! Pictures of black, compared with the formula for each pixel.
 
 use super::Driver;
 use super::picture::Picture;
@@ -11,12 +11,12 @@ use crate::rig::{Blend, Flip, Levels, Rig};
 use crate::views::Request;
 use glam::{DVec2, DVec3};
 
-/// Codes as different in each pixel and channel as can be.
+/// Returns codes that differ as much as possible between pixels and channels.
 fn codes(count: u32) -> Vec<[u16; 4]> {
     (0..count).map(|i| [i * 4_099 % 65_536, i * 911 % 30_000, i * 77 % 4_000, 65_535].map(|code| code as u16)).collect()
 }
 
-/// `black + (1 − black) · displayed`, after the weights, on what is displayed.
+/// A pixel shows `black + (1 − black) · displayed`, where `displayed` is the weighted value.
 pub fn black_is_raised_pixel_by_pixel(driver: &dyn Driver) {
     let size = (200, 160);
     let mut plan = fisheye_plan(size, 3.0, DVec3::ZERO);
@@ -44,7 +44,7 @@ pub fn black_is_raised_pixel_by_pixel(driver: &dyn Driver) {
     // Half floats in OpenGL ES without 16-bit textures cost a tenth of a code.
     assert!(found <= 0.75, "{found}");
     assert!(worst(&weighed, |c, r| exact(c, r, false)) <= 0.75);
-    // Negative controls: upside down, and without it.
+    // Negative controls: upside down, and without the picture of black.
     assert!(worst(&shown, |c, r| exact(c, size.1 - 1 - r, true)) > 50.0);
     assert!(worst(&shown, |c, r| exact(c, r, false)) > 50.0);
 }
@@ -57,8 +57,8 @@ fn planned(rig: &Rig) -> Plan {
     crate::correct::build(rig, &request).expect("a plan")
 }
 
-/// From the rig file on: in linear light or as displayed, coarser than the output, beside a mask
-/// that is black, mirrored.
+/// The whole way from the rig file: in linear light or as displayed, coarser than the output, with
+/// a black mask, mirrored.
 pub fn a_rigs_picture_of_black_is_shown(driver: &dyn Driver) {
     let name = format!("cupola-blacks-{}-{:?}", std::process::id(), std::thread::current().id());
     let folder = std::env::temp_dir().join(name);
@@ -95,8 +95,8 @@ pub fn a_rigs_picture_of_black_is_shown(driver: &dyn Driver) {
                 let weight = if at.x < 0.5 { 0.0 } else { 1.0 };
                 Some([0, 1, 2].map(|k| black[k] + (1.0 - black[k]) * [255.0, 128.0, 64.0][k] / 255.0 * weight))
             };
-            // Filters of textures weigh by parts of 256: up to 0.002 of the difference of two
-            // texels.
+            // Texture filters have weights in steps of 1/256: an error of up to 0.002 of the
+            // difference of two texels.
             let found = worst(&shown, exact);
             assert!(found <= 0.9, "{word}, {flip:?}: {found}");
             assert!(worst(&shown, |c, r| exact(SIZE.0 - 1 - c, r)) > 50.0, "{word}, {flip:?}");

@@ -1,4 +1,4 @@
-//! Content: a picture that is already projected, against what it shows, computed in f64.
+//! Content, a picture that is already projected, compared with its directions in f64.
 
 use super::Driver;
 use super::flips::OUTPUTS;
@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 
 const SIZE: (u32, u32) = (122, 81);
 
-/// One of each kind and each curve, none the same in a mirror.
+/// One content of each kind and of each curve. None equals its mirror image.
 const KINDS: [&str; 11] = [
     "domemaster,aperture=190,tilt=20,roll=15",
     "domemaster,aperture=360,yaw=30",
@@ -29,7 +29,8 @@ const KINDS: [&str; 11] = [
     "flat,width=100,yaw=10,pitch=30,roll=5,stereo=side-by-side",
 ];
 
-/// The plan of a rig for content in a window, and the exact maps of its outputs as content is seen.
+/// Returns the plan of a rig for content in a window, and the rig whose exact maps are those around
+/// the content.
 fn planned(text: &str, content: &str, window: (u32, u32)) -> (Plan, Rig) {
     let rig = read(text).with_content_override(content).unwrap_or_else(|error| panic!("{error}"));
     let output_sizes = vec![SIZE; rig.outputs.len()];
@@ -44,8 +45,8 @@ fn centre(index: usize) -> DVec2 {
     DVec2::new(f64::from(column), f64::from(row)) + 0.5
 }
 
-/// The direction that the picture shows at a place of the window, viewer axes: the inverse of
-/// [`ContentMap::place`].
+/// Returns the direction that the picture shows at a place of the window, in viewer axes: the
+/// inverse of [`ContentMap::place`].
 fn direction_at(map: &ContentMap, place: DVec2) -> Option<DVec3> {
     let at = 2.0 * (place - map.region.origin) / map.region.size - 1.0;
     let direction = match &map.picture {
@@ -55,7 +56,7 @@ fn direction_at(map: &ContentMap, place: DVec2) -> Option<DVec3> {
     Some(map.rotation.transpose() * direction)
 }
 
-/// The angle of a pixel of the picture in a window.
+/// Returns the angle of a pixel of the picture in a window.
 fn pixel_angle(map: &ContentMap, window: (u32, u32)) -> f64 {
     let size = map.region.size * DVec2::new(f64::from(window.0), f64::from(window.1));
     match &map.picture {
@@ -64,7 +65,7 @@ fn pixel_angle(map: &ContentMap, window: (u32, u32)) -> f64 {
     }
 }
 
-/// Every source and method of outputs samples every kind of content at the place that f64 says.
+/// Every source and method of outputs samples every kind of content at the place that f64 gives.
 pub fn places_are_those_of_f64(driver: &dyn Driver) {
     let window = (8000, 6000);
     let mut worst = 0.0f64;
@@ -96,7 +97,7 @@ pub fn places_are_those_of_f64(driver: &dyn Driver) {
                             assert!(error < 0.005, "{name}, {content}, {output}: {error} pixels at {}", centre(index));
                         }
                         (None, None) => dark += 1,
-                        // Rounding may decide at the very rim.
+                        // At the very rim, rounding may decide.
                         _ => {
                             let beside = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
                             let near = beside.iter().filter(|by| direction_of(centre(index) + 0.01 * **by).is_some());
@@ -113,13 +114,13 @@ pub fn places_are_those_of_f64(driver: &dyn Driver) {
     assert!(worst > 1e-6, "nothing was compared");
 }
 
-/// A smooth colour of a direction.
+/// Returns a colour that varies smoothly with the direction.
 fn colour(direction: DVec3) -> DVec3 {
     let d = direction.normalize();
     0.5 + 0.4 * DVec3::new((6.0 * d.x).sin(), (6.0 * d.y).sin(), (6.0 * d.z).sin())
 }
 
-/// The window with a picture of all directions in the region, and noise around it.
+/// Returns the window with a picture of all directions in the region, and `outside` around it.
 fn window_of(map: &ContentMap, plan: &Plan, outside: u8) -> Picture {
     let (width, height) = plan.views.atlas;
     let size = DVec2::new(f64::from(width), f64::from(height));
@@ -134,8 +135,8 @@ fn window_of(map: &ContentMap, plan: &Plan, outside: u8) -> Picture {
     })
 }
 
-/// A picture that goes on at another side is shown without a seam, and nothing beside it is looked
-/// at, with each filter.
+/// A picture that continues at another side is shown without a seam. No filter reads texels outside
+/// the picture.
 pub fn content_goes_on_across_its_seams(driver: &dyn Driver) {
     let around = "[[output]]\nkind = \"equirectangular\"\nyaw = 170.0\npitch = 20.0\n";
     for (content, seams) in [
@@ -151,14 +152,14 @@ pub fn content_goes_on_across_its_seams(driver: &dyn Driver) {
             let map = plan.passes[0].content.clone().expect("content");
             let shown = driver.show(&plan, false, &window_of(&map, &plan, 0));
             let same = shown == driver.show(&plan, false, &window_of(&map, &plan, 255));
-            assert!(same, "{content}, {filter}: something beside the picture is looked at");
+            assert!(same, "{content}, {filter}: a texel outside the picture is read");
             let exact = WarpMap::new(&rig, 0, SIZE, None).expect("a map");
             let mut worst = (0.0f64, DVec3::ZERO);
             for index in 0..(SIZE.0 * SIZE.1) as usize {
                 let Some(direction) = exact.direction(centre(index)).filter(|d| map.place(*d).is_some()) else {
                     continue;
                 };
-                // Around a pole a picture without end is torn to its last row.
+                // Around a pole, the last row of a panorama is not continuous.
                 let local = map.rotation * direction;
                 if is_pole(&map, local) {
                     continue;

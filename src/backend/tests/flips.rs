@@ -1,4 +1,4 @@
-//! Mirrored pictures, against the same picture that is not.
+//! Mirrored pictures, compared with the same pictures that are not mirrored.
 
 use super::Driver;
 use super::picture::Picture;
@@ -9,10 +9,10 @@ use crate::rig::{Flip, Rig};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// An odd side: a middle that is a pixel's. No pixel's centre lies where two faces meet.
+/// One side is odd, so that its middle is a pixel. No pixel's centre lies where two faces meet.
 const SIZE: (u32, u32) = (322, 203);
 
-/// An output of each source and each method, none of them the same in a mirror.
+/// An output of each source and each method. None equals its mirror image.
 pub(super) const OUTPUTS: [(&str, &str); 11] = [
     (
         "a domemaster",
@@ -58,7 +58,7 @@ pub(super) const OUTPUTS: [(&str, &str); 11] = [
     (COPIED, "[[output]]\nkind = \"domemaster\"\naperture = 170.0\nmethod = \"vertex\"\n"),
 ];
 
-/// A picture to which vertices are projected straight: each pixel is a texel's.
+/// Output whose vertices are projected directly: each of its pixels is one texel.
 const COPIED: &str = "a copy";
 
 const FLIPS: [Flip; 3] = [
@@ -71,8 +71,8 @@ fn planned(rig: &Rig) -> Arc<Plan> {
     rigs::planned(rig, SIZE)
 }
 
-/// Of pictures of one size: the greatest difference that all but `rim` pixels keep, and how many
-/// pixels differ.
+/// Returns the greatest difference between two pictures of one size, without the `rim` pixels that
+/// differ most, and the number of pixels that differ.
 fn difference(found: &Picture, expected: &Picture, rim: usize) -> (u8, usize) {
     let apart = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0);
     let mut counts = [0usize; 256];
@@ -86,14 +86,14 @@ fn difference(found: &Picture, expected: &Picture, rim: usize) -> (u8, usize) {
     ((0..=255).rev().find(is_kept).unwrap_or(0), differing)
 }
 
-/// The picture, mirrored. Its first row is the bottom one, which makes no difference.
+/// Returns the mirrored picture. Its first row is the bottom one, which makes no difference.
 fn mirrored(picture: &Picture, flip: Flip) -> Picture {
     Picture { size: picture.size, pixels: flip.items(&picture.pixels, picture.size.0 as usize) }
 }
 
-/// Rounding differs over a mirrored rectangle: interpolated places move by parts of 2⁻²³, so that
-/// a code may change by one, and a pixel on a rim may show nothing. A copy is the same to the bit
-/// but for such pixels.
+/// Rounding differs in a mirrored rectangle: interpolated places move by parts of 2⁻²³. So a code
+/// may change by one, and a pixel on a rim may show nothing. Apart from such pixels, a copy is the
+/// same to the bit.
 pub fn a_mirrored_output_shows_the_mirrored_picture(driver: &dyn Driver) {
     for (name, text) in OUTPUTS {
         let rig = read(text);
@@ -108,7 +108,7 @@ pub fn a_mirrored_output_shows_the_mirrored_picture(driver: &dyn Driver) {
             let (most, differing) = difference(&shown, &mirrored(&plain, flip), 2);
             let (bound, number) = if name == COPIED { (0, 3) } else { (1, 4000) };
             assert!(most <= bound && differing < number, "{name}, {flip:?}: {most}, {differing} pixels");
-            // Negative control: the comparer sees a picture that is not mirrored, or only half.
+            // Negative control: the comparison notices a picture that is not mirrored, or wrongly.
             let other = Flip { horizontal: !flip.horizontal, ..flip };
             for wrong in [Flip::default(), other] {
                 let (most, differing) = difference(&shown, &mirrored(&plain, wrong), 2);
@@ -118,7 +118,7 @@ pub fn a_mirrored_output_shows_the_mirrored_picture(driver: &dyn Driver) {
     }
 }
 
-/// The map of a mirrored output is the exact one, which is mirrored in f64.
+/// The map of a mirrored output equals the exact map, which is mirrored in f64.
 pub fn a_mirrored_map_is_the_exact_one(driver: &dyn Driver) {
     for (name, text) in &OUTPUTS[..7] {
         let mut rig = read(text);
@@ -140,7 +140,7 @@ pub fn a_mirrored_map_is_the_exact_one(driver: &dyn Driver) {
     }
 }
 
-/// Four places of a pixel are those of the finished picture; what they read lies in the views.
+/// The four sample places of a pixel are those of the finished picture, and lie in the views.
 pub fn a_mirrored_picture_of_four_places_is_nearly_the_same(driver: &dyn Driver) {
     let mut rig = read(&format!("[views]\nfilter = \"bilinear-4\"\nquality = 2.0\n{}", OUTPUTS[0].1));
     let plain = planned(&rig);
@@ -148,7 +148,7 @@ pub fn a_mirrored_picture_of_four_places_is_nearly_the_same(driver: &dyn Driver)
     let plain = driver.show(&plain, false, &atlas);
     rig.outputs[0].flip = FLIPS[0];
     let shown = driver.show(&planned(&rig), false, &atlas);
-    // Where views meet the atlas is torn, not the world: `waves` lie on the atlas.
+    // `waves` are drawn on the atlas, so they are not continuous where two views meet.
     let (inside, _) = difference(&shown, &mirrored(&plain, FLIPS[0]), 1500);
     assert!(inside <= 2, "{inside}");
 }

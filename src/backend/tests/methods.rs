@@ -1,5 +1,5 @@
-//! Tables and meshes as methods of outputs: within the error that was asked for, and as light as
-//! the default.
+//! Tables and meshes as methods of outputs: their maps stay within the requested error, and their
+//! weights are those of the default method.
 
 use super::{Driver, rigs};
 use crate::correct::shaders::map::MapPixel;
@@ -12,11 +12,11 @@ use std::sync::Arc;
 const SIZE: (u32, u32) = (320, 200);
 
 const FISHEYE: &str = "[dome]\ntilt = 90.0\n[[output]]\nkind = \"domemaster\"\n";
-/// A rim, a viewer off the centre, ramps in dome angles.
+/// A rim, a viewer off the centre, and ramps in dome angles.
 const OFF_CENTRE: &str = "[dome]\ntilt = 40.0\ncoverage = 190.0\n[viewer]\nposition = [1.0, 0.5, -0.8]\nyaw = 20.0\n\
     [[output]]\nkind = \"domemaster\"\naperture = 220.0\n\
     [output.blend]\nramps = [{ angle = \"polar\", zero = 100.0, full = 40.0 }]\n";
-/// Three pictures over each other, the first with the screen's rim across it.
+/// Three overlapping pictures. The screen's rim crosses the first one.
 const OVERLAP: &str = "[dome]\ntilt = 60.0\ncoverage = 150.0\n[viewer]\nposition = [0.3, -0.4, 0.2]\n\
     [[output]]\nkind = \"projector\"\nposition = [0.0, 0.0, 3.0]\npitch = -8.0\nroll = 4.0\nfov = [60.0, 40.0]\n\
     [[output]]\nkind = \"projector\"\nposition = [0.0, 0.0, 3.0]\nyaw = 30.0\nfov = [60.0, 40.0]\n\
@@ -25,7 +25,7 @@ const OVERLAP: &str = "[dome]\ntilt = 60.0\ncoverage = 150.0\n[viewer]\nposition
 /// From outside the dome, whose outline is in the picture.
 const OUTSIDE: &str = "[dome]\ntilt = 90.0\ncoverage = 170.0\n[[output]]\nkind = \"projector\"\nposition = [1.0, 0.0, 20.0]\nyaw = -2.0\n\
     fov = [32.0, 22.0]\n";
-/// A lens without a formula.
+/// A lens without a closed formula.
 const LENS: &str = "[screen]\nshape = \"cylinder\"\nradius = 4.0\nheights = [-1.0, 2.0]\nazimuth = [-70.0, 60.0]\n\
     [[output]]\nkind = \"projector\"\nposition = [0.0, 0.5, 1.0]\nfov = [100.0, 70.0]\ndistortion = { radial = [-0.05, 0.0, 0.0] }\n";
 /// A window, which has no place on the dome.
@@ -38,7 +38,7 @@ fn planned(text: &str, method: &str) -> (Rig, Arc<Plan>) {
     (rig, plan)
 }
 
-/// Returns the error of an output as a driver shows it, and the weight of each pixel.
+/// Returns the error of an output on a driver, and the weight of each pixel.
 fn shown(driver: &dyn Driver, rig: &Rig, plan: &Plan, output: usize) -> (MapError, Vec<Option<f32>>) {
     let exact = rigs::exact(rig, output, SIZE);
     let map = driver.map(plan, output);
@@ -63,14 +63,14 @@ fn shown(driver: &dyn Driver, rig: &Rig, plan: &Plan, output: usize) -> (MapErro
     (error, map.iter().map(|pixel| pixel.view.map(|_| pixel.weight)).collect())
 }
 
-/// The greatest and the root mean square difference of weights where both show something.
+/// Returns the greatest and the root mean square difference of weights where both show something.
 fn weight_errors(found: &[Option<f32>], expected: &[Option<f32>]) -> (f64, f64) {
     let both = found.iter().zip(expected).filter_map(|(a, b)| Some(f64::from(((*a)? - (*b)?).abs())));
     let (most, sum, count) = both.fold((0.0f64, 0.0, 0.0), |(m, s, n), e| (m.max(e), s + e * e, n + 1.0));
     (most, (sum / f64::max(count, 1.0)).sqrt())
 }
 
-/// Entries or triangles of a plan's first output.
+/// Returns the number of entries or triangles of a plan's first output.
 fn parts(plan: &Plan) -> usize {
     match &plan.passes[0].source {
         Source::Table(table) if plan.passes[0].batches[0].facets.is_none() => {
@@ -95,11 +95,11 @@ pub fn tables_and_meshes_err_by_no_more_than_was_asked(driver: &dyn Driver) {
                 let (wrong, _) = weight_errors(&weights, &expected);
                 println!("{name} {bound}: {} parts, weights {wrong:.1e}, {error:?}", parts(&plan));
                 assert!(error.is_sound() && error.compared > 10_000, "{text}, {name}: {error:?}");
-                // What the positions of corners are rounded to, and f32.
+                // The addition is for the rounding of the corners' positions, and of f32.
                 assert!(error.max <= bound + 0.004, "{text}, {name}, {bound}: {error:?}");
                 assert!(wrong <= 1.1e-3, "{text}, {name}: {wrong}");
                 sizes.push(parts(&plan));
-                // Of a fisheye neither a table nor a mesh is more exact than was asked for.
+                // For a fisheye, neither a table nor a mesh is much more exact than requested.
                 assert!(text != FISHEYE || error.max >= 0.1 * bound, "{name}, {bound}: {error:?}");
             }
             let fewer = if text == WINDOW { sizes[0] == sizes[1] } else { sizes[0] <= sizes[1] };
@@ -117,7 +117,7 @@ pub fn a_mesh_of_the_dome_is_four_times_as_exact_with_half_the_cells(driver: &dy
             let (rig, plan) = planned(text, &format!("cube-mesh,density={density}"));
             assert_eq!(rig.outputs[0].method, Method::CubeMesh { density });
             let (error, weights) = shown(driver, &rig, &plan, 0);
-            // Where borders of pictures cross weights leap, and triangles cannot.
+            // Weights jump where borders of pictures cross, which triangles cannot follow.
             let (_, wrong) = weight_errors(&weights, &expected);
             println!("density {density}: {} parts, weights {wrong:.1e}, {error:?}", parts(&plan));
             assert!(error.non_finite == 0 && error.ghosts < uncovered, "{text}: {error:?}");

@@ -20,19 +20,19 @@ use picture::Picture;
 
 /// A backend on a driver.
 pub trait Driver {
-    /// The map of an output, row 0 at the top.
+    /// Returns the map of an output, row 0 at the top.
     fn map(&self, plan: &Plan, output: usize) -> Vec<MapPixel>;
-    /// Prepares, presents each of `atlases` into a target of the first output's size, and gives
-    /// what is shown of each. Nothing may go wrong.
+    /// Prepares the plan, presents each of `atlases` into a target of the first output's size, and
+    /// returns the pictures. Panics on any error.
     fn show_each(&self, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture>;
-    /// [`Self::show_each`] for one.
+    /// As [`Self::show_each`] for one atlas.
     fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
         self.show_each(plan, panel, std::slice::from_ref(atlas)).pop().expect("a picture for each")
     }
 }
 
-/// A module of tests for each file of cases: all of them on each of `$drivers`, an expression that
-/// gives an iterator.
+/// Makes a module of tests for each file of cases. Each case runs on all of `$drivers`, an
+/// expression that returns an iterator.
 macro_rules! run_cases {
     ($drivers:expr; $($module:ident: $($case:ident),+;)+) => {
         $(mod $module {
@@ -46,7 +46,7 @@ macro_rules! run_cases {
     };
 }
 
-/// [`run_cases`] with all there are.
+/// [`run_cases`] with all cases.
 macro_rules! run_all_cases {
     ($drivers:expr) => {
         $crate::backend::tests::run_cases! { $drivers;

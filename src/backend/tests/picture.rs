@@ -1,4 +1,4 @@
-//! Pictures to correct, and what is shown.
+//! Pictures to correct, and the corrected pictures.
 
 /// A picture in memory, row 0 at the bottom.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,12 +13,12 @@ impl Picture {
         Self { size, pixels }
     }
 
-    /// Row 0 at the bottom.
+    /// Returns a pixel; row 0 is at the bottom.
     pub fn at(&self, x: u32, y: u32) -> [u8; 4] {
         self.pixels[(y * self.size.0 + x) as usize]
     }
 
-    /// Bilinear value at a place in texels, encoded values 0…1.
+    /// Returns the bilinear value at a place in texels, encoded, 0…1.
     pub fn bilinear(&self, x: f64, y: f64) -> [f64; 4] {
         let (x, y) = (x - 0.5, y - 0.5);
         let (fx, fy) = (x - x.floor(), y - y.floor());

@@ -1,4 +1,4 @@
-//! Plans made by hand, and what they show, computed independently in f64.
+//! Plans made by hand, and their pictures, computed independently in f64.
 
 use crate::blend::EdgeWeight;
 use crate::correct::{Batch, EvaluationMethod, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source};
@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 
 pub const GUARD: u32 = 2;
 
-/// A view whose owned part is `owned`, with a guard around it.
+/// Makes a view whose owned part is `owned`, with a guard around it.
 pub fn view(name: &str, rotation: DMat3, owned: Frustum, tile: Tile) -> View {
     let inner = (f64::from(tile.width - 2 * GUARD), f64::from(tile.height - 2 * GUARD));
     let (dx, dy) = (f64::from(GUARD) * owned.width() / inner.0, f64::from(GUARD) * owned.height() / inner.1);
@@ -33,7 +33,8 @@ pub fn view_plan(views: Vec<View>, atlas: (u32, u32)) -> ViewPlan {
     }
 }
 
-/// Front, right, left, up, down, back of a cube, `side` texels each, three in a row.
+/// Makes the views of a cube: front, right, left, up, down, back, `side` texels each, three in a
+/// row.
 pub fn cube_views(side: u32, turn: DMat3) -> ViewPlan {
     let angles = [(0.0, 0.0), (90.0, 0.0), (-90.0, 0.0), (0.0, 90.0), (0.0, -90.0), (180.0, 0.0)];
     let square = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
@@ -74,7 +75,7 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
     }
 }
 
-/// A fisheye picture over a cube of views, the viewer at `-offset` radii.
+/// Makes a fisheye picture over a cube of views, with the viewer at `-offset` radii.
 pub fn fisheye_plan(size: (u32, u32), aperture: f64, offset: DVec3) -> Plan {
     let rotation = Pose::new(DVec3::ZERO, 0.3, -0.2, 0.1).rotation;
     let turn = Pose::new(DVec3::ZERO, 0.5, 0.4, 0.2).rotation;
@@ -110,18 +111,18 @@ impl Projector {
     /// Returns the point at which the pixel's ray meets the unit sphere around the origin, far
     /// side.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
-        // The textbook quadratic, on purpose another form than the one under test.
+        // The usual quadratic formula, on purpose another form than the tested one.
         let (o, d) = (self.pose.position, self.rays() * DVec3::new(x, y, 1.0));
         let (a, b, c) = (d.dot(d), o.dot(d), o.dot(o) - 1.0);
         if c > 1e3 {
-            // From afar it cancels, in f64 too.
+            // From far away the formula loses digits, in f64 too.
             return Sphere { center: DVec3::ZERO, radius: 1.0 }.far_hit(o, d);
         }
         let discriminant = b * b - a * c;
         (discriminant >= 0.0).then(|| o + d * ((-b + discriminant.sqrt()) / a))
     }
 
-    /// Picture coordinates of a point, if it is in front.
+    /// Returns the picture coordinates of a point, if it is in front.
     pub fn picture(&self, point: DVec3) -> Option<(f64, f64)> {
         let local = self.pose.rotation.transpose() * (point - self.pose.position);
         (local.z < 0.0).then(|| {
@@ -165,7 +166,7 @@ pub fn viewer() -> Pose {
     Pose::new(DVec3::new(0.2, -0.3, 0.25), 0.1, 0.2, -0.05)
 }
 
-/// One tight view of everything that a projector shows, and its pass.
+/// Makes one tight view of everything that a projector shows, and its pass.
 pub fn projector_plan(projector: &Projector, others: &[Projector], size: (u32, u32)) -> Plan {
     let viewer = viewer();
     let seen: Vec<DVec3> = (0..=32)
@@ -193,14 +194,14 @@ pub fn projector_plan(projector: &Projector, others: &[Projector], size: (u32, u
     Plan { views, passes: vec![pass] }
 }
 
-/// Normalised coordinates of the centre of a pixel (row 0 at the top).
+/// Returns the normalised coordinates of the centre of a pixel (row 0 at the top).
 pub fn normalised(size: (u32, u32), column: u32, row: u32) -> (f64, f64) {
     let x = 2.0 * (f64::from(column) + 0.5) / f64::from(size.0) - 1.0;
     let y = 1.0 - 2.0 * (f64::from(row) + 0.5) / f64::from(size.1);
     (x, y)
 }
 
-/// The exact direction of a fisheye pixel in viewer axes.
+/// Returns the exact direction of a fisheye pixel in viewer axes.
 pub fn fisheye_direction(plan: &Plan, size: (u32, u32), column: u32, row: u32) -> Option<DVec3> {
     let Source::Fisheye { aperture, rotation, offset } = plan.passes[0].source else { return None };
     let (x, y) = normalised(size, column, row);

@@ -1,4 +1,4 @@
-//! Presented pictures, against pictures computed in f64.
+//! Presented pictures, compared with pictures computed in f64.
 
 use super::Driver;
 use super::picture::Picture;
@@ -11,7 +11,7 @@ use crate::testing::random::Random;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
-/// Waves that a bilinear filter follows closely, different in each channel.
+/// Returns waves that a bilinear filter follows closely, different in each channel.
 pub fn waves(size: (u32, u32)) -> Picture {
     Picture::new(size, |x, y| {
         let wave = |a: f64, b: f64| (127.5 + 120.0 * (a * f64::from(x) + b * f64::from(y)).sin()) as u8;
@@ -38,8 +38,8 @@ pub fn place(views: &[View], direction: DVec3) -> Option<(f64, f64)> {
     })
 }
 
-/// Greatest difference in codes between what is shown and `exact` (encoded 0…1 of a pixel, row 0 at
-/// the top).
+/// Returns the greatest difference in codes between the picture `shown` and `exact` (encoded 0…1 of
+/// a pixel, row 0 at the top).
 pub fn worst(shown: &Picture, exact: impl Fn(u32, u32) -> Option<[f64; 3]>) -> f64 {
     let mut worst = 0.0f64;
     for row in 0..shown.size.1 {
@@ -87,7 +87,7 @@ pub fn a_picture_1_to_1_is_copied_exactly(driver: &dyn Driver) {
             assert_eq!(shown.at(x, y)[..3], atlas.at(13 + x, 29 + y)[..3], "{x}, {y}");
         }
     }
-    // Negative control: half a texel aside it is filtered.
+    // Negative control: shifted by half a texel the picture is filtered.
     let mut aside = plan.clone();
     aside.passes[0].source = Source::Perspective {
         matrix: DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(0.5 * 1.7 / 317.0, 0.0, 1.0))
@@ -99,7 +99,7 @@ pub fn a_picture_1_to_1_is_copied_exactly(driver: &dyn Driver) {
 pub fn a_fisheye_shows_the_world_and_black_around_it(driver: &dyn Driver) {
     let size = (400, 360);
     let mut plan = fisheye_plan(size, 3.4, DVec3::new(0.1, -0.2, 0.3));
-    // The corners in no batch, the rest in two.
+    // The corners are in no batch, the rest is in two.
     plan.passes[0].batches[0].rects = vec![
         PixelRect { x: 20, y: 0, width: 200, height: 360 },
         PixelRect { x: 220, y: 0, width: 160, height: 180 },
@@ -114,7 +114,7 @@ pub fn a_fisheye_shows_the_world_and_black_around_it(driver: &dyn Driver) {
             Some(rgb(atlas.bilinear(x, y)))
         }
     };
-    // Near a seam two views are right; here they show unrelated waves.
+    // Near a seam either view may be sampled; here they show unrelated waves.
     let seam = |c: u32, r: u32| {
         let Some(direction) = fisheye_direction(&plan, size, c, r) else { return false };
         let here = place(&plan.views.views, direction);
@@ -210,8 +210,8 @@ pub fn the_panel_lies_over_the_scene(driver: &dyn Driver) {
             let Some((x, y)) = place(std::slice::from_ref(&panel), direction).filter(|_| with) else {
                 return Some(rgb(below));
             };
-            // Where the filter would reach beyond the tile, and where alpha jumps, only the place
-            // is tested elsewhere.
+            // The test leaves out places where the filter would reach beyond the tile, and where
+            // alpha jumps.
             if !(1.0..127.0).contains(&x)
                 || (x as u32).abs_diff(127) < 2
                 || y - f64::from(tile.y) < 1.0
@@ -234,7 +234,7 @@ pub fn the_panel_lies_over_the_scene(driver: &dyn Driver) {
             }
             wrong
         };
-        // Seams of the views and the panel's border.
+        // The exceptions are pixels on seams of the views and on the panel's border.
         assert!(wrong(&shown, true) < 60, "{}", wrong(&shown, true));
         assert!(wrong(&shown, false) > 500, "the panel is not there");
         let without = driver.show(&plan, false, &atlas);

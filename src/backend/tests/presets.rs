@@ -29,7 +29,7 @@ pub fn every_preset_shows_every_pixel(driver: &dyn Driver) {
             println!("{name} {}: error {worst:.2e} rad, {} views", pass.name, plan.views.views.len());
             // Half a thousandth of the widest pixel of 320.
             assert!(worst < 5e-6, "{name} {}: {worst:e}", pass.name);
-            // On a rim f32 may decide otherwise.
+            // On a rim, f32 may decide differently.
             assert!(holes + ghosts <= 2, "{name} {}: {holes} holes, {ghosts} ghosts", pass.name);
         }
     }

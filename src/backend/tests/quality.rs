@@ -15,8 +15,8 @@ use std::sync::LazyLock;
 
 const SIZE: u32 = 512;
 
-/// A checker in space, black and white: edges of all directions cross the sphere. It is turned, so
-/// that none of them coincides with a border of pixels, texels or views.
+/// Returns the brightness of a checker in space, black and white: edges of all directions cross the
+/// sphere. It is turned, so that none of them coincides with a border of pixels, texels or views.
 fn checker(direction: DVec3) -> f64 {
     let turned = DVec3::new(
         direction.dot(DVec3::new(0.64, 0.48, 0.6)),
@@ -30,27 +30,27 @@ fn checker(direction: DVec3) -> f64 {
 /// Brightness in a direction of any length, 0…1.
 type Scene<'a> = &'a dyn Fn(DVec3) -> f64;
 
-/// π over a cell's side.
+/// π divided by a cell's side.
 const CELLS: f64 = 6.0;
 
-/// Samples of a texel with fourfold anti-aliasing, as drivers place them.
+/// Samples of a texel with fourfold anti-aliasing, as drivers choose them.
 const FOUR: [DVec2; 4] =
     [DVec2::new(0.125, 0.375), DVec2::new(-0.375, 0.125), DVec2::new(-0.125, -0.375), DVec2::new(0.375, -0.125)];
-/// Four that are a grid: on edges of all directions they are half a decibel better.
+/// Four samples in a grid. On edges of all directions they are half a decibel better.
 const GRID: [DVec2; 4] =
     [DVec2::new(0.25, 0.25), DVec2::new(-0.25, 0.25), DVec2::new(0.25, -0.25), DVec2::new(-0.25, -0.25)];
 const ONE: [DVec2; 1] = [DVec2::ZERO];
 
 const FILTERS: [Filter; 4] = [Filter::Bilinear, Filter::CatmullRom, Filter::Bilinear4, Filter::CatmullRom4];
 
-/// The direction that a view shows at a place of its tile, in texels from the bottom left.
+/// Returns the direction that a view shows at a place of its tile, in texels from the bottom left.
 fn direction(view: &View, place: DVec2) -> DVec3 {
     let (tile, frustum) = (view.tile, view.frustum);
     let texel = DVec2::new(frustum.width() / f64::from(tile.width), frustum.height() / f64::from(tile.height));
     view.rotation.transpose() * (DVec2::new(frustum.left, frustum.bottom) + place * texel).extend(-1.0)
 }
 
-/// The views as a program draws `scene`, with as many samples per texel as `places`.
+/// Draws `scene` into the views, as a program would, with the samples `places` in each texel.
 fn drawn(plan: &Plan, places: &[DVec2], scene: Scene) -> Picture {
     let mut atlas = Picture::new(plan.views.atlas, |_, _| [0; 4]);
     for view in &plan.views.views {
@@ -66,8 +66,8 @@ fn drawn(plan: &Plan, places: &[DVec2], scene: Scene) -> Picture {
     atlas
 }
 
-/// The mean of `side`² samples of `scene` in each pixel that lies wholly in the picture, row 0 at
-/// the bottom.
+/// Returns the mean of `side`² samples of `scene` in each pixel that lies wholly in the picture,
+/// row 0 at the bottom.
 fn sampled(plan: &Plan, side: u32, scene: Scene) -> Vec<Option<f64>> {
     let (pass, (width, height)) = (&plan.passes[0], plan.passes[0].size);
     let mean = |index: u32| {
@@ -84,20 +84,20 @@ fn sampled(plan: &Plan, side: u32, scene: Scene) -> Vec<Option<f64>> {
     (0..width * height).map(mean).collect()
 }
 
-/// Signal to noise in dB of a picture's values, where there is an exact one.
+/// Returns the signal to noise in dB of a picture's values, where there is an exact one.
 fn signal(values: impl Iterator<Item = f64>, exact: &[Option<f64>]) -> f64 {
     let errors = values.zip(exact).filter_map(|(value, exact)| Some(value - (*exact)?));
     let (sum, count) = errors.fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
     -10.0 * (sum / f64::from(count)).log10()
 }
 
-/// Signal to noise in dB of what a driver shows of an atlas.
+/// Returns the signal to noise in dB of an atlas as a driver shows it.
 fn shown(driver: &dyn Driver, plan: &Plan, atlas: &Picture, exact: &[Option<f64>]) -> f64 {
     let picture = driver.show(plan, false, atlas);
     signal(picture.pixels.iter().map(|pixel| f64::from(pixel[0]) / 255.0), exact)
 }
 
-/// A fisheye picture of 180° with views of `quality` and `filter`.
+/// Plans a fisheye picture of 180° with views of `quality` and `filter`.
 fn planned(size: u32, quality: f64, filter: Filter) -> Plan {
     let mut rig = rig(vec![fisheye(180.0, 90.0)]);
     (rig.views.quality, rig.views.filter) = (quality, filter);
@@ -108,7 +108,7 @@ fn planned(size: u32, quality: f64, filter: Filter) -> Plan {
 static EXACT: LazyLock<Vec<Option<f64>>> =
     LazyLock::new(|| sampled(&planned(SIZE, 1.0, Filter::Bilinear), 8, &checker));
 
-/// A domemaster with views of a quality, a filter and samples for each texel.
+/// A domemaster with views of one quality, one filter and some samples for each texel.
 struct Filtered {
     name: String,
     plan: Plan,
@@ -117,7 +117,8 @@ struct Filtered {
     least: f64,
 }
 
-/// The bounds are what was found, less 0.2 dB, to notice what gets worse. The same for all drivers.
+/// Measured cases. Each bound is the measured value less 0.2 dB, so that a loss is noticed. The
+/// same for all drivers.
 static FILTERED: LazyLock<Vec<Filtered>> = LazyLock::new(|| {
     let (four, grid) = (("4 samples", &FOUR[..]), ("a grid of 4 samples", &GRID[..]));
     let cases = [
@@ -143,7 +144,7 @@ pub fn filters_are_as_good_as_they_should_be(driver: &dyn Driver) {
     let single = sampled(&plain, 1, &checker);
     let ideal = signal(single.into_iter().map(|value| value.unwrap_or_default()), exact);
     println!("no resampling, one sample: {ideal:.2} dB");
-    // As hard a scene as that of the goals.
+    // The scene is as hard as that of goal G10 (docs/results.md).
     assert!((ideal - 27.2).abs() < 0.3, "{ideal}");
     let mut failures = Vec::new();
     for Filtered { name, plan, atlas, least } in FILTERED.iter() {
@@ -158,8 +159,8 @@ pub fn filters_are_as_good_as_they_should_be(driver: &dyn Driver) {
     assert!(shown(driver, &plain, &drawn(&plain, &ONE, &checker), exact) < 32.0);
 }
 
-/// A scene, what a projector's pixels should show of it, and its views for the projector's picture
-/// and for a domemaster.
+/// A scene, the pixels of a projector that should show it, and its views for the projector's
+/// picture and for a domemaster.
 struct Resampled {
     name: &'static str,
     exact: Vec<Option<f64>>,
@@ -175,7 +176,7 @@ static PROJECTOR_AND_DOME: LazyLock<(Plan, Plan, Vec<Resampled>)> = LazyLock::ne
     let frustum = crate::geom::Frustum::symmetric(60f64.to_radians(), 39.68f64.to_radians());
     let output = projector("one", DVec3::new(0.0, 0.4, 3.0), [10.0, 5.0, 3.0], frustum);
     let plan = build(&rig(vec![output]), &request(&[(width, height)])).expect("a plan");
-    // As many pixels per angle as the projector's picture has in its middle.
+    // The domemaster has as many pixels per angle as the middle of the projector's picture.
     let towards = |x: f64, y: f64| plan.passes[0].source.direction(x, y).expect("from inside every ray hits");
     let middle = towards(0.0, 0.0);
     let pixel = middle.angle_between(towards(2.0 / f64::from(width), 0.0));
@@ -197,8 +198,8 @@ static PROJECTOR_AND_DOME: LazyLock<(Plan, Plan, Vec<Resampled>)> = LazyLock::ne
     (plan, dome, scenes.into())
 });
 
-/// A projector's picture made directly, and made of a domemaster of the same resolution, as
-/// programs do that know only domemasters.
+/// Compares a projector's picture made directly with one made from a domemaster of the same
+/// resolution, as programs make it that know only domemasters.
 pub fn one_resampling_is_better_than_two(driver: &dyn Driver) {
     let (plan, dome, scenes) = &*PROJECTOR_AND_DOME;
     for scene in scenes {
@@ -226,7 +227,7 @@ fn gain_of_one_resampling(driver: &dyn Driver, plan: &Plan, dome: &Plan, scene: 
     direct - twice
 }
 
-/// The views farther apart in the atlas, so that there is room beyond each.
+/// Moves the views apart in the atlas, so that there is room around each.
 fn spread(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
     let mut right = ROOM;
@@ -242,8 +243,8 @@ fn spread(plan: &Plan) -> Plan {
 /// Texels between tiles.
 const ROOM: u32 = 8;
 
-/// Noise in all tiles but for their outermost `ring` texels, which are `beyond`, as all around
-/// them.
+/// Returns an atlas with noise in all tiles. Their outermost `ring` texels and all texels around
+/// them are `beyond`.
 fn within(plan: &Plan, ring: u32, beyond: u8) -> Picture {
     let random = std::cell::RefCell::new(Random::new(5));
     Picture::new(plan.views.atlas, |x, y| {
@@ -261,7 +262,7 @@ fn within(plan: &Plan, ring: u32, beyond: u8) -> Picture {
 struct Apart {
     what: String,
     plan: Plan,
-    /// For rings of no texel and of one: two atlases that differ beyond all but the ring.
+    /// For rings of 0 and 1 texels: two atlases that differ in the rings and around the tiles.
     atlases: [[Picture; 2]; 2],
 }
 
@@ -270,7 +271,7 @@ static APART: LazyLock<Vec<Apart>> = LazyLock::new(|| {
     let frustum = crate::geom::Frustum::symmetric(1.2, 0.9);
     let (position, degrees) = (DVec3::new(0.5, 0.2, 2.5), [40.0, 17.0, 6.0]);
     let pose = crate::geom::Pose::new(position, 0.7, 0.3, 0.1);
-    // Not quite a pinhole, so that it is tabulated.
+    // Not quite a pinhole lens, so that it is tabulated.
     let distortion = crate::geom::lenses::lens::Distortion { radial: [1e-6, 0.0, 0.0], tangential: [0.0; 2] };
     let lens = crate::geom::Lens::Pinhole { frustum, distortion, keystone: glam::DMat3::IDENTITY };
     let optics = crate::geom::Optics { pose, lens, mirror: None };
@@ -292,15 +293,14 @@ static APART: LazyLock<Vec<Apart>> = LazyLock::new(|| {
     all
 });
 
-/// A picture near seams is that of views without end, to the last bit: what lies beyond the tiles
-/// does not matter.
+/// The picture near seams does not depend on texels beyond the tiles, to the last bit.
 pub fn filters_read_nothing_beyond_their_tiles(driver: &dyn Driver) {
     for Apart { what, plan, atlases } in APART.iter() {
         let pictures = driver.show_each(plan, false, atlases.as_flattened());
         let differing = |a: &Picture, b: &Picture| a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
         assert_eq!(differing(&pictures[0], &pictures[1]), 0, "{what}");
-        // Negative control: a guard that is narrower by one texel does not do.
+        // Negative control: a guard that is narrower by one texel is not enough.
         let narrower = differing(&pictures[2], &pictures[3]);
-        assert!(narrower > 0, "{what}: the guard is too wide, or what lies beyond is not noticed");
+        assert!(narrower > 0, "{what}: the guard is too wide, or the test does not notice texels beyond it");
     }
 }

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 type Size = (u32, u32);
 type Slot<V> = Arc<OnceLock<Arc<V>>>;
 
-/// Values, by what they are made of. Threads that want different ones do not wait for each other.
+/// Cache of values by key. Threads that need different values do not wait for each other.
 struct Made<K, V>(Mutex<Vec<(K, Slot<V>)>>);
 
 impl<K: PartialEq, V> Made<K, V> {
@@ -37,7 +37,7 @@ pub fn read(text: &str) -> Rig {
     crate::rig::parse(text, "test", std::path::Path::new("")).unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-/// The plan of a rig whose outputs have one size.
+/// Returns the plan of a rig whose outputs have one size.
 pub fn planned(rig: &Rig, size: Size) -> Arc<Plan> {
     static PLANS: Made<(Rig, Size), Plan> = Made::nothing();
     let sizes = vec![size; rig.outputs.len()];
@@ -47,7 +47,7 @@ pub fn planned(rig: &Rig, size: Size) -> Arc<Plan> {
     })
 }
 
-/// The exact map of an output.
+/// Returns the exact map of an output.
 pub fn exact(rig: &Rig, output: usize, size: Size) -> Arc<TracedMap> {
     static MAPS: Made<WarpMap, TracedMap> = Made::nothing();
     let map = WarpMap::new(rig, output, size, None).expect("a map");

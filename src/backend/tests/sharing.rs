@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 
 const SIZE: (u32, u32) = (480, 320);
 
-/// Three projectors with different places, openings and ramps, which overlap by twos and threes.
+/// Three projectors with different places, openings and ramps. They overlap in twos and threes.
 fn projectors() -> [Projector; 3] {
     let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
     let at = |x: f64, yaw: f64, pitch: f64, ramp| Projector {
@@ -35,7 +35,7 @@ fn raw_weights(projectors: &[Projector], point: DVec3) -> Vec<f64> {
     projectors.iter().map(raw_weight).collect()
 }
 
-/// Blend weight of projector `index` of a point.
+/// Returns the blend weight of projector `index` at a point.
 fn exact_weight(projectors: &[Projector], index: usize, point: DVec3) -> f64 {
     let raw_weights = raw_weights(projectors, point);
     let others: f64 = raw_weights.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, e)| e).sum();
@@ -46,13 +46,13 @@ fn others(projectors: &[Projector], index: usize) -> Vec<Projector> {
     projectors.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, p)| *p).collect()
 }
 
-/// Sum of the raw weights below which a point is meagre: borders cross there with nothing beneath,
-/// blend weights jump, and f32 cannot follow them closely. Such places are a hair's breadth wide.
+/// Sum of the raw weights below which a point counts as meagre. There borders cross, blend weights
+/// jump, and f32 cannot follow them closely. Such places are very narrow.
 const MEAGRE: f64 = 0.05;
 
 pub fn weights_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
     let projectors = projectors();
-    // Where raw weights are ample, and everywhere.
+    // Errors where raw weights are ample, and everywhere.
     let (mut worst, mut overlapped, mut meagre) = ([0.0f64; 2], 0, 0);
     for i in 0..3 {
         let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
@@ -109,7 +109,7 @@ pub fn what_the_shaders_compute_for_one_point_adds_up_to_1(driver: &dyn Driver) 
     }
     println!("|sum of weights - 1|: {worst:?}");
     assert!(worst[0] <= 2.5e-7 && worst[1] <= 5e-4, "{worst:?}");
-    // Negative control: two of the three are not all.
+    // Negative control: two of the three do not add up to 1.
     assert!((0..maps[0].len()).any(|i| sum(i) - f64::from(maps[2][i].weight) < 0.9));
 }
 
@@ -131,7 +131,7 @@ pub fn in_8_bits_the_sum_of_two_stays_within_the_quantisation(driver: &dyn Drive
     assert!(worst <= 0.006 && rms <= 0.0025, "{worst} {rms}");
 }
 
-/// The plan of projector `index` with the borders of all as `border` gives them.
+/// Returns the plan of projector `index`, with `border(i)` as the border of projector i.
 fn with_borders(projectors: &[Projector], index: usize, border: &dyn Fn(usize) -> EdgeWeight) -> Plan {
     let mut plan = projector_plan(&projectors[index], &others(projectors, index), SIZE);
     if let Source::Projector(source) = &mut plan.passes[0].source {
@@ -142,7 +142,7 @@ fn with_borders(projectors: &[Projector], index: usize, border: &dyn Fn(usize) -
     plan
 }
 
-/// The places of a point in the pictures that show it, from 0 to 1.
+/// Returns the places of a point in the pictures that show it, from 0 to 1.
 fn covering(projectors: &[Projector], point: DVec3) -> Vec<(usize, glam::DVec2)> {
     let place = |(index, projector): (usize, &Projector)| {
         let (x, y) = projector.picture(point)?;
@@ -184,11 +184,10 @@ pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
     }
 }
 
-/// Blacks of [`projectors`].
+/// Black levels of [`projectors`].
 const BLACKS: [f64; 3] = [0.01, 0.02, 0.015];
 
-/// Blend weight of a pixel, and the sum of the blacks there. `None` where borders
-/// cross.
+/// Blend weight of a pixel, and the sum of the black levels there. `None` where borders cross.
 type Share = Option<(f64, f64)>;
 
 /// Weights of all pixels of each projector, the same for all drivers.
@@ -210,8 +209,8 @@ static WEIGHTS: LazyLock<[Vec<Share>; 3]> = LazyLock::new(|| {
     })
 });
 
-/// Black and white pictures, weighted as light on displays with a grey black: sums are the same
-/// wherever anything is lit.
+/// Black and white pictures, weighted as light, on displays whose black is grey: the sums are the
+/// same wherever light falls.
 pub fn blacks_are_evened_out(driver: &dyn Driver) {
     let projectors = projectors();
     let most: f64 = BLACKS.iter().sum();

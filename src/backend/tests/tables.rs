@@ -26,7 +26,7 @@ fn shown(size: (u32, u32), opening: f64, column: u32, row: u32) -> Option<TableP
 
 pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
     let size = (640, 400);
-    // From a wide picture to one of two arc minutes: the error in pixels stays the same.
+    // From a wide picture to one of two arc minutes, the error in pixels stays the same.
     for opening in [0.9, 0.01, 3e-4] {
         let table = Table::new(size, |column, row| shown(size, opening, column, row));
         assert!(table.is_weighted());
@@ -66,8 +66,8 @@ pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
     }
 }
 
-/// A rig file's outputs, from tables or by formulas of lenses (`None`: as f32 allows), through plan
-/// and shader, against the exact map, pixel by pixel.
+/// Compares the outputs of a rig file with the exact map, pixel by pixel, through plan and shader.
+/// `by_table`: outputs have tables or formulas of lenses; `None`: either, as f32 allows.
 fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: Option<bool>) {
     let rig = read(text);
     let plan = planned(&rig, size);
@@ -85,7 +85,7 @@ fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: Option
         println!("{error:?}");
         assert!(error.is_sound() && error.compared > 5_000, "{text}: {error:?}");
         assert!(error.max < 0.002, "{text}: {error:?}");
-        // The neighbouring pixel is not taken for this one.
+        // Negative control: the map of the neighbouring pixel is noticed.
         let shifted = exact.compare(7, |x, y| direction((x + 1).min(size.0 - 1), y));
         assert!(shifted.compared > 100 && shifted.rms > 0.3, "{text}: {shifted:?}");
         // Every sample lies in the part of the atlas that its view draws.
@@ -115,7 +115,7 @@ pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
         )
     };
     for viewer in ["[0.0, 0.0, 0.0]", "[0.8, -0.5, 0.7]", "[-2.0, 1.0, -0.8]"] {
-        // The last one is too far from the centre for some.
+        // The last viewer is too far from the centre for some formulas.
         let formula = if viewer.starts_with("[-2") { None } else { Some(false) };
         for projection in ["equidistant", "equisolid", "stereographic", "orthographic"] {
             let lens = format!("fisheye = {{ projection = \"{projection}\", aperture = 150.0 }}");
@@ -132,15 +132,15 @@ pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
 }
 
 pub fn a_projector_that_looks_away_makes_no_ghosts(driver: &dyn Driver) {
-    // From outside, and half of the picture looks the other way: the closed form would take the
-    // dome for being there.
+    // The projector is outside, and half of its picture looks away. The closed form would find the
+    // dome behind it.
     let text = "[dome]\nradius = 1.0\ncoverage = 360.0\n[[output]]\nkind = \"projector\"\n\
                 position = [0.0, 0.0, 1.2]\nyaw = 70.0\nfov = [120.0, 90.0]\n";
     check_rig(driver, text, (320, 240), Some(true));
 }
 
-/// Two overlapping projectors with lenses of their own and grey blacks: what they show is what f64
-/// says, and its sum with their blacks is the same at any point.
+/// Two overlapping projectors with distorted lenses and grey blacks. Their pictures match f64, and
+/// the sum of light and blacks is the same at every point.
 pub fn blacks_are_evened_out_by_tables_too(driver: &dyn Driver) {
     let projector = |name: &str, yaw: f64, contrast: f64| {
         format!(

@@ -1,8 +1,8 @@
-//! Barriers around an image: who waits for whom, and in which layout it is.
+//! Barriers of an image: which stages wait for which, and the image's layout.
 
 use ash::vk;
 
-/// The colour of an image with one level and one layer.
+/// Colour range of an image with one level and one layer.
 pub const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     base_mip_level: 0,
@@ -14,26 +14,26 @@ pub const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
 /// Use of an image before or after a barrier.
 #[derive(Clone, Copy, Debug)]
 pub struct Use {
-    /// The layout that it has.
+    /// Layout of the image.
     pub layout: vk::ImageLayout,
-    /// The stages that use it; none: there is nothing to wait for, or nothing that waits.
+    /// Stages that use the image. Empty: there is no stage to wait for, or no stage that waits.
     pub stages: vk::PipelineStageFlags,
     /// Accesses of these stages.
     pub access: vk::AccessFlags,
 }
 
 impl Use {
-    /// `layout`, and nothing to wait for.
+    /// Returns a use in `layout` without stages.
     pub const fn nothing(layout: vk::ImageLayout) -> Self {
         Self { layout, stages: vk::PipelineStageFlags::empty(), access: vk::AccessFlags::empty() }
     }
 
-    /// A fragment shader reads it.
+    /// Returns the use of an image that a fragment shader reads.
     pub const fn sampled(layout: vk::ImageLayout) -> Self {
         Self { layout, stages: vk::PipelineStageFlags::FRAGMENT_SHADER, access: vk::AccessFlags::SHADER_READ }
     }
 
-    /// A copy or a clear writes it.
+    /// Use of an image that a copy or a clear writes.
     pub const COPIED_TO: Self = Self {
         layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
         stages: vk::PipelineStageFlags::TRANSFER,
@@ -41,8 +41,8 @@ impl Use {
     };
 }
 
-/// Records a barrier for the first `layers` layers of an image's first level; none for a null
-/// image.
+/// Records a barrier for the first `layers` layers of an image's first level. Does nothing for a
+/// null image.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside a render pass, and the image is live.

@@ -12,9 +12,10 @@ use ash::vk;
 /// Images that one draw reads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reads {
-    /// The views that it samples, as numbers in the plan.
+    /// Views that the draw samples, as indices into the plan's views.
     pub views: Vec<usize>,
-    /// 2D images; `None`: the draw looks at none, and the first picture, if it is a 2D image, does.
+    /// Mask, table and picture of black, as 2D images. `None`: the draw reads none, and the first
+    /// picture is bound in its place; it must then be a 2D image.
     pub mask: Option<vk::ImageView>,
     pub table: Option<vk::ImageView>,
     pub black: Option<vk::ImageView>,
@@ -22,9 +23,9 @@ pub(super) struct Reads {
 
 /// A set of pictures with all views, and its descriptors.
 pub(super) struct Source {
-    /// Each with its number of layers.
+    /// Images of the set, each with its number of layers.
     pub images: Vec<(SourceImage, u32)>,
-    /// For each draw: linear, nearest.
+    /// Descriptor sets of each draw, for linear and nearest filtering.
     pub sets: Vec<[vk::DescriptorSet; 2]>,
 }
 
@@ -36,8 +37,8 @@ pub(super) struct Descriptors {
 }
 
 impl Descriptors {
-    /// For draws that read `reads` out of `images`, which are `sizes.len()` for each set of
-    /// pictures.
+    /// Makes descriptors for draws that read `reads`. `images` contains `sizes.len()` images for
+    /// each set of pictures.
     pub fn new(
         api: &Api,
         common: &Common,
@@ -63,7 +64,7 @@ impl Descriptors {
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&kinds);
         let layouts = vec![common.set_layout; count as usize];
         // SAFETY: the device is live; the structures are complete; the pool is destroyed if its
-        // sets cannot be had.
+        // sets cannot be allocated.
         let (pool, sets) = unsafe {
             let pool = api.device.create_descriptor_pool(&info, None).map_err(refused("descriptors"))?;
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
@@ -89,15 +90,15 @@ impl Descriptors {
         Ok(descriptors)
     }
 
-    /// Destroys them; nothing that uses them may be pending.
+    /// Destroys the descriptors. No pending commands may use them.
     pub fn destroy(&mut self, api: &Api) {
         let old = std::mem::take(self);
-        // SAFETY: ours or null.
+        // SAFETY: an object of Cupola or null.
         unsafe { api.device.destroy_descriptor_pool(old.pool, None) };
     }
 }
 
-/// Writes all bindings of a set. What a shader does not look at needs a valid image all the same.
+/// Writes all bindings of a set. A binding that the shader does not read needs a valid image, too.
 fn write(
     api: &Api,
     common: &Common,
@@ -134,6 +135,6 @@ fn write(
         write(binding::BLACK, image, &black),
     ];
     writes.extend(pictures.iter().map(|(at, info)| write(*at, image, info)));
-    // SAFETY: the set is ours and not in use; the views are live.
+    // SAFETY: the set is one of Cupola's and not in use; the views are live.
     unsafe { api.device.update_descriptor_sets(&writes, &[]) };
 }

@@ -1,4 +1,4 @@
-//! Images of the program's: where views are, and where they are corrected into.
+//! Images of the program: sources, which contain views, and targets of the correction.
 
 use super::barrier::{Use, barrier};
 use super::memory::Buffer;
@@ -9,25 +9,25 @@ use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use ash::vk::Handle;
 
-/// An image that holds views: the plan's atlas, whose first row is the top one (a tile's first row
-/// is `atlas height − y − height`), or what [`Arrangement`](crate::correct::Arrangement) has in its
-/// place. Its values are encoded, as a display takes them.
+/// An image that contains views: the plan's atlas, or an image of another
+/// [`Arrangement`](crate::correct::Arrangement). The first row of the atlas is the top one: a
+/// tile's first row is `atlas height − y − height`. Values are encoded, as a display expects them.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceImage {
-    /// The image; null: no barrier is recorded, and it can be read in `layout` as it is.
+    /// The image. Null: no barrier is recorded, and the view can be read in `layout`.
     pub image: vk::Image,
-    /// A view of its first level, 2D, of its first layer; of layers a 2D array, of the first and as
-    /// many as there are views.
+    /// View of the first level: 2D, of the first layer; for layers a 2D array with one layer for
+    /// each view.
     pub view: vk::ImageView,
-    /// The view's format: normalised or floating numbers, filtered, not sRGB.
+    /// Format of the view: normalised or floating-point, can be filtered, not sRGB.
     pub format: vk::Format,
     /// Width and height in pixels.
     pub extent: (u32, u32),
-    /// The layout in which it is found, and left again.
+    /// Layout of the image before and after the correction.
     pub layout: vk::ImageLayout,
-    /// The stages that wrote it, and will write it next.
+    /// Stages that wrote the image, and that will write it next.
     pub stages: vk::PipelineStageFlags,
-    /// The accesses by which they do.
+    /// Accesses of these stages.
     pub access: vk::AccessFlags,
 }
 
@@ -38,23 +38,24 @@ pub struct TargetImage {
     pub image: vk::Image,
     /// A 2D view of its first level and layer.
     pub view: vk::ImageView,
-    /// The view's format, the one that the backend was prepared for.
+    /// Format of the view: the format for which the backend was prepared.
     pub format: vk::Format,
     /// Width and height in pixels.
     pub extent: (u32, u32),
-    /// The layout in which it is found. `UNDEFINED`: what was in it is lost, and black where no
-    /// output is.
+    /// Layout before the correction. `UNDEFINED`: the former content is lost, and pixels outside
+    /// all outputs become black.
     pub initial_layout: vk::ImageLayout,
-    /// The layout in which it is left.
+    /// Layout after the correction.
     pub final_layout: vk::ImageLayout,
-    /// Stages and accesses that come before and have to be waited for.
+    /// Stages and accesses before the correction, for which it waits.
     pub before: (vk::PipelineStageFlags, vk::AccessFlags),
-    /// Stages and accesses that come after and have to wait.
+    /// Stages and accesses after the correction, which wait for it.
     pub after: (vk::PipelineStageFlags, vk::AccessFlags),
 }
 
 impl SourceImage {
-    /// The same image as a target: what was in it is lost, and it is left as it is found here.
+    /// Returns the same image as a target. Its former content is lost; its layout afterwards is the
+    /// same.
     pub fn overwritten(&self) -> TargetImage {
         TargetImage {
             image: self.image,
@@ -80,12 +81,12 @@ impl SourceImage {
             return Err(wrong(message));
         }
         if matches!(self.layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED) {
-            return Err(wrong(format!("{what} is in the layout {:?}, in which nothing can be left", self.layout)));
+            return Err(wrong(format!("{what} has the layout {:?}, in which an image cannot be left", self.layout)));
         }
         Ok(())
     }
 
-    /// The layout in which it is sampled.
+    /// Returns the layout in which the image is sampled.
     pub(super) fn sampled_layout(&self) -> vk::ImageLayout {
         match self.layout {
             vk::ImageLayout::GENERAL => vk::ImageLayout::GENERAL,
@@ -94,7 +95,7 @@ impl SourceImage {
         }
     }
 
-    /// Records that its first `layers` layers can be read by our shader.
+    /// Records the barrier after which Cupola's shaders can read the first `layers` layers.
     ///
     /// # Safety
     /// As for [`barrier`].
@@ -104,7 +105,7 @@ impl SourceImage {
         unsafe { barrier(&api.device, command_buffer, (self.image, layers), self.written(), read) };
     }
 
-    /// Records that the program can write them again.
+    /// Records the barrier after which the program can write the layers again.
     ///
     /// # Safety
     /// As for [`barrier`].
@@ -120,7 +121,7 @@ impl SourceImage {
 }
 
 impl TargetImage {
-    /// Checks it for a backend that was prepared for `format`.
+    /// Checks the image for a backend that was prepared for `format`.
     pub(super) fn check(&self, api: &Api, format: vk::Format) -> Result<()> {
         let what = "an image to correct into";
         if self.image.is_null() || self.view.is_null() {
@@ -141,7 +142,7 @@ impl TargetImage {
         Ok(())
     }
 
-    /// Records that our render pass can write it.
+    /// Records the barrier after which Cupola's render pass can write the image.
     ///
     /// # Safety
     /// As for [`barrier`].
@@ -151,7 +152,7 @@ impl TargetImage {
         unsafe { barrier(&api.device, command_buffer, (self.image, 1), before, DRAWN) };
     }
 
-    /// Records that what comes after can use it.
+    /// Records the barrier after which later commands can use the image.
     ///
     /// # Safety
     /// As for [`barrier`].
@@ -162,7 +163,7 @@ impl TargetImage {
     }
 }
 
-/// Our render pass draws.
+/// Use of a target by Cupola's render pass.
 const DRAWN: Use = Use {
     layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
     stages: vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT,
@@ -176,7 +177,7 @@ fn wrong(message: String) -> Error {
 }
 
 /// Records the copy of an image of `size`, in `TRANSFER_SRC_OPTIMAL`, into a buffer that the
-/// processor reads after it.
+/// processor reads afterwards.
 pub(super) fn copy_to(
     api: &Api,
     command_buffer: vk::CommandBuffer,

@@ -1,5 +1,5 @@
-//! The map that the shaders compute, read back: the very programs that correct, with another last
-//! stage.
+//! The map that the correction's shaders compute, read back. The programs are the same except for
+//! the last stage.
 
 use super::barrier::{Use, barrier};
 use super::images::{SourceImage, TargetImage};
@@ -15,9 +15,9 @@ use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Runs the map of output `output` of `plan` on `headless`. Row 0 is at the top. The direction is
-/// that of the atlas coordinates as the sampler gets them, so the error of every f32 operation up
-/// to there is in it; only the way back from the atlas is computed in f64.
+/// Computes the map of output `output` of `plan` on `headless`. Row 0 is at the top. Each direction
+/// is that of the atlas coordinates that the sampler gets. So it contains the error of every f32
+/// operation up to there; only the step from the atlas back to a direction is computed in f64.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidArgument`] where the plan has no such output; [`ErrorKind::Graphics`] where
@@ -41,7 +41,7 @@ fn read(headless: &Headless, backend: &mut VkBackend, size: (u32, u32), atlas: (
     let api = &headless.api;
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     let mut target = Image::new(api, FORMAT, size, usage)?;
-    // The map reads no picture; a descriptor needs one all the same, and its size is only compared.
+    // The map reads no picture, but a descriptor needs one. Its size is only compared.
     let mut source = Image::new(api, vk::Format::R8G8B8A8_UNORM, (1, 1), vk::ImageUsageFlags::SAMPLED)
         .inspect_err(|_| target.destroy(api))?;
     let mut buffer = Buffer::default();

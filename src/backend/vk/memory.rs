@@ -1,12 +1,12 @@
-//! Buffers and images of Cupola. Each has an allocation of its own: there are two and one for each
-//! mask and table, far from any limit of their number.
+//! Buffers and images of Cupola. Each has its own memory allocation: their number is far below the
+//! limit of every device.
 
 use super::barrier::COLOR;
 use crate::backend::vk::driver::api::{Api, refused};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
-/// A buffer that the processor writes.
+/// A buffer that the processor writes or reads.
 #[derive(Debug, Default)]
 pub struct Buffer {
     /// Vulkan's handle; null before it is made.
@@ -23,7 +23,7 @@ pub(super) struct Image {
 }
 
 impl Buffer {
-    /// A buffer of `size` bytes in memory that the processor sees, and whose writes need no flush.
+    /// Makes a buffer of `size` bytes in memory that the processor can map and that needs no flush.
     pub fn new(api: &Api, size: usize, usage: vk::BufferUsageFlags) -> Result<Self> {
         let mut buffer = Self::default();
         buffer.make(api, size.max(4) as u64, usage).inspect_err(|_| buffer.destroy(api))?;
@@ -48,7 +48,7 @@ impl Buffer {
         if bytes.is_empty() {
             return Ok(());
         }
-        // SAFETY: the memory is ours, host-visible, not mapped, and as large as the caller
+        // SAFETY: the memory is Cupola's, host-visible, not mapped, and as large as the caller
         // promises.
         unsafe {
             let flags = vk::MemoryMapFlags::empty();
@@ -60,7 +60,7 @@ impl Buffer {
         Ok(())
     }
 
-    /// Reads `bytes.len()` bytes from the beginning, which the buffer has.
+    /// Reads `bytes.len()` bytes from the beginning. The buffer must be at least as long.
     pub fn read(&self, api: &Api, bytes: &mut [u8]) -> Result<()> {
         // SAFETY: as in `write`.
         unsafe {
@@ -72,10 +72,10 @@ impl Buffer {
         Ok(())
     }
 
-    /// Destroys it; nothing that uses it may be pending.
+    /// Destroys the buffer. No pending commands may use it.
     pub fn destroy(&mut self, api: &Api) {
         let Self { handle, memory } = std::mem::take(self);
-        // SAFETY: both are ours or null.
+        // SAFETY: both are objects of Cupola or null.
         unsafe {
             api.device.destroy_buffer(handle, None);
             api.device.free_memory(memory, None);
@@ -84,12 +84,12 @@ impl Buffer {
 }
 
 impl Image {
-    /// An image of `size` (width, height in pixels).
+    /// Makes an image of `size` (width, height in pixels).
     pub fn new(api: &Api, format: vk::Format, size: (u32, u32), usage: vk::ImageUsageFlags) -> Result<Self> {
         Self::layered(api, format, size, None, usage)
     }
 
-    /// As [`Image::new`], with a number of layers; the view is that of an array.
+    /// As [`Image::new`], with a number of layers. The view is then that of an array.
     pub fn layered(
         api: &Api,
         format: vk::Format,
@@ -99,12 +99,13 @@ impl Image {
     ) -> Result<Self> {
         let most = api.limits.max_image_dimension2_d;
         if size.0 == 0 || size.1 == 0 || size.0.max(size.1) > most {
-            let message = format!("An image of {} × {} pixels; the device takes 1 to {most}.", size.0, size.1);
+            let message =
+                format!("The device cannot make an image of {} × {} pixels; it supports 1 to {most}.", size.0, size.1);
             return Err(Error::new(ErrorKind::Graphics, message));
         }
         let most = api.limits.max_image_array_layers;
         if let Some(layers) = layers.filter(|&layers| layers == 0 || layers > most) {
-            let message = format!("An image of {layers} layers; the device takes 1 to {most}.");
+            let message = format!("The device cannot make an image of {layers} layers; it supports 1 to {most}.");
             return Err(Error::new(ErrorKind::Graphics, message));
         }
         let mut image = Self::default();
@@ -145,10 +146,10 @@ impl Image {
         Ok(())
     }
 
-    /// Destroys it; nothing that uses it may be pending.
+    /// Destroys the image. No pending commands may use it.
     pub fn destroy(&mut self, api: &Api) {
         let Self { handle, view, memory } = std::mem::take(self);
-        // SAFETY: all are ours or null.
+        // SAFETY: all are objects of Cupola or null.
         unsafe {
             api.device.destroy_image_view(view, None);
             api.device.destroy_image(handle, None);
@@ -157,8 +158,8 @@ impl Image {
     }
 }
 
-/// Memory for `needs` with all of `wanted`; in the device's own memory where nothing is wanted and
-/// it has some.
+/// Allocates memory for `needs` with all properties of `wanted`. If nothing is wanted, memory of
+/// the device itself is preferred.
 fn allocate(api: &Api, needs: &vk::MemoryRequirements, wanted: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {
     let find = |flags: vk::MemoryPropertyFlags| {
         let types = api.memory.memory_types.iter().take(api.memory.memory_type_count as usize);
@@ -166,7 +167,7 @@ fn allocate(api: &Api, needs: &vk::MemoryRequirements, wanted: vk::MemoryPropert
     };
     let preferred = if wanted.is_empty() { vk::MemoryPropertyFlags::DEVICE_LOCAL } else { wanted };
     let index = find(preferred).or_else(|| find(wanted)).ok_or_else(|| {
-        Error::new(ErrorKind::Graphics, format!("The device has no memory of the kind {wanted:?} that is needed."))
+        Error::new(ErrorKind::Graphics, format!("The device has no memory with the needed properties {wanted:?}."))
     })?;
     let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(index as u32);
     // SAFETY: the device is live; the index is one of its types.

@@ -16,7 +16,8 @@ pub(super) struct Common {
     pub layout: vk::PipelineLayout,
     /// Linear, nearest.
     pub samplers: [vk::Sampler; 2],
-    /// Keeps what is in the target; makes it black. Compatible with each other.
+    /// Render passes: the first keeps the target's content, the second clears it to black. They are
+    /// compatible.
     pub render_passes: [vk::RenderPass; 2],
 }
 
@@ -76,10 +77,10 @@ impl Common {
         Ok(())
     }
 
-    /// Destroys them; nothing that uses them may be pending.
+    /// Destroys the objects. No pending commands may use them.
     pub fn destroy(&mut self, api: &Api) {
         let old = std::mem::take(self);
-        // SAFETY: all are ours or null.
+        // SAFETY: all are objects of Cupola or null.
         unsafe {
             for pass in old.render_passes {
                 api.device.destroy_render_pass(pass, None);
@@ -92,12 +93,12 @@ impl Common {
         }
     }
 
-    /// The pipeline of a specialised shader. The caller destroys it.
+    /// Makes the pipeline of a specialised shader. The caller destroys it.
     pub fn pipeline(&self, api: &Api, modules: &Modules) -> Result<vk::Pipeline> {
         let vertex = module(api, modules.vertex)?;
         let pipeline = module(api, &modules.fragment).and_then(|fragment| {
             let pipeline = binaries::pipeline(api, modules, |cache| self.link(api, vertex, fragment, modules, cache));
-            // SAFETY: ours; a pipeline does not need its modules once it is made.
+            // SAFETY: an object of Cupola; a pipeline does not need its modules once it is made.
             unsafe { api.device.destroy_shader_module(fragment, None) };
             pipeline
         });
@@ -153,8 +154,8 @@ impl Common {
             .dynamic_state(&dynamic)
             .layout(self.layout)
             .render_pass(self.render_passes[0]);
-        // SAFETY: the device is live; everything that the structure names is ours and lives during
-        // the call.
+        // SAFETY: the device is live; all objects in the structure are Cupola's and live during the
+        // call.
         let made = unsafe { api.device.create_graphics_pipelines(cache, &[info], None) };
         made.map(|pipelines| pipelines[0]).map_err(|(_, result)| refused("a pipeline of the correction")(result))
     }

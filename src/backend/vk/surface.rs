@@ -7,21 +7,21 @@ use crate::correct::{Arrangement, ImageSize};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
-/// Images of Cupola, a set for each frame that may be on its way. [`Surface::destroy`] destroys
-/// them, not dropping.
+/// Images of Cupola, one set for each frame that may be pending. Only [`Surface::destroy`] destroys
+/// them; dropping does not.
 pub struct Surface {
     images: Vec<Image>,
     sources: Vec<SourceImage>,
 }
 
 impl Surface {
-    /// The layout in which they have to be when they are corrected, and are left.
+    /// Layout of the images before and after a correction.
     pub const LAYOUT: vk::ImageLayout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
 
-    /// `sets` times images of these sizes. They can be drawn to, cleared and copied.
+    /// Makes `sets` sets of images of these sizes. They can be drawn to, cleared and copied.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the device cannot draw to `format`, or has no room.
+    /// [`ErrorKind::Graphics`] where the device cannot draw to `format`, or has too little memory.
     pub fn new(
         api: &Api,
         arrangement: Arrangement,
@@ -64,12 +64,12 @@ impl Surface {
         Ok(())
     }
 
-    /// The images, set by set.
+    /// Returns the images, set by set.
     pub fn sources(&self) -> &[SourceImage] {
         &self.sources
     }
 
-    /// Destroys them; nothing that uses them may be pending.
+    /// Destroys the images. No pending commands may use them.
     pub fn destroy(&mut self, api: &Api) {
         self.sources.clear();
         for mut image in self.images.drain(..) {

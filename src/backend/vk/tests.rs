@@ -21,7 +21,7 @@ fn headless() -> Headless {
 impl Driver for Headless {
     fn map(&self, plan: &Plan, output: usize) -> Vec<MapPixel> {
         let mut map = gpu_map(self, plan, output).expect("the map");
-        // Here the atlas' first row is the top one; tests count as the plan does.
+        // On Vulkan the atlas' first row is the top one; tests count rows as the plan does.
         map.iter_mut().for_each(|pixel| pixel.atlas[1] = 1.0 - pixel.atlas[1]);
         map
     }

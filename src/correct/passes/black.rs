@@ -3,14 +3,14 @@
 use crate::blend::code_of;
 use crate::rig::{Black, BlackValues, Blend, Flip};
 
-/// Displayed values of black over an output, as large as it or of any other size; row 0 at the top.
+/// Displayed values of black over an output, in any size; row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlackPicture {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Red, green, blue and 1, 16 bit.
+    /// Red, green, blue and 1, 16 bits each.
     pub codes: Vec<[u16; 4]>,
 }
 

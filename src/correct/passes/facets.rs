@@ -1,4 +1,4 @@
-//! Triangles over an output whose corners know what is seen there.
+//! Triangles over an output. Each corner has a direction and a weight.
 
 use glam::{DVec2, DVec3};
 
@@ -7,9 +7,10 @@ use glam::{DVec2, DVec3};
 pub struct FacetCorner {
     /// Place in the output, pixels from the top left; may be outside of it.
     pub place: DVec2,
-    /// Direction from the viewer, viewer axes, any length: it is interpolated as it is.
+    /// Direction from the viewer, viewer axes, any length. It is interpolated without
+    /// normalisation.
     pub direction: DVec3,
-    /// Weight in linear light, 0…1: everything that is known beforehand, except masks.
+    /// Weight in linear light, 0…1: product of all weights except masks.
     pub weight: f64,
 }
 
@@ -18,17 +19,17 @@ pub struct FacetCorner {
 pub struct Facets {
     /// The corners of all triangles.
     pub corners: Vec<FacetCorner>,
-    /// Three corners each, as numbers; no two triangles overlap.
+    /// Indices of the three corners of each triangle. Triangles do not overlap.
     pub triangles: Vec<[u32; 3]>,
-    /// They fill the rectangles that they are drawn in place of. Otherwise the output is made black
-    /// before.
+    /// True if the triangles fill the rectangles that they replace. Otherwise the output is made
+    /// black first.
     pub fills: bool,
     /// The greatest error that was measured between corners, pixels of the output.
     pub error: f64,
 }
 
 impl Facets {
-    /// Some weight is not 1.
+    /// True if some weight is not 1.
     pub fn is_weighted(&self) -> bool {
         self.corners.iter().any(|corner| corner.weight != 1.0)
     }

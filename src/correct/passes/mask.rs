@@ -26,7 +26,7 @@ pub fn load(path: &Path) -> Result<Mask> {
 }
 
 impl Mask {
-    /// The mask of the mirrored picture.
+    /// Returns the mask of the mirrored picture.
     pub(in crate::correct) fn flipped(self, flip: Flip) -> Self {
         Self { weights: flip.items(&self.weights, self.width as usize), ..self }
     }
@@ -42,8 +42,8 @@ impl Mask {
         self.is_all(u16::MAX, block, size)
     }
 
-    /// `rect` without rows and columns of pixels at its borders that are black as for
-    /// [`Mask::is_black`]; it keeps one pixel.
+    /// Returns `rect` without rows and columns at its borders that are black as for
+    /// [`Mask::is_black`]. At least one pixel remains.
     pub(in crate::correct) fn trimmed(&self, rect: PixelRect, size: (u32, u32)) -> PixelRect {
         let [mut left, mut top, mut right, mut bottom] = [rect.x, rect.y, rect.x + rect.width, rect.y + rect.height];
         while right - left > 1 && self.is_black(PixelSpan::new(left, top, left + 1, bottom), size) {
@@ -62,8 +62,8 @@ impl Mask {
     }
 
     fn is_all(&self, value: u16, block: PixelSpan, size: (u32, u32)) -> bool {
-        // From the texel before the one that a pixel's edge lies in to the one after it: the filter
-        // reads no others.
+        // The filter reads the texels from the one before that of the low edge to the one after
+        // that of the high edge, and no others.
         let range = |low: u32, high: u32, pixels: u32, texels: u32| {
             let at = |pixel: u32| u64::from(pixel) * u64::from(texels) / u64::from(pixels.max(1));
             let end = (at(high) + 2).min(u64::from(texels));
@@ -101,7 +101,7 @@ mod tests {
             }
         }
         let white = Mask { weights: mask.weights.iter().map(|weight| u16::MAX - weight).collect(), ..mask.clone() };
-        assert!(!white.is_white(PixelSpan::new(8, 5, 12, 9), (20, 12)), "one texel in it is not");
+        assert!(!white.is_white(PixelSpan::new(8, 5, 12, 9), (20, 12)), "one texel in the block is not white");
         let white = Mask { weights: vec![u16::MAX; 240], ..white };
         assert!(
             white.is_white(PixelSpan::new(0, 0, 20, 12), (20, 12))
@@ -125,7 +125,7 @@ mod tests {
             whole.x >= 3 && whole.x + whole.width <= 15 && whole.y >= 1 && whole.y + whole.height <= 23,
             "{whole:?}"
         );
-        // Nothing but black is lost, whatever the rectangle.
+        // Only black pixels are cut off, whatever the rectangle.
         for (x, y, width, height) in [(0, 0, 24, 24), (7, 5, 16, 2), (0, 0, 5, 24), (20, 20, 4, 4), (9, 9, 1, 1)] {
             let kept = mask.trimmed(rect(x, y, width, height), (24, 24));
             for (column, row) in (y..y + height).flat_map(|row| (x..x + width).map(move |column| (column, row))) {

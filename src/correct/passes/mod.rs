@@ -3,10 +3,10 @@
 //! A [`Plan`](output_pass::Plan) has a pass for each output. A pass has a source, which turns a
 //! pixel into a direction (`source`, with `optics`, `table` and `facets`), rectangles of pixels
 //! ([`geom::rectangle`](crate::geom::rectangle)) that share a shader, and pictures that are
-//! multiplied in or added (`mask`, `black`). `view_images` says how the views' images lie in
-//! memory, `tolerance` how large the error of an evaluation in f32 may be.
+//! multiplied in or added (`mask`, `black`). `view_images` is the layout of the views' images in
+//! memory. `tolerance` limits the error of an evaluation in f32.
 //!
-//! The room builds nothing from a rig: `sources` and `plan` do.
+//! Nothing here is built from a rig; `sources` and `plan` do that.
 
 pub mod black;
 pub mod facets;

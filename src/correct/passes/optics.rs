@@ -6,39 +6,40 @@ use crate::geom::screen::Bounds;
 use crate::geom::{Lens, Quadric, Sphere};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-/// A fisheye projector, or a pinhole before a mirror, inside a quadric. All in the surface's axes.
+/// A fisheye projector, or a pinhole before a mirror, inside a quadric. All values are in the
+/// surface's axes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct OpticsSource {
     /// Place of the lens.
     pub position: DVec3,
-    /// Lens axes → these.
+    /// Lens axes → surface axes.
     pub rotation: DMat3,
     /// Path of the light as it leaves the projector.
     pub light: Light,
-    /// Surface that it lights.
+    /// Surface that the projector lights.
     pub quadric: Quadric,
-    /// The part of it that is screen.
+    /// Part of the surface that is screen.
     pub bounds: Bounds,
-    /// Point of the screen → from the viewer to there, viewer axes.
+    /// Maps a point of the screen to its vector from the viewer, in viewer axes.
     pub to_viewer: DAffine3,
-    /// Point of the screen → from the dome's centre, the pole on +y, the front on −z; for ramps in
-    /// dome angles.
+    /// Maps a point of the screen to its vector from the dome's centre, with the pole on +y and the
+    /// front on −z. For ramps in dome angles.
     pub to_dome: DAffine3,
 }
 
 /// Path of the light from a place of the picture (−1…1 from left to right and from bottom to top).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Light {
-    /// It goes through a fisheye.
+    /// Through a fisheye.
     Fisheye {
         /// Point of the unit disc → ray in lens axes.
         form: RadialForm,
         /// Point of the disc = picture·scale + offset.
         scale: DVec2,
-        /// See `scale`.
+        /// Offset; see `scale`.
         offset: DVec2,
     },
-    /// It goes through a pinhole, and then is reflected.
+    /// Through a pinhole, then reflected by a mirror.
     Mirror {
         /// `(x, y, 1)` → ray in lens axes.
         rays: DMat3,
@@ -48,9 +49,9 @@ pub enum Light {
 }
 
 impl Light {
-    /// For a lens whose picture is `aspect` times as wide as high; `None` for all but fisheyes
-    /// without mirror and pinholes without distortion before one, and for curves too wild for
-    /// polynomials.
+    /// Returns the path for a lens whose picture is `aspect` times as wide as high. `None` unless
+    /// it is a fisheye without a mirror, or a pinhole without distortion before a mirror. Also
+    /// `None` for curves that polynomials do not fit.
     pub fn of(lens: &Lens, aspect: f64, mirror: Option<Sphere>) -> Option<Self> {
         match (lens, mirror) {
             (Lens::Pinhole { .. }, Some(mirror)) => lens.linear_rays().map(|rays| Self::Mirror { rays, mirror }),
@@ -67,39 +68,39 @@ impl Light {
 /// Errors that are added to a ray, to estimate the effect of rounding.
 #[derive(Clone, Copy, Debug, Default)]
 struct Kick {
-    /// To the ray's direction, unit length.
+    /// Error of the ray's direction, which has unit length.
     ray: DVec3,
-    /// To the moment of the ray around the mirror's centre, over radius and the ray's length, as a
-    /// part of its terms.
+    /// Error of the ray's moment around the mirror's centre, divided by the radius and the ray's
+    /// length; relative to its terms.
     moment: DVec3,
-    /// To the reflected ray's direction.
+    /// Error of the reflected ray's direction.
     reflected: DVec3,
-    /// To the distance to the screen, as a part of it.
+    /// Relative error of the distance to the screen.
     distance: f64,
-    /// To the point, as a part of its distance from the origin.
+    /// Error of the point, relative to its distance from the origin.
     point: DVec3,
 }
 
 /// Path of a ray to the screen.
 struct RayPath {
-    /// Distance to the surface at its start, see [`Quadric::depth`], as a part of its level there.
+    /// Depth of the start inside the surface, see [`Quadric::depth`], relative to its terms there.
     depth: f64,
     /// Distance from the mirror's outline, 0…1; 1 without a mirror.
     incidence: f64,
-    /// Its end.
+    /// End of the path.
     point: DVec3,
 }
 
-/// Greatest part of the distance to the surface at which light may start.
+/// Light must start inside the surface scaled by this factor.
 const INSIDE: f64 = 0.95;
-/// Error of a vector's sum in f32 as a part of its terms: some five half steps.
+/// Error of a vector's sum in f32 relative to its terms: about five half steps.
 const STEP: f64 = 2.8e-7;
-/// Places in each direction where the error is estimated.
+/// Number of places in each direction where the error is estimated.
 const PLACES: u32 = 17;
 
 impl OpticsSource {
-    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where nothing is shown.
+    /// Returns the direction from the viewer at normalised coordinates, viewer axes, any length;
+    /// `None` where nothing is shown.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let point = self.hit(x, y).filter(|point| self.bounds.contain(*point))?;
         Some(self.to_viewer.transform_point3(point))
@@ -110,7 +111,8 @@ impl OpticsSource {
         self.path(x, y, Kick::default()).map(|path| path.point)
     }
 
-    /// `(x, y, 1)` → moment of the ray around a mirror's centre, in its radii.
+    /// Returns the matrix that maps `(x, y, 1)` to the moment of the ray around a mirror's centre,
+    /// in its radii.
     pub fn moment(&self, rays: &DMat3, mirror: &Sphere) -> DMat3 {
         let before = (self.position - mirror.center) / mirror.radius;
         let rays = self.rotation * *rays;
@@ -153,9 +155,9 @@ impl OpticsSource {
         (reach > 0.0).then(|| RayPath { depth: depth / around, incidence, point: point + kick.point * point.length() })
     }
 
-    /// The same if f32 is enough for it: if rounding moves what is shown by no more than 0.002
-    /// pixels of a picture 4096 wide, or 6·10⁻⁷ radians, whichever is more, in a picture of `size`,
-    /// but by no more than a quarter of its own pixels.
+    /// Returns the source if f32 is exact enough for a picture of `size`, else `None`. Rounding may
+    /// move directions by 0.002 pixels of a picture 4096 wide, or by 6·10⁻⁷ radians, whichever is
+    /// more, but by at most a quarter of the picture's own pixels.
     pub fn settled(self, size: (u32, u32)) -> Option<Self> {
         let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
         // A pixel of the reference's size.
@@ -201,13 +203,13 @@ impl OpticsSource {
         Some(error <= allowed)
     }
 
-    /// True if light sets out well inside the surface from everywhere, and the whole picture looks
-    /// towards a mirror: the formula would also meet one behind the lens.
+    /// True if all light starts well inside the surface, and the whole picture looks towards the
+    /// mirror. The formula would also find a mirror behind the lens.
     fn is_sound(&self) -> bool {
         let quadric = &self.quadric;
         match &self.light {
             Light::Fisheye { .. } => quadric.contains(self.position, INSIDE),
-            // By the triangle inequality of the quadric's own distance.
+            // Uses the triangle inequality of the distance that the quadric defines.
             Light::Mirror { rays, mirror: Sphere { center, radius } } => {
                 let towards = (self.rotation * *rays).transpose() * (*center - self.position);
                 let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
@@ -258,13 +260,13 @@ mod tests {
         "[screen]\nshape = \"ellipsoid\"\nradii = [1.6, 2.0, 1.7]\n",
     ];
 
-    /// Against the exact map, which follows rays on its own.
+    /// Compared with the exact map, which traces rays independently.
     #[test]
     fn it_is_the_exact_map() {
         for screen in SCREENS {
             let fisheyes = FISHEYES.map(|fisheye| format!("position = [0.1, -0.3, 0.2]\npitch = 60\n{fisheye}"));
             let mirror = format!("position = [0, -1.29, -0.64]\n{MIRROR}");
-            // By way of the mirror f32 is enough for a viewer in the middle of a dome, and not
+            // With a mirror, f32 is exact enough for a viewer in the middle of a dome, but not
             // quite elsewhere.
             let with_viewer = |place: &str, lens: &str| {
                 let viewer = format!("[viewer]\nposition = {place}\nyaw = 20\n");
@@ -298,7 +300,8 @@ mod tests {
     fn what_has_no_formula_is_a_table() {
         let fisheye = format!("kind = \"projector\"\npitch = 60\n{}\n", FISHEYES[0]);
         let tables = [
-            // Light is shared; evened out; the lens is at the wall; before a plane.
+            // Shared light; evened light; and below, a lens near the wall, and a plane as the
+            // screen.
             format!("[[output]]\n{fisheye}[[output]]\n{fisheye}"),
             format!("[[output]]\n{fisheye}even_light = 0.5\n"),
             // Pixels of 2e-7 radians.

@@ -20,13 +20,13 @@ pub struct Plan {
     pub passes: Vec<OutputPass>,
 }
 
-/// One output's correction. Pixels in no batch are black. All but the mask and the picture of black
-/// is that of the picture before it is mirrored.
+/// Correction of one output. Pixels in no batch are black. Everything except the mask and the
+/// picture of black describes the picture before it is mirrored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputPass {
     /// The output's name.
     pub name: String,
-    /// This machine shows it.
+    /// True if this machine shows the output.
     pub here: bool,
     /// The output's resolution in pixels.
     pub size: (u32, u32),
@@ -39,8 +39,8 @@ pub struct OutputPass {
     pub mask: Option<Mask>,
     /// Ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
-    /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
-    /// angles of outputs other than projectors (those have a direction of their own).
+    /// Viewer axes → dome axes turned so that the pole is +y and the front −z. For ramps in dome
+    /// angles of outputs that are not projectors; projectors have their own dome direction.
     pub dome_rotation: DMat3,
     /// Filter of the views; a view with the program's own lens has no guard and is sampled
     /// bilinearly.
@@ -53,15 +53,15 @@ pub struct OutputPass {
     pub black_level: f64,
     /// Displayed value of black for each pixel, in place of the level; mirrored as the picture is.
     pub black: Option<BlackPicture>,
-    /// The most light that remains anywhere when all outputs show black, as a part of white; each
-    /// output adds its share of what a point has less. 0 = nothing is added.
+    /// Greatest light of all blacks together at any point, as a part of white. Where a point has
+    /// less, each output adds its share of the difference. 0 = nothing is added.
     pub lift: f64,
-    /// A step of the display's codes, by which values are dithered; 0 = they are not.
+    /// Step of the display's codes by which values are dithered; 0 = no dithering.
     pub dither: f64,
     /// Mirroring of the picture as it is drawn.
     pub flip: Flip,
-    /// The only view is no perspective one but the program's window, where this is the place of a
-    /// direction.
+    /// Maps a direction to a place in the program's window. The only view is then that window, not
+    /// a perspective view.
     pub content: Option<ContentMap>,
 }
 
@@ -85,14 +85,14 @@ pub enum Approximation {
 }
 
 impl OutputPass {
-    /// The rectangles that are filled whatever they show.
+    /// Returns the rectangles in which every pixel is drawn.
     pub(in crate::correct) fn filled(&self) -> impl Iterator<Item = &PixelRect> {
         let filled = self.batches.iter().filter(|batch| batch.facets.as_ref().is_none_or(|facets| facets.fills));
         filled.flat_map(|batch| &batch.rects)
     }
 
     /// Returns the part of the output, 0…1, that is black before its batches are drawn, and mostly
-    /// after it.
+    /// stays black.
     pub fn black_part(&self) -> f64 {
         let filled: f64 = self.filled().map(|rect| f64::from(rect.width) * f64::from(rect.height)).sum();
         1.0 - filled / (f64::from(self.size.0) * f64::from(self.size.1)).max(1.0)
@@ -123,13 +123,14 @@ pub struct Batch {
     /// Indices into the output's neighbours whose pictures overlap here; empty = no blending from
     /// overlap.
     pub neighbours: Vec<usize>,
-    /// Some pixels show nothing (rim of a circle, off the screen): the shader must test.
+    /// True if some pixels show nothing (rim of a circle, off the screen), so that the shader must
+    /// test.
     pub edge: bool,
-    /// The output's mask, if it has one, is not white there.
+    /// True if the output has a mask that is not white there.
     pub masked: bool,
     /// The rectangles.
     pub rects: Vec<PixelRect>,
-    /// Triangles that are drawn in place of the rectangles; what their corners say is shown, not
-    /// what the output's source does.
+    /// Triangles that replace the rectangles. Their corners then give the directions, not the
+    /// output's source.
     pub facets: Option<Arc<Facets>>,
 }

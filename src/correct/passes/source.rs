@@ -41,21 +41,21 @@ pub enum Source {
         /// As for [`Source::Fisheye`].
         offset: DVec3,
     },
-    /// Viewer direction by following the ray through a lens, and perhaps by way of a mirror.
+    /// Viewer direction by tracing the ray through a lens, and possibly over a mirror.
     Optics(Box<OpticsSource>),
-    /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in
-    /// it but the mask: a pass with a table has no ramps and no neighbours of its own.
+    /// Viewer direction and weight of each pixel, computed beforehand. The weight includes
+    /// everything except the mask: a pass with a table has no ramps and no neighbours.
     Table(Arc<Table>),
 }
 
 /// The forms of a projector.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ProjectorSource {
-    /// Its rays and what they light, in the axes of the surface.
+    /// Rays of the projector and the surface that they light, in the axes of the surface.
     pub pinhole: PinholeRays,
     /// Viewer direction, viewer axes.
     pub direction: QuadraticForm,
-    /// The part of the surface that is screen.
+    /// Part of the surface that is screen.
     pub bounds: Bounds,
     /// Test whether a pixel's point is on the screen; `None` = the whole surface is screen.
     pub rim: Option<RimForms>,
@@ -72,20 +72,20 @@ pub struct ProjectorSource {
 }
 
 impl ProjectorSource {
-    /// Viewer direction at normalised coordinates, any length; `None` where the ray does not end on
-    /// the screen.
+    /// Returns the viewer direction at normalised coordinates, any length; `None` where the ray
+    /// does not end on the screen.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let direction = self.pinhole.evaluate(&self.direction, x, y)?;
         self.rim.as_ref().is_none_or(|rim| rim.allow(&self.pinhole, x, y)).then_some(direction)
     }
 }
 
-/// Another projector, as seen from a pixel's hit on the screen.
+/// Another projector that may light the same points.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Neighbour {
     /// Index of the output.
     pub output: usize,
-    /// Its homogeneous picture coordinates.
+    /// Its homogeneous picture coordinates of a pixel's hit on the screen.
     pub picture: QuadraticForm,
     /// Its raw weight.
     pub edge_weight: EdgeWeight,
@@ -94,7 +94,7 @@ pub struct Neighbour {
 /// Evaluation of a projector's forms in shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum EvaluationMethod {
-    /// As they are.
+    /// With all terms of the forms.
     Forms,
     /// `linear`: before a plane.
     Linear,
@@ -105,7 +105,7 @@ pub enum EvaluationMethod {
 }
 
 impl Source {
-    /// The axes in which it computes directions → viewer axes: a rotation.
+    /// Returns the rotation from the axes in which the source computes directions to viewer axes.
     pub(in crate::correct) fn axes(&self) -> DMat3 {
         match self {
             Self::Fisheye { rotation, .. } | Self::Panorama { rotation, .. } => *rotation,
@@ -114,9 +114,9 @@ impl Source {
         }
     }
 
-    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels,
-    /// what the nearest one shows).
+    /// Returns the direction from the viewer at normalised coordinates, viewer axes, any length;
+    /// `None` where the output shows nothing. It is the shaders' computation in f64; for a table of
+    /// all pixels, the direction of the nearest pixel.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         match self {
             Self::Fisheye { aperture, rotation, offset } => {
@@ -136,8 +136,8 @@ impl Source {
         }
     }
 
-    /// Normalised coordinates of the pixel position `(column, row)`, from the top left with pixel
-    /// centres at +½, in an output of `size` pixels.
+    /// Returns the normalised coordinates of the pixel position `(column, row)`, from the top left
+    /// with pixel centres at +½, in an output of `size` pixels.
     pub fn normalised(&self, size: (u32, u32), column: f64, row: f64) -> (f64, f64) {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         let (across, up) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };

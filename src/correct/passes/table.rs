@@ -1,4 +1,4 @@
-//! Directions and weights of an output as numbers for each pixel, or for some.
+//! Tables of an output's directions and weights, for each pixel or for some pixels.
 
 use crate::digest::Digest;
 use glam::{DMat3, DVec3};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub struct TablePixel {
     /// Direction from the viewer, viewer axes, any length but 0.
     pub direction: DVec3,
-    /// Weight in linear light, 0…1: everything that is known beforehand, except masks.
+    /// Weight in linear light, 0…1: product of all weights except masks.
     pub weight: f64,
     /// Light of the blacks of all outputs there, as a part of white, ≥ 0.
     pub dark: f64,
@@ -30,7 +30,7 @@ pub struct Table {
     pub(in crate::correct) error: f64,
 }
 
-/// A sum stands for entries and pixels, all bits of them.
+/// Prints a checksum over all bits of entries and pixels in their place.
 impl fmt::Debug for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { size, step, entries, axes, weighted, error, .. } = self;
@@ -41,7 +41,7 @@ impl fmt::Debug for Table {
     }
 }
 
-/// As [`Debug`](fmt::Debug): a sum stands for entries and pixels.
+/// As [`Debug`](fmt::Debug): a checksum replaces entries and pixels.
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let Self { size, step, entries, axes, weighted, error, .. } = self;
@@ -57,7 +57,7 @@ impl Table {
         texels.chain(self.lit.chunks(32).map(|part| f64::from(bits(part)))).collect()
     }
 
-    /// Number of entries across and down.
+    /// Returns the number of entries across and down.
     pub fn entries(&self) -> (u32, u32) {
         self.entries
     }
@@ -68,30 +68,31 @@ impl Table {
         self.step
     }
 
-    /// The table's axes → viewer axes.
+    /// Returns the rotation from the table's axes to viewer axes.
     pub fn axes(&self) -> DMat3 {
         self.axes
     }
 
-    /// Direction in the table's axes, of length 1 or less, and weight of each entry, row by row
-    /// from the top; a direction of (0, 0, 0) shows nothing.
+    /// Returns the direction in the table's axes and the weight of each entry, row by row from the
+    /// top. A direction of (0, 0, 0) shows nothing. With a step of 1, the length of a direction is
+    /// 1 plus the light of black there; otherwise it is at most 1.
     pub fn texels(&self) -> &[[f32; 4]] {
         &self.texels
     }
 
-    /// The greatest error at a pixel's centre, in pixels of the output; 0 for a table of all
-    /// pixels.
+    /// Returns the greatest error at a pixel's centre, in pixels of the output; 0 for a table of
+    /// all pixels.
     pub fn error(&self) -> f64 {
         self.error
     }
 
-    /// Some weight is not 1.
+    /// True if some weight is not 1.
     pub fn is_weighted(&self) -> bool {
         self.weighted
     }
 
-    /// Returns the entry at a place (0…1 from the left and from the top, limited to it): that of
-    /// the nearest pixel, or, if that pixel shows anything and entries are farther apart, the
+    /// Returns the entry of the pixel at a place (0…1 from the left and from the top; clamped), or
+    /// `None` if the pixel shows nothing. If entries are farther apart than pixels, returns the
     /// interpolation of the entries around the place.
     pub fn at(&self, across: f64, down: f64) -> Option<TablePixel> {
         let index = |part: f64, count: u32| ((part * f64::from(count)).max(0.0) as usize).min(count as usize - 1);
@@ -111,7 +112,7 @@ impl Table {
         Some(TablePixel { direction: self.axes * local, weight: f64::from(weight), dark })
     }
 
-    /// Between the four entries around a pixel position: what shaders compute.
+    /// Interpolates between the four entries around a pixel position, as the shaders do.
     pub(in crate::correct) fn interpolated(&self, across: f64, down: f64) -> [f64; 4] {
         let at = |place: f64, entries: u32| {
             let place = place.max(0.0) / f64::from(self.step);
@@ -125,7 +126,7 @@ impl Table {
         mix(row_at(row), row_at(row + 1), y)
     }
 
-    /// Interpolates between entries at a place, parts of width and height.
+    /// Interpolates between entries at a place, given as parts of width and height.
     pub(in crate::correct) fn between(&self, across: f64, down: f64) -> TablePixel {
         let [x, y, z, weight] = self.interpolated(across * f64::from(self.size.0), down * f64::from(self.size.1));
         TablePixel { direction: self.axes * DVec3::new(x, y, z), weight, dark: 0.0 }

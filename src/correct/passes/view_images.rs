@@ -9,15 +9,15 @@ pub enum Arrangement {
     /// Tiles of one picture.
     #[default]
     Atlas,
-    /// As the layers of one image, in the views' order, all of the size of the largest: what is
-    /// drawn to all of them at once (multiview) has one viewport. The smaller views are drawn at
+    /// Layers of one image, in the views' order. All have the size of the largest view, since
+    /// drawing to all layers at once (multiview) has one viewport. Smaller views are drawn with
     /// more than the planned resolution.
     Layers,
-    /// As an image each, as large as its tile is.
+    /// One image for each view, as large as its tile.
     Images,
 }
 
-/// An image that holds pictures of views.
+/// Size of an image that contains pictures of views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageSize {
     /// Width in pixels.
@@ -29,8 +29,8 @@ pub struct ImageSize {
 }
 
 impl Arrangement {
-    /// The plan, which has an atlas, for views that lie so. Only an atlas has a place for the flat
-    /// panel and for the program's own picture.
+    /// Returns the plan, which has an atlas, with its views in this arrangement. Only an atlas has
+    /// room for the flat panel and for the program's own picture.
     pub fn arrange(self, mut plan: Plan) -> Plan {
         let views = &mut plan.views;
         if self == Self::Atlas {
@@ -47,7 +47,7 @@ impl Arrangement {
         plan
     }
 
-    /// The images of a plan that was arranged so.
+    /// Returns the images of a plan in this arrangement.
     pub fn images(self, plan: &Plan) -> Vec<ImageSize> {
         let size = |(width, height), layers| ImageSize { width, height, layers };
         let views = &plan.views;

@@ -1,4 +1,4 @@
-//! Rectangles of an output, with the shader that can draw each, from the needs of its blocks.
+//! Rectangles of an output and the shader of each, found from the needs of its blocks.
 
 use crate::cache::Cache;
 use crate::correct::passes::mask::Mask;
@@ -15,7 +15,7 @@ use crate::views::{View, ViewPlan};
 /// Greatest number of batches of an output that differ only in their neighbours and in the view
 /// that they sample.
 const MOST_OVERLAPS: usize = 6;
-/// Least part of the blocks with overlapping pictures that such a batch has: a shader for fewer
+/// Least part of the blocks with overlapping pictures for such a batch. A shader for fewer blocks
 /// costs more time to compile than it saves.
 const LEAST_PART: f64 = 0.02;
 /// Least number of blocks of such a batch. A software driver compiles a shader for overlapping
@@ -30,7 +30,7 @@ enum Class {
     Plain(u32),
     /// Several views.
     Mixed,
-    /// These neighbours overlap; in one view everywhere, or else in several.
+    /// These neighbours overlap. `view`: the only view; `None` if there are several.
     Overlap { neighbours: u128, view: Option<u32> },
     /// Some pixels show nothing.
     Edge,
@@ -38,7 +38,8 @@ enum Class {
     EdgeOverlap,
 }
 
-/// Examines the blocks of output `index` of `rig`. `cache` may know the result, or keeps it.
+/// Examines the blocks of output `index` of `rig`. Takes the result from `cache`, or stores it
+/// there.
 pub(in crate::correct) fn examine(
     rig: &Rig,
     index: usize,
@@ -54,11 +55,11 @@ pub(in crate::correct) fn examine(
     needs::cached(&key, examiner.blocks(), views.len(), cache, || examiner.all())
 }
 
-/// The batches of output `index` of `rig`, whose blocks have been `examined`.
+/// Returns the batches of output `index` of `rig`, whose blocks have been `examined`.
 ///
-/// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
-/// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
-/// blocks that show nothing are in none, nor those that the mask makes black.
+/// The result is conservative. A batch lists every view that one of its pixels' centres samples,
+/// and every neighbour whose picture reaches into it (except by a part of a pixel, where its weight
+/// is 0). Blocks that show nothing, or that the mask makes black, are in no batch.
 pub(in crate::correct) fn batches(
     rig: &Rig,
     index: usize,
@@ -70,13 +71,13 @@ pub(in crate::correct) fn batches(
     let (size, mask) = (picture.size, mask.as_ref());
     let output_views = &plan.output_views[index];
     let mut needs = examined.needs;
-    // With light added to black, what is masked is not black.
+    // If light is added to black, masked pixels are not black.
     let output = &rig.outputs[index];
     let darkening = mask.filter(|_| output.blend.black_level == 0.0 && output.black.is_none());
     if let Some(mask) = darkening {
         needs_of_masked(&mut needs, mask, size);
     }
-    // Where a mask is white it is not looked at.
+    // Shaders do not read a mask where it is white.
     let faded = |index: usize| mask.is_some_and(|mask| !mask.is_white(block_at(index, size), size));
     let (kinds, numbers) = kinds_of_blocks(&needs, faded);
     let mut rects = rectangles::merge(&numbers, BLOCK, size, kinds.len());
@@ -108,14 +109,14 @@ pub(in crate::correct) fn batches(
 /// Blocks that one batch draws.
 struct BlockKind {
     class: Class,
-    /// A mask is not white there.
+    /// True if a mask is not white there.
     faded: bool,
-    /// Needs of all of them together.
+    /// Combined needs of these blocks.
     needs: Needs,
 }
 
-/// The kinds of blocks that show something, and the number of each block's kind; `faded` tells by a
-/// block's number.
+/// Returns the kinds of blocks that show something, and the index of each block's kind.
+/// `faded(index)`: a mask is not white in the block.
 fn kinds_of_blocks(needs: &[Needs], faded: impl Fn(usize) -> bool) -> (Vec<BlockKind>, Vec<Option<usize>>) {
     let classes = with_fewer_overlaps(needs.iter().map(classify).collect());
     let mut kinds: Vec<BlockKind> = Vec::new();
@@ -132,14 +133,14 @@ fn kinds_of_blocks(needs: &[Needs], faded: impl Fn(usize) -> bool) -> (Vec<Block
     (kinds, numbers)
 }
 
-/// The block with this number, row by row.
+/// Returns the block with this index, row by row.
 fn block_at(index: usize, size: (u32, u32)) -> PixelSpan {
     let (columns, index) = (size.0.div_ceil(BLOCK), index as u32);
     let (x, y) = (index % columns * BLOCK, index / columns * BLOCK);
     PixelSpan::new(x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1))
 }
 
-/// Takes away what blocks need whose pixels the mask makes black.
+/// Removes the needs of blocks that the mask makes black.
 fn needs_of_masked(needs: &mut [Needs], mask: &Mask, size: (u32, u32)) {
     for (index, needs) in needs.iter_mut().enumerate() {
         if needs.lit && mask.is_black(block_at(index, size), size) {
@@ -174,12 +175,12 @@ fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
     let is_frequent = |count: usize| count >= LEAST_BLOCKS && count as f64 >= LEAST_PART * total as f64;
     let frequent = overlaps.iter().filter(|overlap| is_frequent(overlap.2)).count();
     let rare = &overlaps[frequent.min(MOST_OVERLAPS - 1)..];
-    // The edge has a shader for all neighbours anyway: where one of the two is small, it serves
-    // both.
+    // The edge needs a shader for all neighbours anyway. If one of the two sets is small, this
+    // shader serves both.
     let edge = classes.iter().filter(|class| **class == Some(Class::EdgeOverlap)).count();
     let few: usize = rare.iter().map(|overlap| overlap.2).sum();
     let with_edge = edge > 0 && edge.min(few) < LEAST_BLOCKS;
-    // Where there is one, it stays what it is.
+    // A single rare overlap keeps its class.
     if rare.len() > 1 || with_edge {
         let union = rare.iter().fold(0, |union, (neighbours, ..)| union | neighbours);
         let united = if with_edge { Class::EdgeOverlap } else { Class::Overlap { neighbours: union, view: None } };

@@ -20,12 +20,12 @@ use crate::views::planner::Planning;
 use crate::views::{Request, ViewPlan};
 use std::sync::Arc;
 
-/// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the
-/// masks' files.
+/// Plans the views and the passes of `rig`. The result is deterministic and needs no graphics API.
+/// Reads the files of masks.
 ///
 /// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
-/// one batch, and the batch's views contain the one that answers for the pixel; but blocks of
-/// pixels that a mask makes black are in none, if nothing is added to the output's black.
+/// one batch, and the batch's views include the view that the pixel samples. Blocks that a mask
+/// makes black are in no batch, unless light is added to the output's black.
 ///
 /// # Errors
 ///
@@ -36,7 +36,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     build_with(rig, request, &Cache::none())
 }
 
-/// As [`build`]; `cache` may know which views are chosen and what is in tables, or keeps it.
+/// As [`build`]; takes the choice of views and tables from `cache`, or stores them there.
 ///
 /// # Errors
 /// As [`build`].
@@ -45,7 +45,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let upright = rig.upright();
     let content = (0..rig.outputs.len()).map(|index| rig.content_map(index, request.window)).collect::<Vec<_>>();
     let rig = &*upright.around_content();
-    // What is outside of the window is not drawn; its size only has to be one.
+    // An output outside the window is not drawn; its size only has to be valid.
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
@@ -61,7 +61,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
         examined.collect()
     };
     let mut examined = examine(&views);
-    // The planner knows an output between its samples only; here every pixel has been asked for.
+    // The planner only samples an output. Here every pixel was examined.
     for _ in 0..MOST_REPAIRS {
         if !complete(&mut planning, &views, &examined) {
             break;
@@ -85,7 +85,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     Ok(Plan { views, passes })
 }
 
-/// The batches of an output as its method makes them.
+/// Returns the batches of an output for its method.
 fn by_method(
     rig: &Rig,
     index: usize,
@@ -109,8 +109,8 @@ fn by_method(
     })
 }
 
-/// The pass of an output. `lift`: greatest black of the light that overlaps, which outputs that
-/// know where it does are lifted to.
+/// Returns the pass of an output. `lift`: greatest black of overlapping light. Outputs that know
+/// where pictures overlap raise their black to it.
 fn pass(rig: &Rig, index: usize, picture: Picture, batches: Vec<Batch>, lift: f64) -> OutputPass {
     let output = &rig.outputs[index];
     let Picture { source, size, mask, flip, content } = picture;
@@ -125,7 +125,7 @@ fn pass(rig: &Rig, index: usize, picture: Picture, batches: Vec<Batch>, lift: f6
         size,
         batches,
         lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
-        // A table has them in its weights.
+        // The weights of a table include the ramps.
         ramps: if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() },
         source,
         mask: mask.map(|mask| mask.flipped(flip)),
@@ -159,12 +159,12 @@ fn pictures(
     described.map(picture).collect()
 }
 
-/// Views are completed at most so often. What a view that is new cannot show either is found when
-/// it is examined.
+/// Greatest number of times that views are completed. Each time, the new views are examined for
+/// directions that they cannot show either.
 const MOST_REPAIRS: usize = 3;
 
-/// Widens views by what was found beyond them, and adds views for what none of them can show.
-/// Returns whether there was anything.
+/// Widens views to include the directions found beyond them, and adds views for directions that no
+/// view can show. Returns true if anything changed.
 fn complete(planning: &mut Planning<'_>, views: &ViewPlan, examined: &[Examined]) -> bool {
     let mut changed = false;
     for (views, examined) in views.output_views.iter().zip(examined) {
@@ -178,15 +178,15 @@ fn complete(planning: &mut Planning<'_>, views: &ViewPlan, examined: &[Examined]
     changed
 }
 
-/// Views have at most so many texels around what outputs sample, however wrong a mesh is.
+/// Greatest sampling margin in texels, however inexact a mesh is.
 const MOST_REACH: f64 = 64.0;
-/// Texels for a pixel's error: views have one for each pixel in their middle, and 1/cos² of the
-/// angle from it, here 60°.
+/// Texels per pixel of an error: one in the middle of a view, and 1/cos² at an angle from it, here
+/// 60°.
 const TEXELS_PER_PIXEL: f64 = 4.0;
 
-/// Returns the greatest distance at which an output samples a view beside the exact place, texels.
+/// Returns the greatest distance between the sampled and the exact place in a view, texels.
 fn sampling_margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
-    // An output's own picture is not sampled beside its place.
+    // A picture with projected vertices is sampled at exact places.
     let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());
     let errors = sampling.map(|(output, dome)| {
         output.method.max_error().unwrap_or_else(|| dome.as_ref().map_or(0.0, |dome| dome.error))
@@ -195,7 +195,7 @@ fn sampling_margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
     texels.ceil().min(MOST_REACH) as u32
 }
 
-/// The meshes of the dome for the outputs that are made so.
+/// Returns the meshes of the dome for outputs of the method `cube-mesh`.
 fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>>>> {
     let outputs = rig.outputs.iter().enumerate();
     outputs
@@ -209,12 +209,12 @@ fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>
         .collect()
 }
 
-/// The batches without pixels that show nothing.
+/// Returns the batches without pixels that show nothing.
 fn only_lit(batches: Vec<Batch>, source: &Source, size: (u32, u32)) -> Vec<Batch> {
     batches.into_iter().map(|batch| facets::lit_parts::only_lit(batch, source, size)).collect()
 }
 
-/// The batches, drawn as triangles with a greatest error in pixels.
+/// Returns the batches, drawn as triangles with a greatest error in pixels.
 fn meshed(batches: Vec<Batch>, sampler: &SurfaceSampler, max_error: f64) -> Vec<Batch> {
     let meshed = |batch: Batch| {
         let facets = Some(Arc::new(Facets::within(sampler, &batch.rects, max_error)));
@@ -224,7 +224,7 @@ fn meshed(batches: Vec<Batch>, sampler: &SurfaceSampler, max_error: f64) -> Vec<
     batches.into_iter().map(meshed).collect()
 }
 
-/// The batches as one, drawn as the triangles of a dome that samples any of `views`.
+/// Returns the batches as one, drawn as the triangles of a dome that samples any of `views`.
 fn with_dome(batches: Vec<Batch>, views: &[usize], facets: Option<Arc<Facets>>) -> Vec<Batch> {
     let masked = batches.iter().any(|batch| batch.masked);
     let rects: Vec<PixelRect> = batches.into_iter().flat_map(|batch| batch.rects).collect();

@@ -2,7 +2,8 @@
 
 use crate::geom::rectangle::PixelRect;
 
-/// Disjoint rectangles that cover exactly what `rects` leave of an output of `size`.
+/// Returns disjoint rectangles that cover exactly the part of an output of `size` that is outside
+/// `rects`.
 pub(in crate::correct) fn uncovered(size: (u32, u32), rects: &[PixelRect]) -> Vec<PixelRect> {
     let (width, height) = size;
     let mut edges: Vec<u32> = rects.iter().flat_map(|r| [r.y, r.y.saturating_add(r.height)]).collect();
@@ -11,7 +12,7 @@ pub(in crate::correct) fn uncovered(size: (u32, u32), rects: &[PixelRect]) -> Ve
     edges.sort_unstable();
     edges.dedup();
     let mut found: Vec<PixelRect> = Vec::new();
-    // Where the gaps of the band above begin in `found`: bands with the same gaps become one.
+    // Index in `found` of the first gap of the band above. Bands with the same gaps become one.
     let mut above = 0;
     for band in edges.windows(2) {
         let (top, bottom) = (band[0], band[1]);
@@ -30,7 +31,7 @@ pub(in crate::correct) fn uncovered(size: (u32, u32), rects: &[PixelRect]) -> Ve
     found
 }
 
-/// Left edge and width of what rectangles across a whole band leave of it.
+/// Returns left edge and width of the gaps between rectangles that cross a whole band.
 fn gaps<'a>(width: u32, rects: impl Iterator<Item = &'a PixelRect>) -> Vec<(u32, u32)> {
     let mut spans: Vec<(u32, u32)> = rects.map(|r| (r.x, r.x.saturating_add(r.width).min(width))).collect();
     spans.sort_unstable();

@@ -1,5 +1,5 @@
-//! Finding what the blocks of an output need, from their corners where that is safe, and pixel by
-//! pixel where it is not.
+//! Finds the needs of an output's blocks: from their corners where that is safe, otherwise pixel by
+//! pixel.
 
 use crate::correct::passes::source::Source;
 use crate::correct::plan::needs::{Examined, MOST_UNSEEN, Needs};
@@ -14,10 +14,10 @@ use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Depth of a direction inside a view, in texels, from which on the view surely answers for it in
-/// 32-bit arithmetic. The planner widens what it knows to be sampled by more.
+/// Depth of a direction inside a view, in texels, at which 32-bit arithmetic surely finds it
+/// inside. The planner widens the part that it knows to be sampled by more.
 const SURE_TEXELS: f64 = 0.05;
-/// The same in radians, where texels are so narrow that this is more.
+/// Least value of this depth, in radians, for very narrow texels.
 const SURE: f64 = 2e-7;
 
 /// Examines the blocks of one output.
@@ -33,12 +33,12 @@ pub(super) struct Examiner<'a> {
     unseen: Vec<DVec2>,
 }
 
-/// Directions for which a view answers.
+/// Directions that a view serves.
 struct Answering {
     cone: Cone,
-    /// Viewer axes → its own.
+    /// Viewer axes → view axes.
     rotation: DMat3,
-    /// Depth from which on it surely answers, radians.
+    /// Depth at which a direction is surely inside, radians.
     sure: f64,
 }
 
@@ -52,7 +52,7 @@ impl Answering {
         Self { cone: Cone::of(view), rotation: view.rotation, sure }
     }
 
-    /// Depth of a direction inside its sides; negative outside.
+    /// Returns the depth of a direction inside the view's sides; negative outside.
     fn depth(&self, direction: DVec3) -> f64 {
         self.cone.depths(direction).into_iter().fold(f64::INFINITY, f64::min)
     }
@@ -122,7 +122,7 @@ impl<'a> Examiner<'a> {
         Examined { needs, beyond: self.beyond, unseen: self.unseen }
     }
 
-    /// Normalised coordinates of a pixel position.
+    /// Returns the normalised coordinates of a pixel position.
     fn normalised(&self, x: f64, y: f64) -> (f64, f64) {
         self.source.normalised(self.size, x, y)
     }
@@ -162,7 +162,7 @@ impl<'a> Examiner<'a> {
         needs
     }
 
-    /// True if a block shows nothing, told without looking at its pixels.
+    /// True if a block surely shows nothing, found without examining its pixels.
     fn surely_dark(&self, block: PixelSpan, corners: &[Corner; 4]) -> bool {
         match self.source {
             source if source.is_circular() => {
@@ -189,11 +189,11 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// Bound on the distance of what a block shows from the quadrilateral of the directions at its
-    /// corners, radians: their diameter squared, or four times what the middles of the block and of
-    /// its sides depart from those of the quadrilateral, whichever is more. Next to a silhouette,
-    /// where directions change with the root of the distance, it is the latter. `None` where
-    /// nothing is shown there.
+    /// Returns a bound, in radians, on the distance of a block's directions from the quadrilateral
+    /// of the directions at its corners. It is the greater of two values: the square of their
+    /// diameter, and four times the departure of the middles of the block and of its sides from
+    /// those of the quadrilateral. Next to a silhouette the second value decides, since directions
+    /// change there with the root of the distance. `None` if one of the middles shows nothing.
     fn departure(&self, block: PixelSpan, corners: &[DVec3; 4]) -> Option<f64> {
         let [left, top, right, bottom] = block.edges();
         let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
@@ -212,7 +212,7 @@ impl<'a> Examiner<'a> {
         Some(departure)
     }
 
-    /// The one view that answers for all of a patch, if the corners tell.
+    /// Returns the only view that serves all directions of a patch, if the corners prove that.
     fn only_view(&self, directions: &[DVec3; 4], departure: f64) -> Option<usize> {
         if let Some(content) = self.content {
             return content.surely_shows(directions, departure).then_some(0);
@@ -258,7 +258,7 @@ impl<'a> Examiner<'a> {
         needs
     }
 
-    /// Adds the needs of a place of the picture. Returns whether it shows something.
+    /// Adds the needs of a place of the picture. Returns true if it shows something.
     fn add_place(&mut self, x: f64, y: f64, needs: &mut Needs) -> bool {
         let Some(direction) = self.direction(x, y) else {
             needs.dark = true;
@@ -268,16 +268,17 @@ impl<'a> Examiner<'a> {
         true
     }
 
-    /// The direction at a pixel position, unit length, if something is shown there.
+    /// Returns the direction at a pixel position, unit length, if something is shown there.
     fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let (x, y) = self.normalised(x, y);
         let direction = self.source.direction(x, y).and_then(DVec3::try_normalize)?;
         self.content.is_none_or(|content| content.place(direction).is_some()).then_some(direction)
     }
 
-    /// The view that answers for a direction: the first that contains it. Should there be none, or
-    /// none that surely does, the one in which it lies deepest is to be widened, and answers. Where
-    /// that cannot be widened so far, the place is noted.
+    /// Returns the view that serves a direction: the first that contains it, otherwise the one in
+    /// which it lies deepest. If no view surely contains the direction, notes that the returned
+    /// view has to be widened. If no view contains it and the view cannot be widened so far, notes
+    /// the place.
     fn answering(&mut self, direction: DVec3, place: DVec2) -> usize {
         if self.content.is_some() {
             return 0;
@@ -310,7 +311,7 @@ impl<'a> Examiner<'a> {
         index
     }
 
-    /// The neighbours whose pictures reach into a block.
+    /// Returns the neighbours whose pictures may reach into a block.
     fn overlapping(&self, block: PixelSpan) -> u128 {
         let places = [
             (block.left, block.top),
@@ -338,7 +339,7 @@ fn on_screen(bounds: &Bounds, corners: &[Corner; 4]) -> Option<bool> {
     bounds.hold_all(&points, diameter(&points))
 }
 
-/// The values, if there are all four.
+/// Returns the values, if all four exist.
 fn all_of(values: [Option<DVec3>; 4]) -> Option<[DVec3; 4]> {
     match values {
         [Some(a), Some(b), Some(c), Some(d)] => Some([a, b, c, d]),

@@ -8,11 +8,11 @@ use crate::rig::Flip;
 use crate::views::View;
 use glam::{DVec2, DVec3};
 
-/// Cells of an output, across and down.
+/// Number of cells of an output, across and down.
 const CELLS: u32 = 24;
-/// Samples of a cell, across and down, its borders among them.
+/// Number of samples of a cell, across and down, including its borders.
 const SAMPLES: u32 = 5;
-/// Samples of an output, across and down.
+/// Number of samples of an output, across and down.
 const SIDE: u32 = CELLS * (SAMPLES - 1) + 1;
 
 /// Rectangle of texels of the atlas, from the bottom left.
@@ -34,17 +34,17 @@ impl TexelSpan {
     /// All texels.
     pub const EVERYTHING: Self = Self { left: i32::MIN, bottom: i32::MIN, right: i32::MAX, top: i32::MAX };
 
-    /// True if it has no texels.
+    /// True if the span has no texels.
     pub fn is_empty(&self) -> bool {
         self.left >= self.right || self.bottom >= self.top
     }
 
-    /// True if both have a texel in common.
+    /// True if both spans have a texel in common.
     pub fn meets(&self, other: &Self) -> bool {
         self.left < other.right && other.left < self.right && self.bottom < other.top && other.bottom < self.top
     }
 
-    /// Returns the smallest one that contains both.
+    /// Returns the smallest span that contains both.
     pub fn union(&self, other: &Self) -> Self {
         Self {
             left: self.left.min(other.left),
@@ -58,13 +58,13 @@ impl TexelSpan {
 /// Texels of a view that a cell samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Part {
-    /// The cell, from the left and from the top.
+    /// Column and row of the cell, from the top left.
     place: [u32; 2],
     view: usize,
     texels: TexelSpan,
 }
 
-/// The parts of one output.
+/// Texels that the cells of one output sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Footprints {
     size: (u32, u32),
@@ -72,14 +72,14 @@ pub struct Footprints {
     parts: Vec<Part>,
 }
 
-/// The footprints of the output `pass`, which samples `views` of the plan. `None` for outputs whose
-/// map may jump (tables, pictures of several faces).
+/// Returns the footprints of the output `pass`, which samples `views` of the plan. `None` for
+/// outputs whose map may jump (tables, pictures of several faces).
 pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Footprints> {
     match pass.source {
         Source::Fisheye { .. } | Source::Projector(_) | Source::Optics(_) | Source::Perspective { .. } => {}
         Source::Panorama { .. } | Source::Table(_) => return None,
     }
-    // What is drawn to an output's own picture is not bounded.
+    // Draws into a view with projected vertices have no known bounds.
     if views.iter().any(|&view| plan.views.views.get(view).is_some_and(|view| view.curved.is_some())) {
         return None;
     }
@@ -138,7 +138,7 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
             }
         }
     }
-    // Where only some samples are in the view, little is known of what lies between them.
+    // If only some samples are in the view, the places between them are uncertain.
     let partly = all().count() < (SAMPLES * SAMPLES) as usize;
     let apart = if partly { 2.0 * step + 0.1 * size.max_element() } else { step };
     let around = DVec2::splat(apart + f64::from(plan.views.guard) + 2.0);
@@ -152,8 +152,8 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
 }
 
 impl Footprints {
-    /// A rectangle of the output outside of which no pixel samples the texels that are `touched` of
-    /// the views (by their numbers; of those beyond the list everything is).
+    /// Returns a rectangle of the output; no pixel outside it samples a touched texel. `touched`:
+    /// the touched texels of each view, by index; views beyond the list are touched everywhere.
     pub fn sampling(&self, touched: &[TexelSpan]) -> LowerLeftRect {
         let (mut low, mut high) = ([CELLS; 2], [0; 2]);
         for part in &self.parts {
@@ -167,7 +167,7 @@ impl Footprints {
         if low[0] >= high[0] {
             return LowerLeftRect::default();
         }
-        // A cell more on each side: its pixels at the rim of what is shown may have been missed.
+        // One more cell on each side: the samples may have missed pixels at a rim.
         let from = |cell: u32, length: u32| cell.saturating_sub(1) * length / CELLS;
         let to = |cell: u32, length: u32| (cell + 1).min(CELLS) * length / CELLS;
         let (width, height) = self.size;

@@ -1,11 +1,11 @@
 //! From rig and views to passes.
 //!
-//! `builder` runs the planner of the views and makes a pass for each output. `examiner` cuts an
-//! output into squares and finds what each needs (views, neighbours, a test for pixels that show
-//! nothing), and pixels for which no view answers: `builder` has views widened by these. `blocks`
-//! makes batches of the squares. `rectangles` merges those that share a shader; `cover` finds what
-//! they leave black. From a finished plan, `unsampled` finds the parts of views that no pixel
-//! samples, and `footprints` the pixels that sample a part of a view. Results of both kinds are
+//! `builder` runs the planner of the views and makes a pass for each output. `examiner` divides an
+//! output into blocks and finds the needs of each: views, neighbours, and a test for pixels that
+//! show nothing. It also finds pixels that no view serves; `builder` then widens views. `blocks`
+//! makes batches of the blocks. `rectangles` merges blocks that share a shader; `cover` finds the
+//! pixels that stay black. From a finished plan, `unsampled` finds the parts of views that no pixel
+//! samples, and `footprints` the pixels that sample a part of a view. Needs and unsampled areas are
 //! cached.
 
 pub mod blocks;

@@ -1,5 +1,4 @@
-//! Needs of blocks. They are cached: where nothing is known between pixels, finding them looks at
-//! all pixels.
+//! Needs of blocks. They are cached, since finding them can mean examining every pixel.
 
 use crate::cache::Cache;
 use crate::geom::Frustum;
@@ -7,20 +6,20 @@ use glam::DVec2;
 use serde::Serialize;
 use std::convert::Infallible;
 
-/// Needs of a block. Views and neighbours are sets of bits; bit 63 or 127 stands for all from
-/// there on.
+/// Needs of a block. Views and neighbours are sets of bits; the last bit, 63 or 127, stands for all
+/// further ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Needs {
     pub(super) views: u64,
     pub(super) neighbours: u128,
-    /// Some pixel shows nothing.
+    /// True if some pixel shows nothing.
     pub(super) dark: bool,
-    /// Some pixel shows something.
+    /// True if some pixel shows something.
     pub(super) lit: bool,
 }
 
 impl Needs {
-    /// The view, where there is just one.
+    /// Returns the view, if there is only one.
     pub(super) fn only_view(&self) -> Option<u32> {
         (self.views.count_ones() == 1).then(|| self.views.trailing_zeros())
     }
@@ -40,15 +39,15 @@ impl Needs {
 pub(in crate::correct) struct Examined {
     /// Needs of every block, row by row.
     pub(super) needs: Vec<Needs>,
-    /// For each of the output's views the tangents of directions for which no view answers, and
-    /// this one would have to be widened least.
+    /// For each of the output's views, the tangents of directions by which it has to be widened: no
+    /// view surely contains them, and this view is the nearest.
     pub beyond: Vec<Option<Frustum>>,
     /// Pixel positions whose directions are too far from the axes of all views; at most
     /// [`MOST_UNSEEN`].
     pub unseen: Vec<DVec2>,
 }
 
-/// Greatest number of positions that no view can show. The views that are made for these show
+/// Greatest number of positions that no view can show. Views that are added for these also show
 /// others like them, or can be widened.
 pub(super) const MOST_UNSEEN: usize = 4096;
 
@@ -56,7 +55,7 @@ pub(super) const MOST_UNSEEN: usize = 4096;
 /// view, and the positions that no view can show.
 type Kept = (Vec<(u32, Needs)>, Vec<Option<Frustum>>, Vec<DVec2>);
 
-/// Returns the result of `compute` for these numbers of blocks and views, or what `cache` has for
+/// Returns the result of `compute` for these numbers of blocks and views, or the cached result for
 /// `key`.
 pub(super) fn cached(
     key: &impl Serialize,
@@ -82,12 +81,12 @@ pub(super) fn cached(
     Examined { needs, beyond, unseen }
 }
 
-/// Runs of blocks with the same needs, with their lengths.
+/// Returns runs of blocks with the same needs, with their lengths.
 fn runs(needs: &[Needs]) -> Vec<(u32, Needs)> {
     needs.chunk_by(|one, other| one == other).map(|run| (run.len() as u32, run[0])).collect()
 }
 
-/// True if the runs are those of this number of blocks.
+/// True if the runs have this number of blocks in total.
 fn is_sound(runs: &[(u32, Needs)], blocks: usize) -> bool {
     runs.iter().map(|(length, _)| u64::from(*length)).sum::<u64>() == blocks as u64
 }

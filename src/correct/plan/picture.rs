@@ -5,16 +5,16 @@ use crate::correct::passes::source::Source;
 use crate::geom::ContentMap;
 use crate::rig::Flip;
 
-/// Properties of an output's picture that the rig does not say.
+/// Properties of an output's picture, computed from the rig.
 pub(in crate::correct) struct Picture {
-    /// Its map.
+    /// Map of the picture.
     pub source: Source,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Its weight image.
+    /// Weight image.
     pub mask: Option<Mask>,
     /// Mirroring of the finished picture.
     pub flip: Flip,
-    /// Place of a direction in the program's window, if that is shown as it is.
+    /// Maps a direction to a place in the program's window, if the window is content.
     pub content: Option<ContentMap>,
 }

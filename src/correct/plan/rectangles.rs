@@ -5,11 +5,12 @@ use crate::geom::rectangle::PixelRect;
 /// Side of a block in pixels. Blocks are squares, except those at the right and the bottom border.
 pub(in crate::correct) const BLOCK: u32 = 16;
 
-/// Rectangles that cover exactly the blocks of each class, without overlap: `classes` holds a class
-/// per block of `block` × `block` pixels, row by row; the result has an entry for each of the
-/// classes `0..count`.
+/// Returns rectangles that cover exactly the blocks of each class, without overlap. `classes` holds
+/// a class per block of `block` × `block` pixels, row by row. The result has an entry for each of
+/// the classes `0..count`.
 ///
-/// Greedy: runs of equal blocks in a row, and equal runs below each other joined.
+/// The method is greedy: equal blocks in a row form runs, and equal runs below each other are
+/// joined.
 pub(in crate::correct) fn merge(
     classes: &[Option<usize>],
     block: u32,

@@ -1,8 +1,8 @@
-//! The parts of views that no pixel samples.
+//! Parts of views that no pixel samples.
 //!
-//! A view is a rectangle, what outputs show of it is not: the corners beyond a dome's rim, and what
-//! an earlier view answers for, are drawn for nothing. A program that adapts itself can leave them
-//! out.
+//! A view is a rectangle, but outputs sample only a part of it. The corners beyond a dome's rim,
+//! and parts that an earlier view serves, are drawn in vain. A program that adapts itself can leave
+//! them out.
 
 #[cfg(test)]
 mod tests;
@@ -15,19 +15,21 @@ use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::{Tile, View};
 use glam::{DVec2, DVec3};
 
-/// Texels of a sheet's cell, across and up.
+/// Side of a sheet's cell, texels.
 const CELL: u32 = 2;
 
-/// Blocks of pixels that no border crosses are looked at whole; others down to this size in pixels.
+/// Blocks of pixels that no border crosses are examined as a whole; others are divided down to this
+/// size in pixels.
 const FINEST: u32 = 1;
 
-/// Directions nearer than this (radians) to the side of a view may be taken for either side in
+/// Directions nearer than this (radians) to the side of a view may count as on either side in
 /// 32-bit arithmetic.
 const ROUNDING: f64 = 1e-5;
 
-/// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of
-/// any output's pixel touches that this machine shows; disjoint, in cells of 2 texels. Conservative: what is uncertain
-/// counts as sampled. Views with the program's own lens and pictures of outputs have none.
+/// Returns, for each view, the rectangles of its tile that no pixel of this machine's outputs
+/// reads, filters included. They are disjoint, in texels of the atlas, and consist of cells of 2
+/// texels. The result is conservative: uncertain cells count as sampled. Views with the program's
+/// own lens, and views with projected vertices, have none.
 pub fn unsampled_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
     let here = plan.passes.iter().zip(&plan.views.output_views).filter(|(pass, _)| pass.here);
@@ -44,7 +46,7 @@ struct Sheet {
     rows: u32,
     sampled: Vec<bool>,
     frustum: Frustum,
-    /// Texels of the tile.
+    /// Size of the tile, texels.
     size: DVec2,
     /// Greatest distance of a texel that a pixel reads from the pixel's place, in texels.
     guard: f64,
@@ -96,7 +98,7 @@ impl Sheet {
         }
     }
 
-    /// The cells that are not marked, as rectangles of the atlas.
+    /// Returns the cells that are not marked, as rectangles of the atlas.
     fn unsampled(&self, view: &View) -> Vec<Tile> {
         let classes: Vec<Option<usize>> = self.sampled.iter().map(|sampled| (!sampled).then_some(0)).collect();
         let merged = rectangles::merge(&classes, CELL, (view.tile.width, view.tile.height), 1);
@@ -113,7 +115,7 @@ impl Sheet {
     }
 }
 
-/// Marks what one output samples.
+/// Marks the cells that one output samples.
 struct Marker<'a> {
     pass: &'a OutputPass,
     /// The views of the output, in order of precedence.
@@ -134,7 +136,7 @@ impl Marker<'_> {
         }
     }
 
-    /// The direction at a pixel position, unit length, if something is shown there.
+    /// Returns the direction at a pixel position, unit length, if something is shown there.
     fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let source = &self.pass.source;
         let (x, y) = source.normalised(self.pass.size, x, y);
@@ -150,9 +152,9 @@ impl Marker<'_> {
         Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
     }
 
-    /// True if a block lies amid what one view shows, at least `distance` radians from the sides of
-    /// all views and not next to what shows nothing: a rectangle around its texels then reaches no
-    /// unsampled ones.
+    /// True if a block lies well inside one view: at least `distance` radians from the sides of all
+    /// views, and not next to pixels that show nothing. A rectangle around its texels then contains
+    /// no unsampled ones.
     fn is_amid(&self, block: PixelSpan, corners: &[DVec3; 4], distance: f64) -> bool {
         let distance = distance.max(ROUNDING);
         let relation =
@@ -181,8 +183,8 @@ impl Marker<'_> {
         }
         for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
             let (x, y) = (f64::from(x), f64::from(y));
-            // Not the centre alone: a picture that is scaled when it is presented samples between
-            // centres.
+            // The corners count as well as the centre: a picture that is scaled when it is
+            // presented samples between centres.
             for (x, y) in [(0.5, 0.5), (0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(u, v)| (x + u, y + v)) {
                 if let Some(direction) = self.direction(x, y) {
                     self.mark_patch(&[direction; 4], ROUNDING);
@@ -191,7 +193,7 @@ impl Marker<'_> {
         }
     }
 
-    /// Marks a patch of directions in every view that may answer for a part of it.
+    /// Marks a patch of directions in every view that may serve a part of it.
     fn mark_patch(&mut self, corners: &[DVec3; 4], departure: f64) {
         for (view, cone) in &self.cones {
             let relation = cone.relation(corners, departure.max(ROUNDING));

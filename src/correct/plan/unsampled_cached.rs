@@ -6,7 +6,7 @@ use crate::correct::plan::unsampled::unsampled_areas;
 use crate::views::Tile;
 use std::convert::Infallible;
 
-/// Returns [`unsampled_areas`], or what `cache` has of it.
+/// Returns [`unsampled_areas`], from `cache` if it has them.
 pub fn cached_unsampled_areas(plan: &Plan, cache: &Cache) -> Vec<Vec<Tile>> {
     let views = &plan.views;
     let passes = plan.passes.iter().map(|pass| {

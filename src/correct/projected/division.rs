@@ -1,9 +1,9 @@
 //! The GLSL of a geometry stage that divides triangles and lines: `geom::Division` in 32 bits.
 //!
-//! A run of the stage can emit few vertices, so several share a primitive: each follows its own way
-//! down the first cuts. A part for which no vertices are left is emitted undivided. The
-//! build makes SPIR-V of the texts, too (`build/projection.rs`), so that this file uses nothing of
-//! the library but the rule's numbers.
+//! One run of the stage can emit only few vertices. So several runs share a primitive, and each
+//! takes another path at the first cuts. A part for which no vertices are left is emitted
+//! undivided. The build also makes SPIR-V of the texts (`build/projection.rs`). So this file uses
+//! nothing of the library but the rule's numbers.
 
 use super::rule::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
 
@@ -17,7 +17,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// Vertices of one.
+    /// Returns the number of vertices of a primitive.
     pub fn corners(self) -> u32 {
         match self {
             Self::Triangles => 3,
@@ -26,15 +26,15 @@ impl Input {
     }
 }
 
-/// Greatest number of cuts of a primitive: two bits of a number for each.
+/// Greatest number of cuts of a primitive: each takes two bits of a number.
 const DEEPEST: usize = 14;
-/// Steps of a run at most: far beyond what its vertices suffice for.
+/// Greatest number of steps of a run, far more than its vertices allow.
 const STEPS: usize = 8192;
 
-/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program)
-/// must be cut, because a straight line would be too far from the curve. Ends are put into an order
-/// first, so that both triangles of an edge come to the same result to the bit. What is no number
-/// is not cut: drivers run the stage for primitives that are none, too.
+/// `cupola_cuts(a, b)`: true if the edge between two vertices (clip coordinates of the program)
+/// must be cut, because a straight line would be too far from the curve. The ends are sorted first,
+/// so that both triangles of an edge get the same result to the bit. An edge with a NaN is not cut:
+/// drivers also run the stage for invalid primitives.
 const CUTS: &str = "vec3 cupola_seen(vec4 c) {
 float q = c.z + cupola_view[3].x * c.w;
 vec4 p = vec4(c.xyw, q);
@@ -100,7 +100,7 @@ return max(cupola_low.x, cupola_low.y) <= OUTSIDE && min(cupola_high.x, cupola_h
 }
 ";
 
-/// Parts of triangles: corners and the weights of the primitive's own corners in them.
+/// Parts of triangles: their corners, and the weights of the primitive's corners in them.
 const TRIANGLES: &str = "struct cupola_part { vec4 a; vec4 b; vec4 c; vec3 u; vec3 v; vec3 w; int deep; };
 cupola_part cupola_parts[4];
 cupola_part cupola_of(int start, vec4 a, vec3 u, vec4 b, vec3 v, vec4 c, vec3 w, int deep) {
@@ -161,7 +161,7 @@ return cupola_part(gl_in[0].gl_Position, gl_in[1].gl_Position, gl_in[2].gl_Posit
 }
 ";
 
-/// Parts of lines, likewise.
+/// Parts of lines, in the same form.
 const LINES: &str = "struct cupola_part { vec4 a; vec4 b; vec3 u; vec3 v; int deep; };
 cupola_part cupola_parts[4];
 int cupola_divide(cupola_part t) {
@@ -189,18 +189,18 @@ return cupola_part(gl_in[0].gl_Position, gl_in[1].gl_Position, vec3(1.0, 0.0, 0.
 }
 ";
 
-/// A run's way through the parts of its primitive: to the first that is fine enough, then to the
-/// next, each time from the top. There is no list of what is waiting, because drivers on processors
-/// make every access to one a chain of comparisons.
+/// Path of a run through the parts of its primitive: to the first part that is fine enough, then to
+/// the next, each time from the top. There is no list of pending parts, because drivers on
+/// processors turn every access to a list into a chain of comparisons.
 ///
-/// `path` has two bits for each cut, the number of the part that is followed, and `counts` the
-/// number of its parts, less one. `known` cuts are on the path, and `part` is what is left after
-/// `level` of them. `pending` parts beside the path wait; a part is cut only while there is room
-/// for all of them. When a part is shown, `path` is counted up as a number whose digits have the
-/// bases in `counts`: last digits that are at their greatest are dropped, the one before grows.
+/// `path` has two bits for each cut: the index of the part that is followed. `counts` has the
+/// number of parts of each cut, less one. `known` cuts are on the path, and `part` is the part
+/// after `level` of them. `pending` parts beside the path wait; a part is cut only while there is
+/// room for all of them. After a part is shown, `path` is incremented as a number whose digits have
+/// the bases in `counts`: last digits at their maximum are dropped, and the one before grows.
 ///
-/// The first `TURNS` cuts are not counted up: there the number of the run says which part it
-/// follows, and a run whose number has no part ends.
+/// The first `TURNS` cuts are not incremented: there the number of the run selects the part, and a
+/// run whose number has no part ends.
 const MAIN: &str = "void main() {
 cupola_part part = cupola_whole();
 int path = RUN;
@@ -239,9 +239,9 @@ level = 0;
 }
 ";
 
-/// The functions by which edges are judged: `cupola_bent(a, b)` for the edge between two
-/// directions, `cupola_cuts` for that between two vertices, and `cupola_near` for what
-/// `cupola_span` was told of.
+/// Returns the functions that decide on cuts: `cupola_bent(a, b)` for the edge between two
+/// directions, `cupola_cuts` for the edge between two vertices, and `cupola_near` for the span of
+/// the points given to `cupola_span`.
 pub fn cuts() -> String {
     let replace: [(&str, &str); 4] = [
         ("WIDEST", &format!("{WIDEST:?}")),
@@ -256,10 +256,11 @@ fn with_values(text: &str, replace: &[(&str, &str)]) -> String {
     replace.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
 }
 
-/// The parts of a primitive and the way through them, `main`. Before it stand `cupola_left`, how
-/// many parts a run may still emit, and `cupola_emit(c, u)`, which emits a vertex at `c` with the
-/// values that the weights `u` of the corners give it. `shared`: sixteen runs share a primitive;
-/// `count`: what is done where a part is emitted that is not fine enough.
+/// Returns the parts of a primitive and the path through them, `main`. The text before it has to
+/// define `cupola_left`, the number of parts that a run may still emit, and `cupola_emit(c, u)`.
+/// That function emits a vertex at `c`, with the corners' values weighted by `u`. `shared`: sixteen
+/// runs share a primitive. `count`: statement for a part that is emitted although it is not fine
+/// enough.
 pub fn division(input: Input, shared: bool, count: &str) -> String {
     let replace: [(&str, &str); 5] = [
         ("DEEPEST", &DEEPEST.to_string()),
@@ -289,12 +290,12 @@ void cupola_end() {}
 void cupola_count() {}
 ";
 
-/// The functions that a geometry stage of Vulkan has of its own.
+/// Functions that a geometry stage of Vulkan defines itself.
 pub const STAGE_FUNCTIONS: [&str; 6] =
     ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end", "cupola_count"];
 
-/// Code before the division there. Primitives without a lens, and those that the lens need not
-/// divide, are emitted as they are.
+/// Code before the division in a geometry stage of Vulkan. Primitives without a lens, and those
+/// that the lens need not divide, are emitted unchanged.
 const UNDIVIDED: &str = "void cupola_divided() {
 cupola_left = cupola_room();
 if (cupola_view[3].w == 0.0 || cupola_view[7].y == 0.0) {
@@ -318,8 +319,8 @@ cupola_end();
 }
 ";
 
-/// The geometry stage of Vulkan, `cupola_divided`. Before it stand the functions of
-/// `projection::vulkan_functions` with lenses.
+/// Returns the geometry stage of Vulkan, `cupola_divided`. The text before it has to contain the
+/// functions of `projection::vulkan_functions` with lenses.
 pub fn vulkan_division(input: Input) -> String {
     let whole = if input == Input::Triangles { WHOLE_TRIANGLE } else { WHOLE_LINE };
     let divided = division(input, true, "cupola_count();")

@@ -7,7 +7,7 @@ use crate::geom::reprojection::ClipRows;
 use crate::geom::{PictureLens, PictureMap};
 use glam::DVec2;
 
-/// Reprojection matrix: takes clip coordinates (x, y, z, w) of the program to those of a view.
+/// Reprojection matrix: maps clip coordinates (x, y, z, w) of the program to those of a view.
 ///
 /// The rows are applied to (x, y, w, q), with q = z + pole·w.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct DepthTerms {
 }
 
 impl ReprojectionMatrix {
-    /// Number of its numbers.
+    /// Number of values.
     pub const LENGTH: usize = 16;
 
     /// The matrix that changes no bit of any coordinate.
@@ -50,8 +50,8 @@ impl ReprojectionMatrix {
         Self { x: single::values(rows.x), y: single::values(rows.y), w: single::values(rows.w), depth }
     }
 
-    /// Returns the linear part as one 4×4 matrix (column-major), of the numbers as they were
-    /// rounded: what [`ClipRows::matrix`] returns.
+    /// Returns the linear part of the rounded numbers as one 4×4 matrix (column-major), as
+    /// [`ClipRows::matrix`] does.
     pub fn matrix(&self) -> [f64; 16] {
         let double = |row: [f32; 4]| row.map(f64::from);
         let DepthTerms { pole, factor, offset, to_lens } = self.depth;
@@ -80,11 +80,12 @@ impl ReprojectionMatrix {
     }
 }
 
-/// Lens of an output's own picture; zeros stand for a perspective view.
+/// Lens of an output's own picture; all zeros for a perspective view.
 ///
-/// A fisheye's point is its direction in the picture times the angle from the axis times `scale`;
-/// its limit is the angle from which on there is no picture. A pinhole's point is tangent times
-/// `scale` minus `offset`; its limit is the least part of a direction along the axis.
+/// For a fisheye, a point of the picture is its direction in the picture, times the angle from the
+/// axis, times `scale`; the limit is the angle at which the picture ends. For a pinhole, a point is
+/// the tangent times `scale`, minus `offset`; the limit is the least part of a direction along the
+/// axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LensConstants {
     /// Place of the viewer.
@@ -97,11 +98,12 @@ pub struct LensConstants {
     pub fisheye: f32,
     /// Scale of the picture.
     pub scale: [f32; 2],
-    /// Offset of the picture; of a fisheye half the aperture and 0.
+    /// Offset of the picture; for a fisheye half the aperture, and 0.
     pub offset: [f32; 2],
     /// Limit of the picture.
     pub limit: f32,
-    /// Greatest error in the middle of an edge before it is cut, pixels; 0: nothing is divided.
+    /// Greatest error in the middle of an edge before it is cut, pixels; 0: primitives are not
+    /// divided.
     pub max_error: f32,
     /// Half of the picture's width and height, pixels.
     pub half_size: [f32; 2],
@@ -112,7 +114,7 @@ impl LensConstants {
     pub fn of(map: &PictureMap, pixels: DVec2, max_error: f64) -> Self {
         let (fisheye, scale, offset, limit) = match map.lens {
             PictureLens::Fisheye { aperture, circle, .. } => {
-                // A fisheye's picture is not moved: there is room for half of its aperture.
+                // A fisheye's picture has no offset, so half of its aperture is stored there.
                 (1.0, circle * 2.0 / aperture, DVec2::new(0.5 * aperture, 0.0), map.limit())
             }
             PictureLens::Pinhole(frustum) => {

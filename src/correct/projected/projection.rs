@@ -1,24 +1,23 @@
 //! The GLSL that takes a program's clip coordinates to a view, or to an output's picture.
 //!
-//! `geom::reprojection` and `geom::PictureMap` in 32 bits, without built-in functions of angles,
-//! which drivers may round as they like. Texts are for every version: `PRECISION` stands before
-//! each type and becomes `highp` or nothing. The build makes SPIR-V of them, too
-//! (`build/projection.rs`), so that this file uses nothing of the library.
+//! It is `geom::reprojection` and `geom::PictureMap` in 32 bits. It uses no built-in functions of
+//! angles, since drivers may round them freely. The texts serve every version: `PRECISION` before
+//! each type becomes `highp` or nothing. The build also makes SPIR-V of them
+//! (`build/projection.rs`). So this file uses nothing of the library.
 
 /// Name of the uniform that carries the rows of the re-projection.
 pub const UNIFORM: &str = "cupola_view";
 
-/// Vectors of our uniform that hold the rows of a view.
+/// Number of vectors of the uniform that hold the rows of a view.
 pub const ROWS: i32 = 4;
-/// Vectors that follow and hold its lens: (viewer, 1 − |viewer|²), (lens, 1 for a fisheye), (scale,
-/// offset), (limit, …).
+/// Number of vectors that follow and hold its lens: (viewer, 1 − |viewer|²), (lens, 1 for a
+/// fisheye), (scale, offset), (limit, …).
 pub const LENS: i32 = 4;
 
-/// `cupola_place(u)`: where the picture shows what the viewer sees in the unit direction `u` (lens
-/// axes), and 1; or, where that is beyond the picture, the unit direction in the picture to there,
-/// and 0.
+/// `cupola_place(u)`: place in the picture of the unit direction `u` from the viewer (lens axes),
+/// and 1. If that place is beyond the picture: the unit direction in the picture to it, and 0.
 ///
-/// The angle is atan2's by octant and polynomial, 1.7e-8 of itself.
+/// The angle is that of atan2, computed by octant and polynomial, with a relative error of 1.7e-8.
 const PLACE: &str = "PRECISION float cupola_angle(PRECISION float y, PRECISION float x) {
 PRECISION float a = abs(x);
 PRECISION float t = min(a, y) / max(max(a, y), 1e-30);
@@ -43,12 +42,12 @@ return vec3(ray.xy / -ray.z * cupola_view[6].xy - cupola_view[6].zw, 1.0);
 ";
 
 /// `cupola_project(v, q, sky)`: clip coordinates in the output's picture of a vertex at `v` (lens
-/// axes, the program's units). Depth is the distance, w too, so that what is interpolated is right
-/// to second order in the size of a triangle. `q`: the program's depth without what it has of w;
-/// `sky`: it lies at the far plane.
+/// axes, the program's units). Depth and w follow from the distance, so that interpolated values
+/// are right to second order in the size of a triangle. `q`: the program's depth without its part
+/// of w. `sky`: the vertex lies at the far plane.
 ///
-/// A vertex beyond the picture is a point at infinity: what leads to it leaves the picture in its
-/// direction, and a triangle of nothing else is beyond the far plane.
+/// A vertex beyond the picture is a point at infinity. Edges to it leave the picture in its
+/// direction, and a triangle with only such vertices is beyond the far plane.
 const PROJECT: &str = "PRECISION vec4 cupola_project(PRECISION vec3 v, PRECISION float q, bool sky) {
 PRECISION float m = max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-30));
 PRECISION vec3 u = v / m;
@@ -76,22 +75,23 @@ CURVEDreturn r;
 const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.x, r.y, -r.w), q, c.z == c.w);
 ";
 
-/// The function `cupola_fix` that re-projects by `cupola_view`, which stands before it. `es`: for
-/// OpenGL ES; `curved`: there are views to whose lens vertices are projected.
+/// Returns the function `cupola_fix`, which re-projects by `cupola_view`. The text before it has to
+/// define `cupola_view`. `es`: for OpenGL ES. `curved`: some views have a lens to which vertices
+/// are projected.
 fn body(es: bool, curved: bool) -> String {
     let (lens, hook) = if curved { ([PLACE, PROJECT].concat(), CURVED) } else { (String::new(), "") };
     let fix = FIX.replace("CURVED", hook);
     format!("{lens}{fix}").replace("PRECISION ", precision(es))
 }
 
-/// Our uniform, and the function `cupola_fix` that re-projects with it. `es`: for OpenGL ES;
-/// `curved`: there are views to whose lens vertices are projected.
+/// Returns the uniform of Cupola, and the function `cupola_fix`, which re-projects with it. `es`:
+/// for OpenGL ES. `curved`: some views have a lens to which vertices are projected.
 pub fn functions(es: bool, curved: bool) -> String {
     format!("uniform {}vec4 {UNIFORM}[{}];\n{}", precision(es), vectors(curved), body(es, curved))
 }
 
-/// The same in the GLSL of Vulkan: the vectors are a uniform block of descriptor set `set` at
-/// `binding`.
+/// Returns the same in the GLSL of Vulkan: the vectors are a uniform block of descriptor set `set`
+/// at `binding`.
 pub fn vulkan_functions(set: u32, binding: u32, curved: bool) -> String {
     let block = format!("layout(std140, set = {set}, binding = {binding}) uniform cupola_block");
     format!("{block} {{ vec4 {UNIFORM}[{}]; }};\n{}", vectors(curved), body(false, curved))

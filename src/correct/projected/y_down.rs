@@ -3,7 +3,7 @@
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 
 impl ReprojectionMatrix {
-    /// Returns the matrix that takes clip coordinates whose y points down to such ones.
+    /// Returns the matrix for clip coordinates whose y points down, both before and after it.
     pub fn y_down(&self) -> Self {
         let of_y = |[x, y, w, q]: [f32; 4]| [x, mirrored(y), w, q];
         let [x, y, w, q] = self.y;
@@ -47,7 +47,7 @@ mod tests {
         assert_eq!(apply(&rows.y_down(), [0.5, 1.5, 0.25, 2.0]), [x, -y, z, w]);
     }
 
-    /// The lens as numbers is the mirrored map's.
+    /// The turned lens equals that of the mirrored map.
     #[test]
     fn a_turned_lens_is_that_of_the_mirrored_map() {
         let (viewer, position) = (DVec3::new(0.1, -0.2, 0.3), DVec3::new(-0.4, 0.5, 0.1));

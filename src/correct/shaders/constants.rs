@@ -3,11 +3,11 @@
 use crate::error::{Error, ErrorKind, Result};
 use glam::DMat3;
 
-/// Most views that one batch may sample.
+/// Greatest number of views that one batch may sample.
 pub const MAX_VIEWS: usize = 8;
-/// Most other projectors that may overlap one batch.
+/// Greatest number of other projectors that may overlap one batch.
 pub const MAX_NEIGHBOURS: usize = 12;
-/// Most ramps in dome angles of one output.
+/// Greatest number of ramps in dome angles of one output.
 pub const MAX_RAMPS: usize = 8;
 
 /// Kind of correction.
@@ -81,18 +81,18 @@ impl Constants {
         self.values.pass()
     }
 
-    /// Rotation from viewer axes to the axes that the views' transforms take; directions at the
-    /// corners of triangles are in these axes.
+    /// Returns the matrix from viewer axes to base, the axes in which the views' transforms take
+    /// directions. Directions at the corners of triangles are in these axes.
     pub(in crate::correct) fn base(&self) -> DMat3 {
         self.base
     }
 
-    /// Returns what every pass with views has; `None` for black.
+    /// Returns the constants that every pass with views has; `None` for black.
     pub fn shared(&self) -> Option<&Shared> {
         self.values.shared()
     }
 
-    /// Returns whether the picture is content, not views.
+    /// Returns true if the picture is content, not views.
     pub(in crate::correct) fn shows_content(&self) -> bool {
         self.shared().is_some_and(|shared| shared.content.kind != 0)
     }
@@ -108,5 +108,5 @@ pub(in crate::correct) fn limit(what: &str, count: usize, most: usize) -> Result
     if count <= most {
         return Ok(());
     }
-    Err(Error::new(ErrorKind::Internal, format!("A batch has {count} {what}; the shaders take {most}.")))
+    Err(Error::new(ErrorKind::Internal, format!("A batch has {count} {what}; the shaders support {most}.")))
 }

@@ -22,9 +22,9 @@ pub struct Draw {
     pub first: u32,
     /// Number of indices, three for each triangle.
     pub count: u32,
-    /// The views that it samples, as numbers in the plan; empty for black.
+    /// Views that the draw samples, as indices into the plan's views; empty for black.
     pub views: Vec<usize>,
-    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as
+    /// True if the batch shows its view 1:1. Texels are then copied if the target has the size of
     /// the output.
     pub nearest: bool,
 }
@@ -32,15 +32,15 @@ pub struct Draw {
 /// The draw calls of some outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawList {
-    /// For each output, in order.
+    /// Draw calls of each output, in order.
     pub outputs: Vec<Vec<Draw>>,
-    /// The vertices of all, [`FLOATS`] numbers each.
+    /// Vertices of all draws, [`FLOATS`] numbers each.
     pub vertices: Vec<f32>,
-    /// The vertices of triangles, as numbers.
+    /// Indices of the triangles' vertices.
     pub indices: Vec<u32>,
 }
 
-/// In which order the rows of a picture with views are in memory.
+/// Order in memory of the rows of a picture with views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
     /// The first row is the bottom one: OpenGL.
@@ -50,11 +50,11 @@ pub enum Rows {
     FromTop,
 }
 
-/// The draws of `passes`, outputs of `plan`: one for what is black, and one for each batch.
-/// `panel`: the flat panel is shown where the plan has one.
+/// Returns the draws of `passes`, outputs of `plan`: one for the black pixels, and one for each
+/// batch. `panel`: the flat panel is shown where the plan has one.
 ///
 /// # Errors
-/// [`crate::ErrorKind::Internal`] where the plan exceeds what shaders take.
+/// [`crate::ErrorKind::Internal`] where the plan exceeds the limits of the shaders.
 pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Result<DrawList> {
     let shown = match rows {
         Rows::FromBottom => plan.clone(),
@@ -64,7 +64,7 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
     for pass in passes {
         let mut draws = Vec::with_capacity(pass.batches.len() + 1);
         let first_vertex = list.vertices.len();
-        // First, since not all triangles end where rectangles do.
+        // Black comes first, since some triangles reach beyond the rectangles.
         let covered: Vec<PixelRect> = pass.filled().copied().collect();
         let black = uncovered(pass.size, &covered);
         if !black.is_empty() {
@@ -88,15 +88,15 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
 }
 
 impl DrawList {
-    /// The draw of what `add` adds.
+    /// Returns the draw of the triangles that `add` adds.
     fn draw(&mut self, constants: Constants, add: impl FnOnce(&mut Self)) -> Draw {
         let first = self.indices.len() as u32;
         add(self);
         Draw { constants, first, count: self.indices.len() as u32 - first, views: Vec::new(), nearest: false }
     }
 
-    /// Puts what was added from `first` on where it is in the mirrored picture: what is shown at a
-    /// place stays, the places are exchanged.
+    /// Moves the vertices from `first` on to their places in the mirrored picture. Their source
+    /// coordinates stay the same.
     fn mirror(&mut self, first: usize, pass: &OutputPass) {
         for vertex in self.vertices[first..].chunks_exact_mut(FLOATS) {
             if pass.flip.horizontal {
@@ -127,8 +127,8 @@ impl DrawList {
     }
 }
 
-/// The same plan over a picture whose first row is the top one: a view from whose picture the rows
-/// are taken in the other order is the mirrored view.
+/// Returns the plan for pictures whose first row is the top one. If the rows of a view's picture
+/// are in the other order, the view is mirrored.
 pub fn from_top(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
     let heights: Vec<u32> =

@@ -31,7 +31,7 @@ pub enum Stage {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Specialised {
     /// The vertex stage. Attribute 0: clip coordinates (x, y); attribute 1: the source's
-    /// coordinates: (x, y), or of [`Pass::Mesh`] a direction and a weight.
+    /// coordinates (x, y), or for [`Pass::Mesh`] a direction and a weight.
     pub vertex: &'static str,
     /// The fragment stage.
     pub fragment: String,
@@ -42,7 +42,7 @@ pub struct Specialised {
 /// The generated texts of one pass.
 struct PassText {
     pass: Pass,
-    /// The picture is content, not views.
+    /// True if the picture is content, not views.
     content: bool,
     /// The constant's constructor: `%` stands for a float, `#` for an unsigned number.
     constructor: &'static str,
@@ -60,15 +60,15 @@ struct StageText {
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// The generated texts of `pass`.
+/// Returns the generated texts of `pass`.
 fn text_of(pass: Pass, content: bool) -> &'static PassText {
-    // PASSES has an entry for each: the build script and a test see to it.
+    // PASSES has an entry for each; the build script and a test make sure of that.
     PASSES.iter().find(|text| text.pass == pass && text.content == content).unwrap_or(&PASSES[0])
 }
 
-/// The program of `constants` in `language`.
+/// Returns the program of `constants` in `language`.
 ///
-/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there.
+/// [`Pass::Black`] has only the stage [`Stage::Present`], which serves for every stage.
 pub fn specialise(constants: &Constants, language: Language, stage: Stage) -> Specialised {
     let pass = text_of(constants.pass(), constants.shows_content());
     let stage = if constants.pass() == Pass::Black { Stage::Present } else { stage };
@@ -87,12 +87,12 @@ pub fn specialise(constants: &Constants, language: Language, stage: Stage) -> Sp
     Specialised { vertex: text.vertex, fragment, samplers: text.samplers }
 }
 
-/// Puts `values` in for the placeholders of `constructor`.
+/// Replaces the placeholders of `constructor` by `values`.
 fn write_constructor(constructor: &str, values: &[f32], out: &mut String) {
     let mut values = values.iter();
     for c in constructor.chars() {
-        // Writing to a String cannot fail; as many values as placeholders: `Constants` has that
-        // length.
+        // Writing to a String cannot fail. `Constants` has as many values as there are
+        // placeholders.
         match c {
             // The shortest decimal that reads back as the same f32.
             '%' => _ = write!(out, "{:e}", values.next().copied().unwrap_or_default()),

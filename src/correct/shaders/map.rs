@@ -12,15 +12,16 @@ pub struct MapPixel {
     pub direction: [f32; 3],
     /// Place in the atlas, 0…1 from its first row.
     pub atlas: [f32; 2],
-    /// Index of the view that answers; `None` where nothing is shown.
+    /// Index of the sampled view; `None` where nothing is shown.
     pub view: Option<usize>,
     /// Product of all weights, linear light, 0…1.
     pub weight: f32,
 }
 
 impl MapPixel {
-    /// From what [`crate::correct::shaders::glsl::Stage::Map`] writes for `plan`, with its views as
-    /// the shaders got them. Only the way back from the atlas to the direction is computed in f64.
+    /// Makes it from the values that [`crate::correct::shaders::glsl::Stage::Map`] writes for
+    /// `plan`, whose views are as the shaders got them. Only the step from the atlas back to the
+    /// direction is computed in f64.
     pub fn new(plan: &Plan, [x, y, number, weight]: [f32; 4]) -> Self {
         // Whole numbers far below 2^24 are exact.
         let index = (number as usize).checked_sub(1);

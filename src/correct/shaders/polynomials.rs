@@ -9,8 +9,8 @@ use crate::rig::RampShape;
 /// Coefficients of a polynomial in two vectors, the constant first.
 pub(super) type Polynomial = [[f32; 4]; 2];
 
-/// The polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate and
-/// cos(angle), over the coordinate's square.
+/// Returns the polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate
+/// and cos(angle), as functions of the coordinate's square.
 pub(super) fn circular(aperture: f64) -> Result<(Polynomial, Polynomial)> {
     let half = aperture / 2.0;
     let fitted = sine_cosine_polynomials(aperture);
@@ -23,13 +23,13 @@ pub(super) fn circular(aperture: f64) -> Result<(Polynomial, Polynomial)> {
     Ok((scaled(&fitted.sine, half)?, scaled(&fitted.cosine, 1.0)?))
 }
 
-/// A fisheye's polynomials: sine, cosine, and (squeeze, factors of the root).
+/// Returns a fisheye's polynomials: sine, cosine, and (squeeze, factors of the root).
 pub(super) fn radial(form: &RadialForm) -> Result<(Polynomial, Polynomial, [f32; 3])> {
     let root = single::values([form.squeeze, form.sine_root, form.cosine_root]);
     Ok((polynomial(&form.sine)?, polynomial(&form.cosine)?, root))
 }
 
-/// A polynomial as the shaders take it, missing coefficients being 0.
+/// Returns a polynomial as the shaders take it; missing coefficients are 0.
 fn polynomial(coefficients: &[f64]) -> Result<Polynomial> {
     limit("polynomial coefficients", coefficients.len(), MOST_COEFFICIENTS)?;
     let mut padded = [0.0; MOST_COEFFICIENTS];
@@ -42,7 +42,8 @@ pub(super) fn two_vectors(numbers: [f64; 8]) -> Polynomial {
     [[a, b, c, d], [e, f, g, h]]
 }
 
-/// A ramp's shape as the shaders take it: 0 = smoothstep, negative = cosine, else the power.
+/// Returns a ramp's shape as the shaders take it: 0 = smoothstep, negative = cosine, else the
+/// power.
 pub(super) fn shape(shape: RampShape) -> f64 {
     match shape {
         RampShape::Smoothstep => 0.0,

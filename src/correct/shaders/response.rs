@@ -7,16 +7,16 @@ pub const COEFFICIENTS: usize = 8;
 /// Coefficients h (constant first) of `w^(1/γ) ≈ t·(1 + (t − 1)·h(t))`, `t = ⁴√w`, for 0 ≤ w ≤ 1.
 ///
 /// Two square roots and a polynomial cost a third of the power function, are exactly 0 at 0 and 1
-/// at 1 (so that nothing changes where nobody else lights a pixel), and need no test for 0. The
-/// fourth root turns the exponent 1/γ, whose slope at 0 no polynomial follows, into 4/γ. Absolute
-/// error ≤ 6.1e-4 for 1 ≤ γ ≤ 4, a sixth of a step of 8 bits, and ≤ 1.6e-4 up to γ 2.4; γ outside
-/// 1…4 is clamped.
+/// at 1 (so that nothing changes where only one projector lights a point), and need no test for 0.
+/// The fourth root turns the exponent 1/γ, whose slope at 0 no polynomial follows, into 4/γ.
+/// Absolute error ≤ 6.1e-4 for 1 ≤ γ ≤ 4, a sixth of a step of 8 bits, and ≤ 1.6e-4 up to γ 2.4; γ
+/// outside 1…4 is clamped.
 pub fn encoding_polynomial(gamma: f64) -> [f64; COEFFICIENTS] {
     // t^(4/γ) = t·t^e
     let e = 4.0 / gamma.clamp(1.0, 4.0) - 1.0;
     let h = |t: f64| if 1.0 - t < 1e-9 { e } else { (t.powf(e) - 1.0) / (t - 1.0) };
-    // Newton's divided differences, then powers of t. Chebyshev's nodes, moved up a little: near 0
-    // the factor t hides errors.
+    // Newton's divided differences, then powers of t. The nodes are Chebyshev's, moved up a little,
+    // since near 0 the factor t hides errors.
     let chebyshev = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * (i as f64 + 0.5) / COEFFICIENTS as f64).cos();
     let node = |i: usize| chebyshev(i).powf(0.8);
     let mut differences: [f64; COEFFICIENTS] = std::array::from_fn(|i| h(node(i)));

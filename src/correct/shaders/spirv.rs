@@ -2,8 +2,8 @@
 //! specialisation.
 //!
 //! As in [`crate::correct::shaders::glsl`], the values of a pass are constants of the program. They
-//! are written over the constants of a module, not given as specialisation constants: naga does not
-//! write those, and drivers fold plain ones at the latest when they fold the others.
+//! replace constants of a module and are no specialisation constants: naga does not write those,
+//! and drivers fold plain constants at least as early.
 
 use crate::correct::passes::view_images::Arrangement;
 use crate::correct::shaders::constants::{Constants, MAX_VIEWS, Pass};
@@ -28,15 +28,15 @@ pub const VERTEX_ENTRY: &std::ffi::CStr = c"rectangle_down";
 pub mod binding {
     /// The atlas, a 2D image; the layers, a 2D array; or the image of the batch's first view.
     pub const ATLAS: u32 = 1;
-    /// Its sampler.
+    /// Sampler of the atlas.
     pub const ATLAS_SAMPLER: u32 = 2;
     /// The mask's weights, a 2D image.
     pub const MASK: u32 = 3;
-    /// Its sampler.
+    /// Sampler of the mask.
     pub const MASK_SAMPLER: u32 = 4;
     /// The table of directions and weights, a 2D image that is not filtered.
     pub const TABLE: u32 = 5;
-    /// The images of the batch's other views, 2D, one after another: only of
+    /// The images of the batch's other views, 2D, one after another: only for
     /// [`Arrangement::Images`](super::Arrangement).
     pub const IMAGES: std::ops::Range<u32> = 6..5 + super::MAX_VIEWS as u32;
     /// The picture of black, a 2D image.
@@ -45,7 +45,7 @@ pub mod binding {
 
 struct PassModules {
     pass: Pass,
-    /// The picture is content, not views.
+    /// True if the picture is content, not views.
     content: bool,
     arrangement: Arrangement,
     vertex: &'static [u32],
@@ -61,10 +61,10 @@ struct FragmentModule {
 
 include!(concat!(env!("OUT_DIR"), "/spirv.rs"));
 
-/// The program of `constants` over pictures that lie in `arrangement`.
+/// Returns the program of `constants` for pictures in `arrangement`.
 ///
-/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there, and
-/// looks at no picture; [`Stage::Map`] is that of an atlas.
+/// [`Pass::Black`] has only the stage [`Stage::Present`], which serves for every stage, and reads
+/// no picture. [`Stage::Map`] always has the modules of an atlas.
 pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage) -> Modules {
     let black = constants.pass() == Pass::Black;
     let stage = if black { Stage::Present } else { stage };
@@ -73,7 +73,7 @@ pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage)
     let wanted = |modules: &&PassModules| {
         modules.pass == constants.pass() && modules.arrangement == arrangement && modules.content == content
     };
-    // MODULES has an entry for each: the build script and a test see to it.
+    // MODULES has an entry for each; the build script and a test make sure of that.
     let pass = MODULES.iter().find(wanted).unwrap_or(&MODULES[0]);
     let module = pass.fragments.iter().find(|module| module.stage == stage).unwrap_or(&pass.fragments[0]);
     let mut fragment = module.words.to_vec();
@@ -114,6 +114,6 @@ mod tests {
         assert_eq!(black.fragment_entry, c"present");
         let module = &MODULES[0].fragments[0];
         let (at, unsigned) = module.slots[0];
-        assert!(!unsigned && module.words[at] != 0, "a marker stands there");
+        assert!(!unsigned && module.words[at] != 0, "the module has a marker there");
     }
 }

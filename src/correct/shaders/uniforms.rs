@@ -1,4 +1,4 @@
-//! The constants of a batch: what the shaders of a pass are specialised with.
+//! The constants of a batch, with which the shaders of its pass are specialised.
 
 use crate::blend::code_of;
 use crate::correct::passes::facets::FacetCorner;
@@ -25,8 +25,8 @@ pub const FLOATS: usize = 6;
 /// Number of the source's coordinates among them, the last ones.
 pub const SOURCE_FLOATS: usize = 4;
 
-/// Overlap between neighbouring views, in texels, so that rounding leaves no gap. What filters need
-/// beside it is in the guard (`views::layout`).
+/// Overlap between neighbouring views, in texels, so that rounding leaves no gap. The guard
+/// contains the additional texels for filters (`views::placing::layout`).
 const OVERLAP: f64 = 0.125;
 
 /// Returns the overlap of the views of a plan, texels.
@@ -34,9 +34,9 @@ fn overlap(views: &ViewPlan) -> f64 {
     OVERLAP + f64::from(views.sampling_margin)
 }
 
-/// A view as the shaders take it.
+/// Transform of a view for the shaders.
 struct Placement {
-    /// View axes → (x, y, z) with `max(|x|, |y|) ≤ z` where the view answers.
+    /// View axes → (x, y, z) with `max(|x|, |y|) ≤ z` where the view is sampled.
     transform: DMat3,
     /// Atlas coordinates (0…1) = scale·(x, y)/z + offset.
     scale: DVec2,
@@ -44,7 +44,8 @@ struct Placement {
 }
 
 impl Placement {
-    /// `part` of the opening of `view` answers; texels beyond it, too, up to `overlap`.
+    /// Makes the transform. `part`: part of the opening of `view` that is sampled, widened by
+    /// `overlap` texels.
     fn new(view: &View, part: &Frustum, overlap: f64, views: &ViewPlan) -> Self {
         let atlas = views.picture_size(view);
         let tile = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
@@ -64,14 +65,15 @@ impl Placement {
         Self { transform, scale: half * texels / atlas, offset: middle / atlas }
     }
 
-    /// View axes → atlas coordinates less the offset, and 1, times a positive factor in front.
+    /// Returns the matrix from view axes to (atlas coordinates minus the offset, 1), up to a factor
+    /// that is positive in front of the view.
     fn scaled(&self) -> DMat3 {
         DMat3::from_diagonal(self.scale.extend(1.0)) * self.transform
     }
 }
 
-/// The constants of one batch of an output; `panel`: the flat panel is shown where the plan has
-/// one.
+/// Returns the constants of one batch of an output; `panel`: the flat panel is shown where the plan
+/// has one.
 ///
 /// # Errors
 /// [`ErrorKind::Internal`] where the plan has more views, neighbours or ramps in one batch than
@@ -88,7 +90,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         ..shared(shared_part, pass, batch)?
     };
     let values = match &pass.source {
-        // Its corners have it all.
+        // The corners of facets contain direction and weight.
         _ if batch.facets.is_some() => Values::Mesh(Box::new(MeshConstants { shared_part })),
         Source::Fisheye { aperture, rotation, offset } => {
             let (sine, cosine) = circular(*aperture)?;
@@ -128,8 +130,8 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     Constants::new(values, base)
 }
 
-/// From a source's axes (→ viewer axes) to `base`: exactly the identity where that is these axes,
-/// so that compilers leave it out.
+/// Returns the matrix from a source's axes to `base`. `axes`: source axes → viewer axes. The result
+/// is exactly the identity if `base` is the source's axes, so that compilers drop it.
 fn turned(base: DMat3, axes: DMat3) -> DMat3 {
     if base == axes.transpose() { DMat3::IDENTITY } else { base * axes }
 }
@@ -157,8 +159,7 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let atlas = plan.views.picture_size(view);
     let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
-    // Where the centres of the bottom left pixel and of the others in the corners are in the atlas,
-    // in texels.
+    // Place of a pixel's centre in the atlas, in texels.
     let place = |column: f64, row: f64| {
         let at = map * DVec3::new((2.0 * column + 1.0) / width - 1.0, (2.0 * row + 1.0) / height - 1.0, 1.0);
         (at.truncate() / at.z + placement.offset) * atlas
@@ -169,10 +170,10 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     whole && corners.iter().all(|&(x, y)| (place(x, y) - first - DVec2::new(x, y)).abs().max_element() < EXACT)
 }
 
-/// Texels by which a copy may miss a texel's centre.
+/// Greatest distance of a copy from a texel's centre, texels.
 const EXACT: f64 = 1e-3;
 
-/// The corners of a rectangle of an output, counter-clockwise from the bottom left: clip
+/// Returns the corners of a rectangle of an output, counter-clockwise from the bottom left: clip
 /// coordinates (x, y), then the source's coordinates (x, y, 0, 0).
 pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; FLOATS]; 4] {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
@@ -185,18 +186,19 @@ pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; FLOATS]; 4] {
         .map(|(x, y)| single::values([x, y, x * scale_x, y * scale_y, 0.0, 0.0]))
 }
 
-/// A corner of triangles over an output: clip coordinates (x, y), direction in `base` and weight.
+/// Returns a corner of triangles over an output: clip coordinates (x, y), direction in `base` and
+/// weight.
 pub fn facet_corner(pass: &OutputPass, corner: &FacetCorner, base: DMat3) -> [f32; FLOATS] {
     let place = 2.0 * corner.place / DVec2::new(f64::from(pass.size.0), f64::from(pass.size.1)) - 1.0;
     let direction = base * corner.direction;
     single::values([place.x, -place.y, direction.x, direction.y, direction.z, corner.weight])
 }
 
-/// The source's coordinates at the right and the top side of an output.
+/// Returns the source's coordinates at the right and the top side of an output.
 fn source_scale(pass: &OutputPass) -> (f64, f64) {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     match &pass.source {
-        // Pixels from the middle.
+        // The unit is a pixel, from the middle.
         Source::Table(_) => (0.5 * width, 0.5 * height),
         // A fisheye's circle is inscribed: the unit of its coordinates is half the shorter side.
         source if source.is_circular() => (width / width.min(height), height / width.min(height)),
@@ -204,8 +206,8 @@ fn source_scale(pass: &OutputPass) -> (f64, f64) {
     }
 }
 
-/// The unit direction (viewer axes) that `view` shows at a point of the atlas (0…1): the inverse of
-/// what the shaders do.
+/// Returns the unit direction (viewer axes) that `view` shows at a point of the atlas (0…1): the
+/// inverse of the shaders' computation.
 pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
     let texel = point * DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
     let inside = texel - DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y));
@@ -215,7 +217,7 @@ pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
     (view.rotation.transpose() * tangent.extend(-1.0)).normalize().as_vec3().to_array()
 }
 
-/// Returns viewer axes → base, and the part of the constants that depends on views.
+/// Returns the matrix viewer axes → base, and the part of the constants that depends on views.
 fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) -> Result<(DMat3, Shared)> {
     if let Some((content, view)) = pass.content.as_ref().zip(plan.views.views.first()) {
         let (rotation, content) = (content.rotation, uniforms_content::values(content, view, &plan.views));
@@ -241,8 +243,8 @@ fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) ->
             return Ok((placement.scaled() * *rotation, out));
         }
         [(_, rotation, placement)] => placement.transform * *rotation,
-        // The source's own axes: what turns them comes into the views' matrices, and rounds once
-        // less.
+        // Base is the source's own axes. Their rotation goes into the views' matrices, which saves
+        // one rounding.
         _ => pass.source.axes().transpose(),
     };
     let back = base.inverse();
@@ -263,7 +265,7 @@ fn number(index: usize) -> f32 {
     single::value(index as f64 + 1.0)
 }
 
-/// The view of a batch that shows the output's own picture.
+/// Returns the view of a batch that shows the output's own picture.
 fn own_picture<'a>(plan: &'a Plan, batch: &Batch) -> Option<(usize, &'a View)> {
     let [index] = batch.views.as_slice() else { return None };
     plan.views.views.get(*index).filter(|view| view.curved.is_some()).map(|view| (*index, view))
@@ -275,7 +277,7 @@ fn one_to_one(plan: &Plan, pass: &OutputPass, (index, view): (usize, &View), pan
     let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
     let half = 0.5 * DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
     let middle = DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y)) + half;
-    // Source coordinates over −1…1 across the output.
+    // Source coordinates for a unit of −1…1 across the output.
     let (unit_x, unit_y) = source_scale(pass);
     // A mirrored picture has its rows in the other order.
     let up = view.rotation.determinant().signum();
@@ -310,9 +312,9 @@ fn shader_view(transform: DMat3, placement: &Placement, number: f32) -> ShaderVi
     }
 }
 
-/// Adds what every source has: edge, ramps, mask, response, black level.
+/// Adds the constants that every source has: edge, ramps, mask, response, black level.
 fn shared(out: Shared, pass: &OutputPass, batch: &Batch) -> Result<Shared> {
-    // Corners of triangles have them in their weights.
+    // The weights at the corners of triangles include the ramps.
     let ramps = if batch.facets.is_some() { &[] } else { pass.ramps.as_slice() };
     limit("ramps", ramps.len(), MAX_RAMPS)?;
     let mut shader_ramps = [[0.0; 4]; MAX_RAMPS];
@@ -338,7 +340,7 @@ fn shared(out: Shared, pass: &OutputPass, batch: &Batch) -> Result<Shared> {
     };
     let mut shader_codes = [[0.0; 4]; RESPONSE_STEPS];
     for (step, to) in shader_codes.iter_mut().enumerate() {
-        // Where nothing was measured, a straight line: what is divided by must not be 0.
+        // Without a measurement the curve is a straight line: a divisor must not be 0.
         let codes = match &pass.transfer {
             Transfer::Measured(responses) => [0, 1, 2].map(|channel: usize| responses[channel].codes()[step + 1]),
             _ => [(step + 1) as f64 / RESPONSE_STEPS as f64; 3],
@@ -352,7 +354,7 @@ fn shared(out: Shared, pass: &OutputPass, batch: &Batch) -> Result<Shared> {
         ramp_count: ramps.len() as u32,
         with_mask: masked.into(),
         weighted: weighted.into(),
-        // Only a power of light is a power of its code.
+        // Only with a power response is a factor on light a factor on codes.
         in_light: (weighted && (pass.lift > 0.0 || !pass.transfer.is_plain())).into(),
         response,
         gamma: single::values(gammas),

@@ -1,4 +1,4 @@
-//! The constants of content: where the program's window shows a direction.
+//! The constants of content: the place of a direction in the program's window.
 
 use crate::correct::shaders::constants::Content;
 use crate::correct::single;
@@ -7,7 +7,7 @@ use crate::views::{View, ViewPlan};
 use glam::{DVec2, DVec4};
 use std::f64::consts::TAU;
 
-/// The constants of `map` over the tile of `view`, the program's window.
+/// Returns the constants of `map` over the tile of `view`, the program's window.
 pub(super) fn values(map: &ContentMap, view: &View, plan: &ViewPlan) -> Content {
     let atlas = plan.picture_size(view);
     let step = DVec2::new(f64::from(atlas.0), f64::from(atlas.1)).recip();

@@ -52,8 +52,8 @@ pub(super) fn values(source: &OpticsSource, batch: &Batch, base: DMat3, shared_p
     Ok(Values::Optics(Box::new(out)))
 }
 
-/// A half-space as the shaders take it; all of space where there is none, or it says only that
-/// there is a point at all.
+/// Returns a half-space as the shaders take it: all of space if there is none, or if its normal is
+/// 0.
 fn half_space(space: Option<&HalfSpace>) -> [f32; 4] {
     match space {
         Some(space) if space.normal != DVec3::ZERO => single::values(space.normal.extend(-space.distance).to_array()),

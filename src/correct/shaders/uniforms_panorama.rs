@@ -16,7 +16,7 @@ pub(super) struct Axes {
     pub shift: DVec3,
     /// Picture axes → dome axes.
     pub dome: DMat3,
-    /// Something is added.
+    /// True if a vector is added.
     pub off_centre: bool,
 }
 
@@ -28,7 +28,7 @@ pub(super) fn values(panorama: &Panorama, axes: &Axes, shared_part: Shared) -> R
     match panorama {
         Panorama::Fisheye(lens) => {
             let form = RadialForm::of(lens)
-                .ok_or_else(|| Error::new(ErrorKind::Internal, "A lens without a closed form was not made a table."))?;
+                .ok_or_else(|| Error::new(ErrorKind::Internal, "A lens without a closed form has no table."))?;
             let (sine, cosine, root) = radial(&form)?;
             let off_centre = axes.off_centre.into();
             return Ok(Values::Fisheye(Box::new(FisheyeConstants {

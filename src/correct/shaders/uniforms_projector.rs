@@ -48,7 +48,7 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
     }
     for (to, &index) in out.neighbours.iter_mut().zip(&batch.neighbours) {
         let neighbour = source.neighbours.get(index).ok_or_else(|| {
-            Error::new(ErrorKind::Internal, format!("A batch blends into neighbour {index}, which is not there."))
+            Error::new(ErrorKind::Internal, format!("A batch blends into neighbour {index}, which does not exist."))
         })?;
         *to = Neighbour { picture: form(&neighbour.picture), border: border(&neighbour.edge_weight) };
     }
@@ -59,12 +59,12 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
     Ok(Values::Projector(Box::new(out)))
 }
 
-/// A picture's border as the shaders take it: 1/(2·width), shape, exponent, black.
+/// Returns a picture's border as the shaders take it: 1/(2·width), shape, exponent, black.
 fn border(border: &EdgeWeight) -> [f32; 4] {
     single::values([0.5 / border.width.max(LEAST_RAMP), shape(border.shape), border.exponent, border.black])
 }
 
-/// The coefficients of a form that the shaders read; the others are 0.
+/// Returns the coefficients of a form that the shaders read; the others are 0.
 fn shader_form(form: &QuadraticForm, evaluation: EvaluationMethod, ray_form: Option<&RayForm>) -> Form {
     let linear =
         ray_form.filter(|_| evaluation == EvaluationMethod::Root).map_or(form.l, |ray_form| ray_form.freed(form));
@@ -84,7 +84,7 @@ fn shader_form(form: &QuadraticForm, evaluation: EvaluationMethod, ray_form: Opt
     }
 }
 
-/// A quadratic polynomial of the pixel as the shaders take it.
+/// Returns a quadratic polynomial of the pixel as the shaders take it.
 fn quadratic_polynomial(coefficients: &[f64; 6]) -> [[f32; 4]; 2] {
     let [a, b, c, d, e, f] = single::values(*coefficients);
     [[a, b, c, d], [e, f, 0.0, 0.0]]

@@ -16,9 +16,9 @@ use crate::views::sampling::output_map::{lens_rotation, perspective_rays, viewer
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
-/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its
-/// method asks for one, else the closed form where there is one, otherwise a table of all pixels.
-/// `cache` may know tables, or keeps them.
+/// Returns the map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table if
+/// its method requests one, otherwise the closed form if there is one, otherwise a table of all
+/// pixels. Tables are taken from `cache`, or stored there.
 ///
 /// # Errors
 /// Those of [`SurfaceSampler::new`].
@@ -43,7 +43,8 @@ struct Pinhole {
 }
 
 impl Pinhole {
-    /// `None` for what is no projector, or has another lens, a mirror or weights by area.
+    /// Returns `None` for outputs that are no projectors, or have another lens, a mirror or evened
+    /// light.
     fn of(kind: &OutputKind) -> Option<Self> {
         match kind {
             OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
@@ -57,8 +58,8 @@ impl Pinhole {
     }
 }
 
-/// The formula of an output of `size` pixels, if there is one that is right everywhere, exact
-/// enough in f32, and knows all that its weights depend on.
+/// Returns the formula of an output of `size` pixels, if there is one that is valid everywhere,
+/// exact enough in f32, and includes everything on which its weights depend.
 fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
     let output = &rig.outputs[index];
     let to_viewer = viewer_rotation(rig).transpose();
@@ -76,7 +77,7 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
         }
         OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => {
             let offset = offset_of_eye(rig, eye)?;
-            // Some measured curves are too wild for the shaders' polynomials.
+            // The shaders' polynomials do not fit some measured curves.
             let has_formula = !matches!(panorama, Panorama::Fisheye(lens) if RadialForm::of(lens).is_none());
             // Small angles from the axis keep all their digits; those from the horizon do not.
             let exact = offset == DVec3::ZERO && panorama.is_circular() || are_told_apart(panorama.pixel(size), offset);
@@ -105,7 +106,8 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
 fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
     match &rig.screen {
         None => Some(-(viewer_rotation(rig).transpose() * eye) / rig.dome.radius),
-        // In every direction from inside there is a point, and from the centre it is seen there.
+        // From inside, every direction meets the surface, and an eye at the centre sees the point
+        // in that direction.
         Some(Screen { pose, shape: Shape::Ellipsoid(ellipsoid) }) => {
             let inside = Quadric::ellipsoid(ellipsoid.radii).contains(pose.point_to_local(DVec3::ZERO), WELL_INSIDE);
             (inside && eye == DVec3::ZERO).then_some(DVec3::ZERO)
@@ -114,22 +116,22 @@ fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
     }
 }
 
-/// Directions, radians, that a unit vector in f32 plus an offset tells apart with room to spare:
-/// each is rounded to 6e-8, and an eye near the screen sees that enlarged by the part of the radius
-/// that is left.
+/// Least angle, radians, between directions that a unit vector in f32 plus an offset distinguishes
+/// safely. Each direction is rounded to 6e-8. An eye near the screen sees this error enlarged by
+/// the part of the radius that is left.
 const TOLD_APART: f64 = 3e-7;
 
-/// True if f32 tells neighbouring pixels of a picture of directions apart, `pixel` radians wide.
+/// True if f32 distinguishes neighbouring pixels, `pixel` radians wide, of a picture of directions.
 fn are_told_apart(pixel: f64, offset: DVec3) -> bool {
     pixel * (1.0 - offset.length()) >= TOLD_APART
 }
 
-/// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it
-/// is rounded.
+/// A dome's centre within this part of the way from a screen's centre to the screen is inside,
+/// however it is rounded.
 const WELL_INSIDE: f64 = 0.999;
 
-/// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None`
-/// for lenses that are no pinholes, for mirrors, for screens without a formula, and where
+/// Returns the formula of a pinhole; all other pinholes are neighbours if it blends by overlap.
+/// `None` for other lenses, for mirrors, for screens without a formula, and where
 ///
 /// - the projector stands outside of the surface and looks partly away from it: its rays would meet
 ///   the surface backwards;
@@ -162,7 +164,7 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
         direction: pinhole.seen_from(to_surface(eye), to_viewer * from_surface),
         bounds,
         rim: (!bounds.is_all()).then(|| RimForms::of(&pinhole, &bounds)),
-        // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
+        // A rotation about x by the tilt brings the pole to +y and the front to −z.
         dome_direction: pinhole
             .seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
         neighbours: neighbours?,
@@ -172,8 +174,8 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
     pinhole.looks_at_it().then_some(source)
 }
 
-/// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its
-/// light or its blacks with others, for lenses without a formula, and for screens that are no
+/// Returns the formula of a projector with any lens, possibly before a mirror. `None` if it shares
+/// its light or its blacks with others, for lenses without a formula, and for screens that are no
 /// quadrics.
 fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<OpticsSource> {
     let output = &rig.outputs[index];
@@ -202,7 +204,7 @@ fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<Op
     })
 }
 
-/// Viewer axes → dome axes turned so that the pole is +y and the front −z.
+/// Returns the rotation viewer axes → dome axes turned so that the pole is +y and the front −z.
 pub fn dome_axes(rig: &Rig) -> DMat3 {
     let viewer = &rig.viewer;
     DMat3::from_rotation_x(rig.dome.tilt) * crate::geom::pose::rotation(viewer.yaw, viewer.pitch, viewer.roll)

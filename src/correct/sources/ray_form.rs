@@ -10,7 +10,7 @@ use glam::DVec3;
 /// The rays `o + t·d` of a projector inside a quadric. Each form is `offset·a + linear·(√D − b)`,
 /// with `a = d·d`, `b = o·d`, `D = b² + depth·a`. Since `(√D − b)·(√D + b) = depth·a`, the same
 /// direction is `offset·(√D + b) + linear·depth`, and, b being linear in the pixel, `offset·√D`
-/// plus a linear function: one root is all that is not linear.
+/// plus a linear function: one root is the only part that is not linear.
 ///
 /// Near the surface `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not,
 /// unless a vanishes, as it does in a double cone. Farther out `D` itself cancels, and only the
@@ -24,10 +24,11 @@ pub(in crate::correct) struct RayForm {
     depth: f64,
 }
 
-/// Inside the surface, as the forms take it: up to this part of its radius.
+/// The ray form is used inside the surface, up to this part of its radius.
 const INSIDE: f64 = 0.95;
 
-/// The cheapest way for pictures of `size` that rounding leaves exact enough, if there is one.
+/// Returns the cheapest evaluation that rounding leaves exact enough for pictures of `size`, if
+/// there is one.
 fn evaluation(source: &ProjectorSource, size: (u32, u32)) -> Option<EvaluationMethod> {
     let ray_form = RayForm::of(&source.pinhole);
     let methods: &[EvaluationMethod] = match &source.pinhole.surface {
@@ -50,8 +51,8 @@ fn evaluation(source: &ProjectorSource, size: (u32, u32)) -> Option<EvaluationMe
 }
 
 impl ProjectorSource {
-    /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None`
-    /// if none is.
+    /// Returns the source with the cheapest evaluation that is exact enough for pictures of `size`;
+    /// `None` if there is none.
     pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
         self.evaluation = evaluation(&self, size)?;
         Some(self)
@@ -59,7 +60,7 @@ impl ProjectorSource {
 }
 
 impl RayForm {
-    /// `None` for a projector outside its quadric or near it, and before a plane.
+    /// Returns `None` for a projector outside its quadric or near it, and before a plane.
     pub fn of(pinhole: &PinholeRays) -> Option<Self> {
         let ClosedSurface::Quadric(quadric) = &pinhole.surface else { return None };
         pinhole.is_inside(INSIDE).then(|| Self::new(pinhole, quadric))
@@ -89,13 +90,13 @@ impl RayForm {
         Sum { value, terms }
     }
 
-    /// D over `[x², y², xy, x, y, 1]`.
+    /// Returns D over `[x², y², xy, x, y, 1]`.
     pub fn discriminant(&self) -> [f64; 6] {
         let b = product(self.along, self.along);
         std::array::from_fn(|k| b[k] + self.depth * self.squared[k])
     }
 
-    /// A form's linear part once it is freed of a and b.
+    /// Returns a form's linear part after a and b are eliminated.
     pub fn freed(&self, form: &QuadraticForm) -> [[f64; 3]; 3] {
         [0, 1, 2].map(|i| std::array::from_fn(|k| form.l[i][k] * self.depth + form.offset[i] * self.along[k]))
     }
@@ -110,7 +111,7 @@ mod tests {
     use crate::views::Request;
     use std::path::Path;
 
-    /// Source of the only projector of a rig.
+    /// Returns the source of the only projector of a rig.
     fn source(viewer: [f64; 3], projector: [f64; 3], fov: f64) -> Source {
         let text = format!(
             "[dome]\nradius = 1.0\ncoverage = 360\n[viewer]\nposition = {viewer:?}\n[[output]]\nkind = \"projector\"\n\
@@ -134,7 +135,7 @@ mod tests {
         assert_eq!(evaluation_of(&near), Some(EvaluationMethod::Root));
         let far = source([0.0; 3], [0.0, 0.0, 0.9], 60.0);
         assert_ne!(evaluation_of(&far), Some(EvaluationMethod::Root));
-        // Nearer to the wall than the ray form holds, and outside: the forms themselves.
+        // Nearer to the wall than the ray form allows, and outside: the forms themselves.
         for distance in [0.97, 2.0] {
             let outside = source([0.0; 3], [0.0, -0.5 * distance, 0.8 * distance], 20.0);
             assert!(evaluation_of(&outside) == Some(EvaluationMethod::Forms), "{distance}");
@@ -143,12 +144,12 @@ mod tests {
 
     #[test]
     fn what_f32_cannot_hold_is_a_table() {
-        // Light that passes a viewer near the screen: what is seen is a small difference of places.
+        // The light passes a viewer near the screen: directions are small differences of positions.
         let towards = glam::DMat3::from_rotation_x(30f64.to_radians()) * DVec3::NEG_Z;
         let viewer = towards * 0.98;
         assert!(matches!(source(viewer.to_array(), [0.0; 3], 10.0), Source::Table(_)));
         assert!(matches!(source([0.0; 3], [0.0; 3], 10.0), Source::Projector(_)), "a viewer in the middle");
-        // Pixels of 7e-7 radians are not told apart where a direction is rounded to some 2e-7.
+        // Pixels of 7e-7 radians cannot be distinguished where a direction is rounded to some 2e-7.
         assert!(matches!(source([0.0; 3], [0.0; 3], 0.01), Source::Table(_)));
         assert!(matches!(source([0.0; 3], [0.0; 3], 0.1), Source::Projector(_)));
     }

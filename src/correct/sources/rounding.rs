@@ -10,26 +10,26 @@ use crate::geom::QuadraticForm;
 use crate::geom::quadratic::{linear_at, quadratic_at};
 use glam::DVec3;
 
-/// Error of a sum by rounding, as a part of its terms: some three half steps of f32. With hundreds
-/// of random rigs a driver came to 0.25 to 1.07 times the estimate where that is near what is
-/// allowed.
+/// Rounding error of a sum relative to its terms: about three half steps of f32. With hundreds of
+/// random rigs, the error of a driver was 0.25 to 1.07 times the estimate where the estimate was
+/// near the limit.
 const STEP: f64 = 2e-7;
 /// Greatest allowed motion of a rim, pixels.
 const RIM: f64 = 0.01;
 /// Places in each direction where the error is estimated.
 const PLACES: u32 = 17;
 
-/// A sum of vectors and how large its terms are, component by component.
+/// A sum of vectors, and the size of its terms, component by component.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::correct) struct Sum {
     pub value: DVec3,
     pub terms: DVec3,
 }
 
-/// True if rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how
-/// its forms are added up: directions by no more than 0.002 pixels of a picture 4096 wide, or
-/// 6·10⁻⁷ radians, whichever is more, but by no more than a quarter of the picture's own pixels,
-/// and rims by a hundredth of them.
+/// True if rounding moves directions and rims of `source` only little in a picture of `size`
+/// pixels. `sum`: the way in which its forms are summed. Directions may move by 0.002 pixels of a
+/// picture 4096 wide, or by 6·10⁻⁷ radians, whichever is more, but by at most a quarter of the
+/// picture's own pixels. Rims may move by a hundredth of these.
 pub(in crate::correct) fn is_exact(
     source: &ProjectorSource,
     size: (u32, u32),
@@ -42,7 +42,7 @@ pub(in crate::correct) fn is_exact(
     let place = |i: u32| 2.0 * f64::from(i) / f64::from(PLACES - 1) - 1.0;
     let at = |i: u32| (place(i % PLACES), place(i / PLACES));
     let shown: Vec<bool> = (0..PLACES * PLACES).map(|i| source.direction(at(i).0, at(i).1).is_some()).collect();
-    // Or next to one that is: rims are between them.
+    // True for places that are shown, or next to one that is: rims are between them.
     let near = |i: u32| {
         let around = |k: u32| k.saturating_sub(1)..(k + 2).min(PLACES);
         around(i / PLACES).any(|row| around(i % PLACES).any(|column| shown[(row * PLACES + column) as usize]))
@@ -83,14 +83,14 @@ fn is_sharp(
     let (across, up) = (right.value - here.value, above.value - here.value);
     (0..3).all(|i| {
         let slope = across[i].hypot(up[i]);
-        // As far as the next place, in pixels.
+        // Distance to the next place, in pixels.
         let apart = 2.0 / f64::from(PLACES - 1) / pixel.0.min(pixel.1);
         here.value[i].abs() > slope * apart || STEP * here.terms[i] <= RIM * slope
     })
 }
 
-/// The sum of a form as it stands: quadratic part and linear part times the root. `None` where the
-/// ray misses.
+/// Returns the sum of a form as written: quadratic part and linear part times the root. `None`
+/// where the ray misses.
 pub(in crate::correct) fn of_form(form: &QuadraticForm, x: f64, y: f64) -> Option<Sum> {
     let value = form.evaluate(x, y)?;
     let (root, from_root) = root(&form.d, x, y);
@@ -101,18 +101,18 @@ pub(in crate::correct) fn of_form(form: &QuadraticForm, x: f64, y: f64) -> Optio
     Some(Sum { value, terms: DVec3::new(component(0), component(1), component(2)) })
 }
 
-/// The root of a polynomial ≥ 0, and the size of its terms as far as they move the root.
+/// Returns the root of a polynomial ≥ 0, and the size of its terms as far as they move the root.
 pub(in crate::correct) fn root(polynomial: &[f64; 6], x: f64, y: f64) -> (f64, f64) {
     let root = quadratic_at(polynomial, x, y).max(0.0).sqrt();
     (root, 0.5 * quadratic_terms(polynomial, x, y) / root.max(f64::MIN_POSITIVE))
 }
 
-/// The size of the terms of a quadratic polynomial over `[x², y², xy, x, y, 1]`.
+/// Returns the size of the terms of a quadratic polynomial over `[x², y², xy, x, y, 1]`.
 pub(in crate::correct) fn quadratic_terms(c: &[f64; 6], x: f64, y: f64) -> f64 {
     quadratic_at(&c.map(f64::abs), x.abs(), y.abs())
 }
 
-/// The size of the terms of a linear polynomial over `[x, y, 1]`.
+/// Returns the size of the terms of a linear polynomial over `[x, y, 1]`.
 pub(in crate::correct) fn linear_terms(c: &[f64; 3], x: f64, y: f64) -> f64 {
     linear_at(&c.map(f64::abs), x.abs(), y.abs())
 }

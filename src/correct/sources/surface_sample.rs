@@ -16,15 +16,15 @@ pub(in crate::correct) struct SurfaceSampler<'rig> {
     index: usize,
     evenness: Option<Evenness>,
     scale: Scale,
-    /// Some output tells how bright its black is.
+    /// True if some output specifies how bright its black is.
     with_black: bool,
 }
 
 /// Visible point of a screen at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::correct) struct SurfaceSample {
-    /// From the viewer to what is seen, viewer axes; its length is such that interpolation is good,
-    /// see [`Scale`].
+    /// Vector from the viewer to the point, viewer axes. Its length suits interpolation, see
+    /// [`Scale`].
     pub vector: DVec3,
     /// Weight in linear light, 0…1.
     pub weight: f64,
@@ -32,15 +32,16 @@ pub(in crate::correct) struct SurfaceSample {
 
 /// Length of the vectors from the viewer to the screen, which are interpolated over the output.
 ///
-/// Only their directions are shown. Over the picture of a pinhole, what is linear in space is a
-/// quotient of linear functions: the screen's point over its distance along the lens's axis.
-/// Divided by that distance a flat screen is exact, and so is any screen for a viewer in the lens.
+/// Only their directions matter. In the picture of a pinhole, vectors divided by their distance
+/// along the lens's axis are linear for a flat screen. So interpolation is exact for a flat screen,
+/// and also for any screen if the viewer is in the lens.
 enum Scale {
-    /// As far as the screen is.
+    /// The distance to the screen.
     Length,
-    /// Over the distance from `origin` along `axis`, both in dome axes.
+    /// The same, divided by the distance from `origin` along `axis`, both in dome axes.
     Depth { origin: DVec3, axis: DVec3 },
-    /// A picture without a place: unit vectors over their part along `axis`, viewer axes.
+    /// For a picture without a position: unit vectors divided by their part along `axis`, viewer
+    /// axes.
     Window { axis: DVec3 },
 }
 
@@ -84,7 +85,7 @@ impl<'rig> SurfaceSampler<'rig> {
         })
     }
 
-    /// The output's size in pixels.
+    /// Returns the output's size in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.map.size()
     }
@@ -109,8 +110,8 @@ impl<'rig> SurfaceSampler<'rig> {
         }
     }
 
-    /// The vector from the viewer to a point of the screen (metres, dome axes); `None` for the
-    /// viewer's own place.
+    /// Returns the vector from the viewer to a point of the screen (metres, dome axes); `None` for
+    /// the viewer's own position, and behind the lens.
     pub fn vector(&self, point: DVec3) -> Option<DVec3> {
         let vector = self.map.viewer().point_to_local(point);
         let depth = match self.scale {
@@ -120,20 +121,20 @@ impl<'rig> SurfaceSampler<'rig> {
         (vector != DVec3::ZERO && depth > 0.0).then(|| vector / depth)
     }
 
-    /// The weight at a point of the screen, without what depends on the pixel.
+    /// Returns the weight at a point of the screen, without factors that depend on the pixel.
     pub fn weight(&self, point: DVec3) -> f64 {
         self.weights.weight_at(self.index, point)
     }
 
-    /// The error of a vector that is shown at a pixel position; `None` where nothing is to be shown
-    /// there.
+    /// Returns the error of a vector that is shown at a pixel position, in pixels; `None` where
+    /// nothing is to be shown.
     pub fn error(&self, pixel: DVec2, vector: DVec3) -> Option<f64> {
         let exact = self.map.direction(pixel)?;
         let size = pixel_angle(&self.map, pixel)?;
         Some(exact.cross(vector).length().atan2(exact.dot(vector)) / size)
     }
 
-    /// The table of all pixels.
+    /// Returns the table of all pixels.
     pub fn table(&self) -> Table {
         Table::new(self.size(), |column, row| {
             let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
@@ -145,27 +146,27 @@ impl<'rig> SurfaceSampler<'rig> {
     }
 }
 
-/// Dimming that evens out the light of pixels of different size on a screen that scatters light
-/// evenly: the same light on a smaller area is brighter by the ratio of the areas, the determinant
-/// of the map's Jacobian. Distance and incidence are both in it. Projectors count as equally
-/// bright, so that where they overlap their light is the same.
+/// Dimming that evens out the light of pixels of different size, on a screen that scatters light
+/// evenly. The same light on a smaller area is brighter by the ratio of the areas, which is the
+/// determinant of the map's Jacobian. It includes distance and incidence. Projectors count as
+/// equally bright, so that their light is the same where they overlap.
 struct Evenness {
     /// Area of the pixels that are not dimmed.
     reference: f64,
     strength: f64,
-    /// Areas beforehand, of a picture with many pixels.
+    /// Precomputed areas, for a picture with many pixels.
     areas: Option<Areas>,
 }
 
-/// Pixels in each direction that are looked at for the reference.
+/// Number of pixels in each direction that are examined for the reference.
 const REFERENCE_GRID: u32 = 64;
-/// The part of the pixels that are dimmed; the rest, stretched pixels near grazing light, would
-/// darken all others.
+/// Part of the pixels that are dimmed. The others, stretched pixels near grazing light, would
+/// darken all.
 const DIMMED: f64 = 0.9;
 
 impl Evenness {
-    /// For output `index`: dimmed as much as the output needs whose pixels are the largest for
-    /// their light.
+    /// Returns the dimming of output `index`. The reference is the output whose pixels are largest
+    /// for their light.
     fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], strength: f64) -> Result<Self> {
         let size = sizes.get(index).copied().unwrap_or_default();
         let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
@@ -181,7 +182,7 @@ impl Evenness {
         Ok(Self { reference: reference / pixels(size), strength, areas })
     }
 
-    /// The area on the screen that most pixels of a map do not exceed.
+    /// Returns the area on the screen that most pixels of a map do not exceed.
     fn large_area(map: &WarpMap) -> f64 {
         let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(REFERENCE_GRID);
@@ -191,7 +192,7 @@ impl Evenness {
         areas.get((areas.len() as f64 * DIMMED) as usize).copied().unwrap_or_default()
     }
 
-    /// The weight of a pixel, linear light; 1 where its area is not known.
+    /// Returns the weight of a pixel, linear light; 1 where its area is not known.
     fn weight(&self, map: &WarpMap, pixel: DVec2) -> f64 {
         let area = self.areas.as_ref().and_then(|areas| areas.at(pixel)).or_else(|| map.area(pixel));
         let ratio = area.filter(|_| self.reference > 0.0).map_or(1.0, |area| area / self.reference);
@@ -199,15 +200,16 @@ impl Evenness {
     }
 }
 
-/// Cells in each direction in which areas are interpolated. They vary smoothly: over the whole of
-/// `idome` interpolation is off by less than a thousandth, and it saves four fifths of all rays.
+/// Number of cells in each direction in which areas are interpolated. Areas vary smoothly: in the
+/// preset `idome` interpolation is wrong by less than a thousandth, and it saves four fifths of all
+/// rays.
 const AREA_CELLS: u32 = 256;
 
 /// The areas that pixels light, at the corners of cells.
 struct Areas {
-    /// From one corner to the next, pixels.
+    /// Distance between corners, pixels.
     step: DVec2,
-    /// Row by row; NaN where a pixel has none.
+    /// Areas, row by row; NaN where a pixel has none.
     corners: Vec<f64>,
 }
 
@@ -221,8 +223,8 @@ impl Areas {
         Self { step, corners: places.map(area).collect() }
     }
 
-    /// The area at a pixel position; `None` where it is to be found without interpolation: at an
-    /// edge of what is shown.
+    /// Returns the area at a pixel position; `None` where it has to be found without interpolation:
+    /// at an edge of the shown part.
     fn at(&self, pixel: DVec2) -> Option<f64> {
         let last = f64::from(AREA_CELLS - 1);
         let place = (pixel - 0.5) / self.step;
@@ -256,7 +258,7 @@ mod tests {
         }
         println!("{compared} areas, off by {worst:.2e}");
         assert!(compared > 10_000 && worst < 1e-3, "{compared}: {worst}");
-        // A cell aside is noticed.
+        // Negative control: the area of another cell is noticed.
         let aside = DVec2::new(320.5, 200.5);
         let (there, here) = (areas.at(aside + areas.step), map.area(aside));
         assert!((there.expect("shown") / here.expect("shown") - 1.0).abs() > 1e-3);

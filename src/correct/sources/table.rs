@@ -1,13 +1,13 @@
 //! Maps that have no closed form, and others on request: directions, weights and the light of
 //! black, computed in f64.
 //!
-//! A table of all pixels holds what a pixel's centre shows, so it is as exact as the f64 map that
-//! it was made of, up to one rounding to f32. The directions are kept in axes of their own that
-//! look at the middle of what is shown: the rounding then is relative to the distance from that
-//! middle, and its effect in pixels does not grow where the opening is narrow. Error of the atlas
-//! coordinate, rounding and shader together: at most 5e-7 of the view's width, a thousandth of a
-//! texel for a view 2000 texels wide. Memory: 16 bytes per pixel. A coarser one is as exact as was
-//! asked for, and takes 16 bytes for each entry and a byte for each pixel in memory.
+//! A table of all pixels contains the direction of each pixel's centre. So it is as exact as the
+//! f64 map, up to one rounding to f32. The directions are stored in axes that look at the middle of
+//! the picture. Rounding is then relative to the distance from that middle, and its effect in
+//! pixels does not grow for a narrow opening. Error of the atlas coordinate, rounding and shader
+//! together: at most 5e-7 of the view's width, a thousandth of a texel for a view 2000 texels wide.
+//! Memory: 16 bytes per pixel. A coarser table has the requested error, and takes 16 bytes for each
+//! entry and a byte for each pixel in memory.
 
 use crate::correct::passes::table::{Table, TablePixel};
 use crate::correct::single;
@@ -20,19 +20,19 @@ const COARSE_STEP: usize = 16;
 const PART_ROWS: usize = 16;
 
 impl Table {
-    /// The table of `at` (column and row from the top left → what the pixel's centre shows, `None`
-    /// = nothing) for an output of `size` pixels. The function is called from several threads at
-    /// once, and for some pixels twice.
+    /// Returns the table of an output of `size` pixels. `at` returns the content of a pixel's
+    /// centre, by column and row from the top left; `None` = nothing. It is called from several
+    /// threads at once, and for some pixels twice.
     ///
-    /// A direction that is zero or not finite shows nothing; weights are limited to 0…1, blacks to
-    /// 0 at least, NaN counts as 0. The light of black is kept as what a direction's length is more
-    /// than 1.
+    /// A direction that is zero or not finite shows nothing. Weights are clamped to 0…1, blacks to
+    /// at least 0; NaN counts as 0. The light of black is stored as the excess of a direction's
+    /// length over 1.
     pub fn new(size: (u32, u32), at: impl Fn(u32, u32) -> Option<TablePixel> + Sync) -> Self {
         let (columns, rows) = (size.0 as usize, size.1 as usize);
         let unit = |column: u32, row: u32| {
             let pixel = at(column, row)?;
             let scaled = pixel.direction / pixel.direction.abs().max_element();
-            // `max` first: it takes NaN to 0.
+            // `max` first: it turns NaN into 0.
             let (weight, dark) = (f64::max(pixel.weight, 0.0).min(1.0), f64::max(pixel.dark, 0.0));
             Some(TablePixel { direction: scaled.try_normalize()?, weight, dark })
         };
@@ -76,7 +76,7 @@ pub(super) fn in_parts<T: Send>(
     let helpers = std::thread::available_parallelism().map_or(1, usize::from).min(rows.div_ceil(PART_ROWS));
     std::thread::scope(|scope| {
         for _ in 1..helpers {
-            // Where no thread can be had, the others do its part.
+            // If a thread cannot be started, the others do its part.
             if std::thread::Builder::new().spawn_scoped(scope, work).is_err() {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Cached tables: a ray for each pixel is most of what a start computes where there are tables.
+//! Cached tables. At a start with tables, tracing a ray for each pixel is most of the work.
 
 use crate::cache::{self, Cache, RawBytes};
 use crate::correct::passes::table::Table;
@@ -8,8 +8,8 @@ use glam::DMat3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Returns the table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or
-/// what `cache` has of it.
+/// Returns the table of output `index` of `rig`, whose outputs have `sizes` pixels, from `cache` or
+/// made by `make`.
 ///
 /// # Errors
 /// Those of `make`.
@@ -66,7 +66,7 @@ fn write(table: &Table) -> Option<Vec<u8>> {
     })
 }
 
-/// A table of an output of `size` pixels.
+/// Reads a table of an output of `size` pixels.
 fn read(bytes: &[u8], size: (u32, u32)) -> Option<Table> {
     let CachedTable { size: found, step, entries, axes, weighted, error, lit: RawBytes(bits), texels } =
         cache::decode(bytes)?;
@@ -121,8 +121,8 @@ mod tests {
             let bytes = write(&table).expect("bytes");
             let size = table.size;
             assert_eq!(read(&bytes, size), Some(table));
-            // What is cut off is refused; what is changed is refused or read as something, and no
-            // more is asked for than there is.
+            // Truncated data is refused. Changed data is refused or read as another table, without
+            // asking for more bytes than there are.
             for length in 0..bytes.len().min(2000) {
                 assert!(read(&bytes[..length], size).is_none(), "{length}");
             }
@@ -136,7 +136,8 @@ mod tests {
         }
     }
 
-    /// Large data stands in keys by a sum. If the sum missed a change, an old result would be used.
+    /// Keys contain a checksum of large data. If the sum missed a change, an old result would be
+    /// used.
     #[test]
     fn every_number_of_large_data_counts_in_keys() {
         fn differ<T: Serialize + std::fmt::Debug>(values: &[T]) {

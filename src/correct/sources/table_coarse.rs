@@ -11,12 +11,12 @@ use std::sync::Mutex;
 /// Distances between entries, in pixels: powers of two, so that the parts of a step are exact.
 const STEPS: [u32; 7] = [128, 64, 32, 16, 8, 4, 2];
 
-/// The coarsest table of `sampler` that errs by at most `max_error` pixels and [`WEIGHT_ERROR`] of
-/// the light, measured at the centre of every pixel; one of all pixels, which is exact, where no
-/// coarser one does.
+/// Returns the coarsest table of `sampler` whose error is at most `max_error` pixels and
+/// [`WEIGHT_ERROR`] of the light, measured at the centre of every pixel. If no coarser table is
+/// exact enough, returns that of all pixels.
 ///
-/// Interpolation errs by the square of the step: four times less for half of it. Entries beyond a
-/// rim are continued from within.
+/// The error of interpolation is proportional to the square of the step. Entries beyond a rim are
+/// extrapolated from inside.
 pub(in crate::correct) fn coarse(sampler: &SurfaceSampler, max_error: f64) -> Table {
     let exact = sampler.table();
     let finest = exact.finest_steps();
@@ -29,7 +29,7 @@ pub(in crate::correct) fn coarse(sampler: &SurfaceSampler, max_error: f64) -> Ta
 }
 
 impl Table {
-    /// The entries of `sampler`, `step` pixels apart, in the axes of `exact`.
+    /// Returns the entries of `sampler`, `step` pixels apart, in the axes of `exact`.
     fn with_step(sampler: &SurfaceSampler, exact: &Self, step: u32) -> Self {
         let size = exact.size;
         let entries = (size.0.div_ceil(step) + 1, size.1.div_ceil(step) + 1);
@@ -46,7 +46,7 @@ impl Table {
         for _ in 0..2 {
             known = continued(&known, columns, rows);
         }
-        // Shaders know no distances: the longest vector gets length 1.
+        // Shaders use only directions, so the longest vector gets length 1.
         let longest =
             known.iter().flatten().map(|v| DVec3::new(v[0], v[1], v[2]).length()).fold(f64::MIN_POSITIVE, f64::max);
         let texels = known
@@ -65,8 +65,8 @@ impl Table {
         }
     }
 
-    /// The angle of each pixel's finer step to its neighbours, radians, by tens of rows and
-    /// columns.
+    /// Returns the angle of each pixel, radians: root mean square of the steps to a neighbour
+    /// across and to one down.
     fn finest_steps(&self) -> Vec<f64> {
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
         let direction = |column: usize, row: usize| {
@@ -117,8 +117,8 @@ impl Table {
         let mut rows: Vec<usize> = (0..self.size.1 as usize).collect();
         in_parts(&mut rows, 1, self.size.1 as usize, &|_, part: &mut [usize]| {
             for &mut row in part {
-                // Nothing is left in a lock that another thread broke: the table counts as too
-                // coarse then.
+                // If another thread panicked while it held the lock, the table counts as too
+                // coarse.
                 let failed = worst.lock().map_or(true, |worst| worst.is_none());
                 let error = if failed { return } else { row_error(row) };
                 if let Ok(mut worst) = worst.lock() {
@@ -130,8 +130,8 @@ impl Table {
     }
 }
 
-/// The entries, those that are missing next to known ones continued: by the mean of the parabolas
-/// through the next three in a row, or of the lines through the next two.
+/// Returns the entries. Missing entries next to known ones are extrapolated: by the mean of the
+/// parabolas through the next three in a row, or of the lines through the next two.
 fn continued(known: &[Option<[f64; 4]>], columns: i64, rows: i64) -> Vec<Option<[f64; 4]>> {
     let at = |column: i64, row: i64| {
         let inside = (0..columns).contains(&column) && (0..rows).contains(&row);

@@ -1,5 +1,5 @@
-//! Cached arrangements of views: choosing them is most of what a start computes, and depends on the
-//! rig and on the outputs' sizes alone.
+//! Cached arrangements of views. Choosing them is most of the work at a start, and depends only on
+//! the rig and on the outputs' sizes.
 
 use crate::cache::Cache;
 use crate::error::Result;
@@ -8,7 +8,7 @@ use crate::views::arranging::choose;
 use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::sampling::output_map::OutputMap;
 
-/// Returns [`choose::arrange`], or what `cache` has of it.
+/// Returns the result of [`choose::arrange`], from `cache` if it is there.
 pub(in crate::views) fn arrange(rig: &Rig, output_maps: &[OutputMap], cache: &Cache) -> Result<Arrangement> {
     let sizes: Vec<_> = output_maps.iter().map(|output_map| output_map.size).collect();
     let is_sound = |found: &Arrangement| found.views.iter().all(|view| is_sound(view, output_maps.len()));
@@ -64,8 +64,8 @@ mod tests {
             let cached = read(&bytes).expect("an arrangement");
             assert_eq!(format!("{planned:?}"), format!("{cached:?}"));
 
-            // Whatever is cut off or changed is refused or read as something, and never the end of
-            // the program.
+            // Truncated data is refused. Changed data is refused or read as another arrangement,
+            // and never ends the program.
             for length in 0..bytes.len() {
                 assert!(read(&bytes[..length]).is_none(), "{length}");
             }

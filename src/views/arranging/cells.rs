@@ -20,9 +20,9 @@ pub struct CellCosts<'a> {
 }
 
 impl CellCosts<'_> {
-    /// Approximate number of texels of the views for the cells that these vectors define, as
-    /// [`Views::cells`](crate::rig::Views::cells) does; infinite where a cell is too wide for a
-    /// perspective view. The sum stops at the first cell with which it exceeds `limit`.
+    /// Returns the approximate number of texels of the views for the cells that these vectors
+    /// define, as [`Views::cells`](crate::rig::Views::cells) does; infinite where a cell is too
+    /// wide for a perspective view. The sum stops at the first cell with which it exceeds `limit`.
     pub fn texels(&self, vectors: &[DVec3], limit: f64) -> f64 {
         let mut sum = 0.0;
         for cell in diagram(vectors) {
@@ -34,12 +34,12 @@ impl CellCosts<'_> {
         sum
     }
 
-    /// The vectors of the cheapest cube's faces, without the faces that no output samples.
+    /// Returns the vectors of the cheapest cube's faces, without the faces that no output samples.
     pub fn cube(&self) -> Vec<DVec3> {
         self.task.best_vectors(&self.frames)
     }
 
-    /// Directions that the outputs show, as unit vectors in the viewer's axes.
+    /// Returns the directions that the outputs show, as unit vectors in the viewer's axes.
     pub fn directions(&self) -> Vec<DVec3> {
         self.task.coarse.iter().flat_map(|samples| samples.iter()).map(|sample| sample.direction).collect()
     }

@@ -1,4 +1,4 @@
-//! Choice between a view of its own and a shared cube for each output.
+//! Choice between dedicated views and a shared cube for each output.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::pose;
@@ -15,10 +15,10 @@ use glam::{DMat3, DVec3};
 
 /// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
 ///
-/// Pixels shrink without bound where a projector's light grazes the screen close to its lens, or
-/// where a lens crams a large part of its picture into a point. A view as fine as the finest of
-/// them would fit into no atlas. The bar does not affect pictures that are merely oblique: a 90° ×
-/// 60° lens at 0.9 radii needs 7.
+/// Pixels shrink without limit where a projector's light grazes the screen close to its lens, or
+/// where a lens maps a large part of its picture to a point. A view with the resolution of the
+/// smallest pixels would not fit into any atlas. The limit does not affect pictures that are only
+/// oblique: a 90° × 60° lens at 0.9 radii needs 7.
 pub(super) const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.
@@ -35,8 +35,8 @@ pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangemen
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
         } else if this.fine.iter().any(|sample| output_map.is_widened(sample)) {
             notes.push(format!(
-                "output {}: some pixels of its calibration are far narrower than the others; no view is as fine as these \
-                 would have it",
+                "output {}: some pixels of its calibration are far narrower than the others; the resolution of the views \
+                 does not follow these pixels",
                 output.name
             ));
         }
@@ -46,7 +46,7 @@ pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangemen
         sampled.push(this);
     }
 
-    // What an eye sees from another place is another view: only outputs of the same eye share
+    // Eyes at different positions need different views, so only outputs of the same eye share
     // views.
     let mut eyes: Vec<f64> = Vec::new();
     for output in &rig.outputs {
@@ -70,11 +70,12 @@ pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangemen
     Ok(arrangement)
 }
 
-/// The cheapest arrangement for the outputs of one eye.
+/// Returns the cheapest arrangement for the outputs of one eye.
 fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f64) -> Result<Arrangement> {
     let options = PlannerOptions::of(rig);
     let of_eye = |index: usize| rig.outputs[index].eye == eye;
-    // Always alone: what needs no resampling then, or is drawn with the program's own lens.
+    // These outputs always have a dedicated view: it needs no resampling, or is drawn with the
+    // program's own lens.
     let is_dedicated = |index: usize| sampled[index].is_exact();
     let is_circle = |index: usize| output_maps[index].is_circular();
     let ways: &[&dyn Fn(usize) -> bool] = match rig.views.method {
@@ -83,11 +84,11 @@ fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f6
         ViewMethod::Single => &[&|_| true],
         ViewMethod::Auto => &[&|_| true, &|index| is_dedicated(index) || !is_circle(index), &is_dedicated],
     };
-    // Ways that give the same outputs views of their own are the same.
+    // Ways with dedicated views for the same outputs are the same.
     let mut tried: Vec<Vec<bool>> = Vec::new();
     let mut cheapest: Option<((usize, f64), Arrangement)> = None;
     let mut refused = None;
-    // Outputs that show something and yet have no view.
+    // Outputs that show something but have no view.
     let without = |arrangement: &Arrangement| -> Vec<usize> {
         let has_one = |index: &usize| arrangement.views.iter().any(|view| view.outputs.contains(index));
         (0..sampled.len())
@@ -95,8 +96,8 @@ fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f6
             .filter(|i| !has_one(i))
             .collect()
     };
-    // Of equals the first way counts; the last one is looked at first, since it needs no views of
-    // outputs' own and may cost less than these can.
+    // Among equal costs the first way counts. The last way is tried first, since it needs no
+    // dedicated views and may cost less than these can.
     for way in ways.iter().rev() {
         let wanted: Vec<bool> = (0..sampled.len()).map(|index| of_eye(index) && way(index)).collect();
         let most = cheapest.as_ref().filter(|((without, _), _)| *without == 0);
@@ -124,8 +125,8 @@ fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f6
     Ok(arrangement)
 }
 
-/// Of the outputs that `chosen` names: views of their own for those that `is_dedicated` names,
-/// which have some; shared cells for the others.
+/// Returns the views of the outputs for which `chosen` is true: dedicated views where
+/// `is_dedicated` is true, shared cells for the others.
 fn mixed(
     rig: &Rig,
     sampled: &[OutputSamples],
@@ -166,8 +167,8 @@ fn without_view(rig: &Rig, outputs: &[usize]) -> Error {
     Error::new(
         ErrorKind::InvalidRig,
         format!(
-            "output {}: no perspective view can show it: what it shows is far narrower than high, or far higher, or no more than \
-             a part of a pixel; make it wider, or leave it out",
+            "output {}: no perspective view can show it: its directions form a strip that is far too narrow, or less than \
+             a pixel; make the output show more, or remove it",
             names.join(", ")
         ),
     )
@@ -177,14 +178,14 @@ fn too_wide_cell(index: usize) -> Error {
     Error::new(
         ErrorKind::InvalidRig,
         format!(
-            "[views] cells: what the outputs show of the cell of cells[{index}] lies more than 83° from any axis, too wide \
-             for one perspective view; use more cells (`cupola-lab cells` finds some), or leave the key out"
+            "[views] cells: in the cell of cells[{index}] the outputs show directions more than 83° from every axis, too \
+             wide for one perspective view; use more cells (`cupola-lab cells` finds some), or remove the key"
         ),
     )
 }
 
-/// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people
-/// then.
+/// Reduces the resolution of a view to the limit of [`MOST_TEXELS_PER_PIXEL`]. Returns a note for
+/// the user if it did.
 fn limit(view: &mut PlannedView, output_maps: &[OutputMap], quality: f64) -> Option<String> {
     let pixels = |&output: &usize| f64::from(output_maps[output].size.0) * f64::from(output_maps[output].size.1);
     let asked = view.fit.texels() / (quality * quality) / view.outputs.iter().map(pixels).sum::<f64>();
@@ -194,8 +195,8 @@ fn limit(view: &mut PlannedView, output_maps: &[OutputMap], quality: f64) -> Opt
     let scale = (MOST_TEXELS_PER_PIXEL / asked).sqrt();
     view.fit.density *= scale;
     Some(format!(
-        "view {} has {:.1} % of the resolution asked for, in each direction: the smallest of its outputs' pixels \
-         would take {asked:.0} texels for each pixel",
+        "view {} has {:.1} % of the resolution asked for, in each direction: the smallest pixels of its outputs \
+         would need {asked:.0} texels for each pixel",
         view.name,
         100.0 * scale,
     ))
@@ -221,8 +222,8 @@ fn share_equals(views: &mut Vec<PlannedView>) {
     *views = kept;
 }
 
-/// Frames (local → viewer axes) around which cubes are tried: the viewer's, the domemasters', and
-/// one that looks at the middle of everything seen.
+/// Returns the frames (local → viewer axes) for which cubes are tried: those of domemasters and
+/// panoramas, the viewer's, and one that looks at the middle of all samples.
 pub(in crate::views) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
     let middle: DVec3 = samples.iter().map(|samples| mean_direction(samples.iter())).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
@@ -246,15 +247,13 @@ fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usi
         arrangement.views.push(PlannedView { name, outputs, ..PlannedView::from(part.oriented) });
     }
     for direction in partition.skipped {
-        arrangement
-            .notes
-            .push(format!("{LEFT_OUT}{}: nothing that the outputs show lies there", direction_name(direction)));
+        arrangement.notes.push(format!("{LEFT_OUT}{}: no output shows directions there", direction_name(direction)));
     }
 }
 
-/// A direction in words: `front`, `up`, `front-left` …
+/// Returns a direction in words: `front`, `up`, `front-left` …
 pub(super) fn direction_name(direction: DVec3) -> String {
-    // A third of the way to the next axis counts as between the two.
+    // From about a third of the way to the next axis, both words count.
     const SHARE: f64 = 0.38;
     let word = |part: f64, positive: &'static str, negative: &'static str| {
         (part.abs() > SHARE).then_some(if part > 0.0 { positive } else { negative })
@@ -279,8 +278,8 @@ fn no_single_view(name: &str, samples: &Samples) -> Error {
     Error::new(
         ErrorKind::InvalidRig,
         format!(
-            "[views] method = \"single\": output {name} sees directions up to {:.0}° from their middle, and one \
-             perspective view can show 83° at most; use method = \"auto\" or \"cube\", or a narrower output",
+            "[views] method = \"single\": output {name} shows directions up to {:.0}° from their middle, but one \
+             perspective view can show at most 83°; use method = \"auto\" or \"cube\", or a narrower output",
             widest.to_degrees(),
         ),
     )
@@ -292,7 +291,7 @@ mod tests {
     use crate::testing::random::Random;
     use crate::views::tests::{fisheye, lens, projector, rig};
 
-    /// The cheapest of all ways, each planned as a whole, the first of equals.
+    /// Returns the cheapest arrangement of all ways, each planned completely; the first of equals.
     fn exhaustive(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap]) -> Arrangement {
         let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| true, &|index| !output_maps[index].is_circular(), &|_| false];
         let options = PlannerOptions::of(rig);

@@ -1,4 +1,4 @@
-//! The one view of a rig with content: the program's window as it is.
+//! The only view of a rig with content: the program's window.
 
 use crate::views::arranging::planned_view::PlannedView;
 use crate::views::fitting::fit::Fit;
@@ -6,7 +6,7 @@ use crate::views::sampling::output_map::UNIT_FRUSTUM;
 use crate::views::view_plan::Request;
 use glam::{DMat3, DVec2};
 
-/// The program's window, for this number of outputs.
+/// Returns the view of the program's window, for this number of outputs.
 pub(in crate::views) fn window(request: &Request, outputs: usize) -> PlannedView {
     let (width, height) = request.window;
     let density = DVec2::new(f64::from(width), f64::from(height)) / 2.0;

@@ -3,11 +3,12 @@
 use crate::rig::{Favour, Rig, ViewMethod};
 use crate::views::view_plan::ViewPlan;
 
-/// A thousand draws at 1–2 µs are 1–2 ms. In that time a graphics card shades 5–10 million texels
-/// with an overdraw of 2, and a software rasteriser about 0.3 million: 2²⁰ lies between.
+/// Cost of a view beside its texels, in texels. A thousand draws at 1–2 µs are 1–2 ms. In that time
+/// a graphics card shades 5–10 million texels with an overdraw of 2, and a software rasteriser
+/// about 0.3 million: 2²⁰ lies between.
 const TEXELS_PER_VIEW: f64 = 1_048_576.0;
 
-/// The draws of a frame that this is for.
+/// Number of draws of a frame for which [`TEXELS_PER_VIEW`] holds.
 const USUAL_DRAWS: f64 = 1024.0;
 
 /// The keys of `[views]` that the steps of the planner read.
@@ -19,7 +20,7 @@ pub(crate) struct PlannerOptions {
     pub method: ViewMethod,
     /// Resource that is scarce.
     pub favour: Favour,
-    /// The rig gives the cells of the shared views.
+    /// True if the rig gives the cells of the shared views.
     pub given_cells: bool,
 }
 
@@ -35,8 +36,8 @@ impl PlannerOptions {
         }
     }
 
-    /// Cost of a view beside its texels, in texels; 16 times as much, or as little, for a rig that
-    /// favours one resource.
+    /// Returns the cost of a view beside its texels, in texels; 16 times as much, or a sixteenth,
+    /// for a rig that favours one resource.
     pub fn texels_per_draw_set(&self) -> f64 {
         match self.favour {
             Favour::Balanced => TEXELS_PER_VIEW,
@@ -47,8 +48,8 @@ impl PlannerOptions {
     }
 }
 
-/// Returns the cost of a plan for `rig` in a frame, in texels: those of its views, and for each
-/// view what submitting the program's draws once more costs.
+/// Returns the cost of a plan for `rig` in a frame, in texels: the texels of its views, and for
+/// each view the cost of submitting the program's draws once more.
 pub fn cost(plan: &ViewPlan, rig: &Rig) -> f64 {
     let beside = PlannerOptions::of(rig).texels_per_draw_set();
     plan.views.iter().map(|view| view.tile.area() as f64 + beside).sum()

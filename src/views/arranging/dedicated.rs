@@ -1,4 +1,4 @@
-//! The views that outputs can have to themselves.
+//! Dedicated views of outputs.
 
 use crate::geom::pose;
 use crate::rig::{OutputKind, Rig, ViewMethod};
@@ -23,15 +23,15 @@ pub(crate) struct OutputSamples {
     pub fine: Samples,
     /// A view that is fixed by the output's kind.
     given: Option<PlannedView>,
-    /// The tight view, or the two, that it can have to itself, once somebody asks; empty where that
-    /// is not possible.
+    /// The one or two tight dedicated views, made when they are first needed; empty if there can be
+    /// none.
     tight: OnceCell<Vec<PlannedView>>,
     /// The output's index and name.
     output: (usize, String),
 }
 
 impl OutputSamples {
-    /// Output number `index` of `rig`.
+    /// Samples output `index` of `rig`.
     pub fn new(rig: &Rig, index: usize, output_map: &OutputMap) -> Self {
         let (coarse, fine) = (Samples::new(output_map, COARSE), Samples::new(output_map, FINE));
         let output = &rig.outputs[index];
@@ -44,7 +44,7 @@ impl OutputSamples {
         Self { coarse, fine, given, tight: OnceCell::new(), output: (index, output.name.clone()) }
     }
 
-    /// The views that it can have to itself, named after it.
+    /// Returns the dedicated views that the output can have, named after it.
     pub fn own(&self, options: &PlannerOptions) -> &[PlannedView] {
         match &self.given {
             Some(given) => std::slice::from_ref(given),
@@ -61,34 +61,34 @@ impl OutputSamples {
         }
     }
 
-    /// True if its own views have been planned.
+    /// True if the tight views have been planned.
     #[cfg(test)]
     pub fn is_planned(&self) -> bool {
         self.tight.get().is_some()
     }
 
-    /// True if it needs no resampling, or is drawn with the program's own lens.
+    /// True if the output needs no resampling, or is drawn with the program's own lens.
     pub fn is_exact(&self) -> bool {
         self.given.as_ref().is_some_and(|given| given.exact.is_some())
     }
 
-    /// True if all that it shows lies so near to the `middle` that it certainly can have a view of
-    /// its own.
+    /// True if all directions of the output lie so near to `middle` that it certainly can have a
+    /// dedicated view.
     fn has_narrow_picture(&self, middle: DVec3) -> bool {
         !self.fine.is_empty() && self.fine.iter().all(|sample| sample.direction.dot(middle) > NARROW)
     }
 }
 
-/// Returns for each output whether it is `wanted` alone and can have views of its own; `None` where
-/// those are found to cost more than `most` texels together. Views are costly to plan, so no more
-/// of them are planned than are needed to tell.
+/// Returns for each output whether dedicated views are `wanted` for it and possible. `None` if
+/// these views are found to cost more than `most` texels together. Views are costly to plan, so
+/// planning stops as soon as that is certain.
 pub(crate) fn dedicated_within(
     options: &PlannerOptions,
     sampled: &[OutputSamples],
     wanted: &[bool],
     most: f64,
 ) -> Option<Vec<bool>> {
-    // Outputs that show the same share a view.
+    // Outputs with the same picture share a view.
     let mut middles: Vec<DVec3> = Vec::new();
     let mut counted = Vec::new();
     for (this, wanted) in sampled.iter().zip(wanted) {
@@ -111,7 +111,7 @@ pub(crate) fn dedicated_within(
     Some(own)
 }
 
-/// The view of a perspective output: its own picture, texel for pixel.
+/// Returns the view of a perspective output: its own picture, one texel per pixel.
 pub(crate) fn own_view(
     kind: &OutputKind,
     index: usize,
@@ -141,8 +141,9 @@ pub(crate) fn own_view(
     })
 }
 
-/// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at
-/// the sharpness that its far end needs, and halves need less. With `method = "single"` it is one.
+/// Returns the tight view of an output, or two views if that is cheaper. One view has everywhere
+/// the resolution that the far end of a wide picture needs; halves need less. With `method =
+/// "single"` there is one view.
 fn tight_views(options: &PlannerOptions, sampled: &OutputSamples) -> Vec<PlannedView> {
     let quality = options.quality;
     let samples = Patch::of(&sampled.coarse);
@@ -150,7 +151,7 @@ fn tight_views(options: &PlannerOptions, sampled: &OutputSamples) -> Vec<Planned
     let middle = samples.middle();
     let least = sampled.coarse.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
     let one: Vec<PlannedView> = single.map(PlannedView::from).into_iter().collect();
-    // Two views cost at least what submitting the draws twice does.
+    // Two views cost at least as much as submitting the draws twice.
     let cheap = !one.is_empty() && cost(options, &one) <= 2.0 * options.texels_per_draw_set();
     if options.method == ViewMethod::Single || least > NARROW || cheap {
         return one;

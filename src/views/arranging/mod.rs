@@ -1,12 +1,12 @@
-//! Third step of the planner: which views there are.
+//! Third step of the planner: the choice of the views.
 //!
-//! `choose` compares the families of views: a dedicated view for each output (`dedicated`), views
+//! `choose` compares the families of views: dedicated views for each output (`dedicated`), views
 //! that several outputs share as cells of the direction sphere (`partition`), or a mixture. Outputs
-//! whose vertices are projected straight to their pixels have a view of their own (`projected`). A
-//! rig with content has one view for all of them (`content`). `cost` says what a view costs beside
-//! its texels. The result is an arrangement of planned views (`planned_view`), which have no place
-//! yet. `cached` keeps it for the next start, and `cells` gives searches of the laboratory the cost
-//! of any cells. `unseen` makes views for pixels that the samples missed.
+//! whose vertices are projected directly to their pixels have a dedicated view (`projected`). A rig
+//! with content has one view for all outputs (`content`). `cost` is the cost of a view beside its
+//! texels. The result is an arrangement of planned views (`planned_view`), which have no tile yet.
+//! `cached` stores it for the next start. `cells` computes the cost of any cells, for searches of
+//! the laboratory. `unseen` makes views for pixels that the samples missed.
 
 pub mod cached;
 pub mod cells;

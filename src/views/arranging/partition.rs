@@ -1,10 +1,11 @@
-//! Views that several outputs share: the sphere of directions cut into cells, a view for each that
-//! is sampled.
+//! Views that several outputs share: the sphere of directions is cut into cells, and each cell that
+//! is sampled gets a view.
 //!
-//! The cells are those of a cube, turned in various ways, whose front, upper and lower face may be
-//! narrower or wider than 90°, or any others that planes through the viewer bound (`diagram`). A
-//! cell that is sampled only in part gets axes of its own: the view that shows a half face is
-//! tighter when it is tilted towards that half, and a triangle needs another roll than a square.
+//! The cells are the faces of a cube in one of several orientations, whose front, upper and lower
+//! face may be narrower or wider than 90°. Or they are any other cells that are bounded by planes
+//! through the viewer (`diagram`). A cell that is sampled only in part gets its own axes: the view
+//! of half a face is tighter if it is tilted towards that half, and a triangle needs another roll
+//! than a square.
 
 use crate::rig::Favour;
 use crate::views::arranging::cost::PlannerOptions;
@@ -17,7 +18,7 @@ use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_PI_4;
 
-/// A cube's upper and lower faces stay as wide as they are unless this part of the cost is enough.
+/// The widths of a cube's upper and lower faces are changed only if the cost falls below this part.
 const WORTH_IT: f64 = 0.998;
 
 /// Number of cube orientations that are refined.
@@ -26,24 +27,24 @@ const BEST_TURNS: usize = 3;
 /// A view of a partition.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
-    /// The middle of its cell, viewer axes.
+    /// Middle of the cell, viewer axes.
     pub towards: DVec3,
     /// Axes, opening and resolution.
     pub oriented: OrientedView,
-    /// Indices of those of the given outputs that sample it.
+    /// Indices of the given outputs that sample the view.
     pub outputs: Vec<usize>,
 }
 
-/// The views of a partition, and what became of the other cells.
+/// Views of a partition, and the cells without a view.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Partition {
     /// The views, in order of precedence.
     pub parts: Vec<Part>,
-    /// Centres of the cells that nothing samples, viewer axes.
+    /// Centres of the cells that no output samples, viewer axes.
     pub skipped: Vec<DVec3>,
 }
 
-/// The number of a cell that no perspective view can show.
+/// Index of a cell that no perspective view can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct WideCell(pub usize);
 
@@ -61,7 +62,7 @@ pub(crate) struct Task<'a> {
     /// Cost of a view beside its texels, in texels.
     pub beside: f64,
     /// True if upper and lower faces may be narrower or wider than a cube's: that saves texels, but
-    /// of those that are left more are sampled, and so shaded.
+    /// more of the remaining texels are sampled, and so shaded.
     any_height: bool,
 }
 
@@ -79,22 +80,22 @@ pub(crate) struct Cell {
 struct Widths {
     /// Tangent to which the front face reaches towards right and left.
     front: f64,
-    /// Tangent from the axis up and from that down, beside which right and left begin.
+    /// Tangent from the axis up, and from the axis down, at which the faces right and left begin.
     upright: f64,
 }
 
 impl Widths {
     const CUBE: Self = Self { front: 1.0, upright: 1.0 };
 
-    /// The vectors of front, right, left, up, down, back whose [`diagram`] has these cells.
+    /// Returns the vectors of front, right, left, up, down, back whose [`diagram`] has these cells.
     fn vectors(self) -> [DVec3; 6] {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         [-z * self.front, x, -x, y * self.upright, -y * self.upright, z]
     }
 }
 
-/// The cells of a cube (`turned`: cube → viewer axes) with such faces: front, right, left, up,
-/// down, back.
+/// Returns the cells of a cube (`turned`: cube → viewer axes) with faces of these widths: front,
+/// right, left, up, down, back.
 fn cells(turned: DMat3, widths: Widths) -> [Cell; 6] {
     let vectors = widths.vectors();
     vectors.map(|vector| Cell {
@@ -106,9 +107,9 @@ fn cells(turned: DMat3, widths: Widths) -> [Cell; 6] {
     })
 }
 
-/// The cells of a power diagram on the sphere (Aurenhammer 1987): a direction belongs to the cell
-/// of the vector with which it has the greatest scalar product. Every cell is convex and bounded by
-/// planes through the viewer; equal vectors share a cell.
+/// Returns the cells of a power diagram on the sphere (Aurenhammer 1987): a direction belongs to
+/// the cell of the vector with which it has the greatest scalar product. Every cell is convex and
+/// bounded by planes through the viewer; equal vectors share a cell.
 pub(crate) fn diagram(vectors: &[DVec3]) -> Vec<Cell> {
     let middle = vectors.iter().sum::<DVec3>() / vectors.len().max(1) as f64;
     let cell = |&vector: &DVec3| Cell {
@@ -118,8 +119,8 @@ pub(crate) fn diagram(vectors: &[DVec3]) -> Vec<Cell> {
     vectors.iter().map(cell).collect()
 }
 
-/// The cubes that are tried (cube → viewer axes): for each of `frames` aligned with it, an edge
-/// forward (upright, lying, and rolled by 45°), and both corners forward.
+/// Returns the cubes that are tried (cube → viewer axes). For each of `frames`: aligned with it,
+/// with an edge forward (upright, and lying), rolled by 45°, and with each of two corners forward.
 fn turns(frames: &[DMat3]) -> Vec<DMat3> {
     // The angle between an edge's middle and the corner of a cube.
     let corner = (1.0 / 2f64.sqrt()).atan();
@@ -135,7 +136,7 @@ fn turns(frames: &[DMat3]) -> Vec<DMat3> {
 }
 
 impl<'a> Task<'a> {
-    /// The task for outputs with these samples, at least one of them.
+    /// Makes the task for outputs with these samples. There is at least one output.
     pub fn new(options: &PlannerOptions, coarse: &'a [&'a Samples], fine: &'a [&'a Samples]) -> Self {
         Self {
             coarse,
@@ -147,7 +148,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The cheapest partition found into two cells, by a plane near `middle`.
+    /// Returns the cheapest partition found into two cells, by a plane near `middle`.
     pub fn halves(&self, middle: DVec3) -> Option<Partition> {
         const DIRECTIONS: u32 = 12;
         let frame = facing(middle);
@@ -166,17 +167,18 @@ impl<'a> Task<'a> {
         self.estimate(&best).is_finite().then(|| self.partition(&best).ok()).flatten()
     }
 
-    /// The cheapest partition found: every turn of the cube with its views along the faces, then
-    /// the best few with the front face's width and the views' axes searched. Deterministic.
+    /// Returns the cheapest partition found. First every orientation of the cube is tried with its
+    /// views along the faces. Then, for the best few, the front face's width and the views' axes
+    /// are searched. Deterministic.
     ///
-    /// `None` where a cell of it is too wide for a view after all.
+    /// `None` if one of its cells turns out to be too wide for a view.
     pub fn best(&self, frames: &[DMat3]) -> Option<Partition> {
         let (turned, widths) = self.best_cube(frames)?;
         self.partition(&cells(turned, widths)).ok()
     }
 
-    /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that
-    /// nothing samples.
+    /// Returns the vectors of the [`diagram`] whose cells are those of the best partition, without
+    /// cells that no output samples.
     pub fn best_vectors(&self, frames: &[DMat3]) -> Vec<DVec3> {
         let Some((turned, widths)) = self.best_cube(frames) else { return Vec::new() };
         let vectors = widths.vectors().map(|vector| turned * vector);
@@ -184,15 +186,15 @@ impl<'a> Task<'a> {
         vectors.into_iter().zip(sampled).filter_map(|(vector, sampled)| sampled.then_some(vector)).collect()
     }
 
-    /// The turn and the widths of the best cube.
+    /// Returns the orientation and the widths of the best cube.
     fn best_cube(&self, frames: &[DMat3]) -> Option<(DMat3, Widths)> {
         let mut ranked: Vec<(i64, f64, DMat3)> = Vec::new();
         for turned in turns(frames) {
-            // What is dearer than the best few need not be known.
+            // Costs above those of the best few need not be known.
             let limit = ranked.get(BEST_TURNS - 1).map_or(i64::MAX, |(cost, ..)| *cost);
             let cost = self.estimate_up_to(&cells(turned, Widths::CUBE), limit);
-            // Behind its equals, and compared to a thousandth: of equals, the first wins whatever
-            // the rounding.
+            // The cube comes after equal costs. Costs are compared to a thousandth, so that the
+            // first of equals wins whatever the rounding.
             let place = ranked.partition_point(|(other, ..)| *other <= rounded(cost));
             ranked.insert(place, (rounded(cost), cost, turned));
         }
@@ -207,7 +209,7 @@ impl<'a> Task<'a> {
         best.map(|(_, turned, front)| (turned, self.finer(turned, front)))
     }
 
-    /// All widths to a part of a per cent, the front's near `front`.
+    /// Returns all widths to a part of a per cent, the front's near `front`.
     fn finer(&self, turned: DMat3, front: f64) -> Widths {
         let cost = |widths: Widths| self.estimate(&cells(turned, widths));
         let near = |front: f64, upright: f64| match front == 1.0 {
@@ -223,8 +225,8 @@ impl<'a> Task<'a> {
         if cost(other) < WORTH_IT * cost(plain) { other } else { plain }
     }
 
-    /// The width of the front face: a cube's, which costs `plain`, or less or more where that is
-    /// cheaper; and its cost.
+    /// Returns the width of the front face and its cost: the cube's width, which costs `plain`, or
+    /// another width if that is cheaper.
     fn best_front(&self, turned: DMat3, plain: f64) -> (f64, f64) {
         let cost = |front: f64| self.estimate(&cells(turned, Widths { front, ..Widths::CUBE }));
         let front = golden_section(cost, 0.7, 1.2, 0.03);
@@ -232,10 +234,12 @@ impl<'a> Task<'a> {
         if found < 0.995 * plain { (front, found) } else { (1.0, plain) }
     }
 
-    /// Angle in radians: directions within it beyond a cell's side are left to the neighbour.
+    /// Returns an angle in radians. A cell that is sampled only nearer than this to its sides
+    /// leaves these directions to the neighbour.
     ///
-    /// A fifth of a pixel: less is shown by the widened part of the neighbour, and a dome that ends
-    /// exactly at a side (180° and a cube with an edge forward) must not make views beyond it.
+    /// It is a fifth of a pixel. The widened part of the neighbour shows directions so near to the
+    /// side. A dome that ends exactly at a side (180°, and a cube with an edge forward) must not
+    /// cause views beyond it.
     fn ignored(&self) -> f64 {
         (0.2 * self.pixel).clamp(1e-9, 0.02)
     }
@@ -249,13 +253,14 @@ impl<'a> Task<'a> {
         (Patch::new(&samples), users)
     }
 
-    /// The cost of a partition, with axes only tilted and rolled in steps; infinite where an output
-    /// is so small, and so near to the sides of cells, that it is left to the neighbour by all.
+    /// Returns the cost of a partition, with axes only tilted and rolled in steps. It is infinite
+    /// if an output is so small, and so near to the sides of cells, that all cells leave it to a
+    /// neighbour.
     pub fn estimate(&self, cells: &[Cell]) -> f64 {
         self.estimate_up_to(cells, i64::MAX)
     }
 
-    /// [`Task::estimate`], or infinity where it is [`rounded`] to more than `limit`.
+    /// Returns [`Task::estimate`], or infinity if it is [`rounded`] to more than `limit`.
     fn estimate_up_to(&self, cells: &[Cell], limit: i64) -> f64 {
         let mut left: Vec<bool> = self.coarse.iter().map(|samples| !samples.is_empty()).collect();
         let mut cost = 0.0;
@@ -272,19 +277,19 @@ impl<'a> Task<'a> {
         if left.contains(&true) { f64::INFINITY } else { cost }
     }
 
-    /// About the texels of a cell's view; 0 where nothing is sampled, infinite where no perspective
-    /// view can show it.
+    /// Returns the approximate number of texels of a cell's view; 0 if no output samples it,
+    /// infinite if no perspective view can show it.
     pub fn texels(&self, cell: &Cell) -> f64 {
         let (samples, users) = self.sampled(self.coarse, cell);
         if users.is_empty() { 0.0 } else { tilted(cell, &samples, self.quality).0 }
     }
 
-    /// The partition with its views' axes refined, and their openings and resolutions from the
-    /// finest samples.
+    /// Returns the partition with refined axes of its views, and with openings and resolutions from
+    /// the finest samples.
     ///
     /// # Errors
-    /// The cell of which the finest samples, unlike the coarse ones that it was chosen by, show
-    /// more than a perspective view can.
+    /// A cell that was chosen by the coarse samples, but whose finest samples show more than a
+    /// perspective view can.
     pub fn partition(&self, cells: &[Cell]) -> Result<Partition, WideCell> {
         let mut found = Partition::default();
         for (index, cell) in cells.iter().enumerate() {
@@ -296,7 +301,7 @@ impl<'a> Task<'a> {
             }
             let (cost, axes) = tilted(cell, &coarse, self.quality);
             let better = refined(&coarse, axes, self.quality);
-            // A cell's own axes are kept where others gain nothing.
+            // A cell keeps its own axes unless others gain something.
             let least = if axes == cell.axes { 0.995 * cost } else { cost };
             let gains = texels(&coarse, better, self.quality) < least;
             let choices = [if gains { better } else { axes }, axes, cell.axes];
@@ -311,11 +316,11 @@ impl<'a> Task<'a> {
         Ok(found)
     }
 
-    /// Raises the resolution of views to what lies outside their cells but inside their openings,
-    /// as far as no earlier view answers for it.
+    /// Raises the resolution of views for directions outside their cells but inside their openings,
+    /// unless an earlier view serves these.
     fn raise(&self, partition: &mut Partition) {
-        // What lies deeper than this in an earlier view (radians) is left to that; what lies at its
-        // border may be between two samples, so more is counted than needed.
+        // Directions deeper than this in an earlier view (radians) are left to that view.
+        // Directions at its border may lie between two samples, so more are counted than needed.
         const DEPTH: f64 = 0.04;
         let mut earlier: Vec<(Cone, Vec<usize>)> = Vec::new();
         for part in &mut partition.parts {
@@ -325,7 +330,7 @@ impl<'a> Task<'a> {
                     outputs.contains(&output) && other.depths(sample.direction).iter().all(|&depth| depth > DEPTH)
                 })
             };
-            // What `layout` widens the part by is answered for too.
+            // The view also serves the directions by which `layout` widens its part.
             let widening = WIDENING / part.oriented.fit.density.min_element();
             let others: Vec<Sample> = part
                 .outputs
@@ -342,7 +347,7 @@ impl<'a> Task<'a> {
     }
 }
 
-/// The size of the finest pixel in radians.
+/// Returns the size of the finest pixel in radians.
 fn finest_pixel(samples: &[&Samples]) -> f64 {
     samples
         .iter()
@@ -354,13 +359,13 @@ fn finest_pixel(samples: &[&Samples]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Costs to a thousandth.
+/// Rounds costs to a thousandth.
 fn rounded(cost: f64) -> i64 {
     (cost.ln() * 1e3).round() as i64
 }
 
-/// The texels and the axes (local → viewer) of a view for `samples`, the part of a cell that is
-/// seen: the cell's axes tilted towards the middle of the samples, rolled by 0° or 45°.
+/// Returns the texels and the axes (local → viewer) of a view for `samples`, the sampled part of a
+/// cell. The cell's axes are tilted towards the middle of the samples, and rolled by 0° or 45°.
 fn tilted(cell: &Cell, samples: &Patch, quality: f64) -> (f64, DMat3) {
     let straight = (texels(samples, cell.axes, quality), cell.axes);
     let (axis, middle) = (-cell.axes.z_axis, samples.middle());

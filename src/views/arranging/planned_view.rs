@@ -1,4 +1,4 @@
-//! Views before they have a place, and what an arrangement of them costs.
+//! Planned views, which have no tile yet, and the cost of an arrangement of them.
 
 use crate::geom::PictureMap;
 use crate::views::arranging::cost::PlannerOptions;
@@ -6,31 +6,31 @@ use crate::views::fitting::axes::OrientedView;
 use crate::views::fitting::fit::Fit;
 use glam::DMat3;
 
-/// A view before it has a place and its final size.
+/// A view before it has a tile and its final size.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct PlannedView {
     /// Name in messages.
     pub name: String,
     /// Viewer axes → view axes.
     pub rotation: DMat3,
-    /// The sampled part and the resolution it needs.
+    /// The sampled part and its resolution.
     pub fit: Fit,
     /// Size of the sampled part in pixels, one texel each at quality 1.
     pub exact: Option<(u32, u32)>,
-    /// Drawn with the program's own projection.
+    /// True if the view is drawn with the program's own projection.
     pub program_lens: bool,
-    /// Vertices are projected straight to the output's pixels.
+    /// Map by which vertices are projected directly to the output's pixels.
     pub curved: Option<PictureMap>,
     /// Distance of the eye to the right of the viewer's position, metres.
     pub eye: f64,
-    /// The outputs that sample it.
+    /// Indices of the outputs that sample the view.
     pub outputs: Vec<usize>,
 }
 
 /// The views of a rig, and remarks for the user.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Arrangement {
-    /// In order of precedence.
+    /// The views, in order of precedence.
     pub views: Vec<PlannedView>,
     /// Remarks: what was left out, and why.
     pub notes: Vec<String>,

@@ -1,4 +1,4 @@
-//! Views of outputs whose vertices are projected straight to their pixels: the output's own
+//! Views of outputs whose vertices are projected directly to their pixels: the output's own
 //! picture, pixel for pixel.
 
 use crate::geom::{PictureLens, PictureMap, pose};
@@ -8,8 +8,8 @@ use crate::views::fitting::fit::Fit;
 use crate::views::sampling::output_map::{UNIT_FRUSTUM, lens_rotation, viewer_rotation};
 use glam::{DMat3, DVec2, DVec3};
 
-/// The view of an output of `size` pixels; `None` where its method or its kind does not project
-/// vertices.
+/// Returns the view of an output of `size` pixels; `None` if its method or its kind does not
+/// project vertices.
 pub(in crate::views) fn view(rig: &Rig, index: usize, size: (u32, u32)) -> Option<PlannedView> {
     let output = &rig.outputs[index];
     let (rotation, map) = map(rig, output, size).filter(|_| output.method.projects_vertices())?;
@@ -25,7 +25,8 @@ pub(in crate::views) fn view(rig: &Rig, index: usize, size: (u32, u32)) -> Optio
     })
 }
 
-/// Viewer axes → lens axes, and the map of an output of `size` pixels on the dome.
+/// Returns the rotation viewer axes → lens axes, and the map of an output of `size` pixels on the
+/// dome.
 fn map(rig: &Rig, output: &Output, size: (u32, u32)) -> Option<(DMat3, PictureMap)> {
     let to_viewer = viewer_rotation(rig).transpose();
     let viewer = to_viewer * rig.eye(output).position / rig.dome.radius;

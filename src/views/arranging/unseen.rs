@@ -1,8 +1,8 @@
-//! Views for what the planner's samples missed and no view can be widened to show.
+//! Views for directions that the planner's samples missed and that no view can be widened to show.
 //!
-//! A cell in which no sample lies gets no view. Where a mirror or a screen is seen so flatly that
-//! what an output shows is narrower than a pixel of the samples' grid, pixels may lie there after
-//! all. They are found when passes are built.
+//! A cell without samples gets no view. At a flat angle to a mirror or a screen, the picture of an
+//! output may be narrower than a step of the samples' grid. Pixels may then lie in such a cell.
+//! They are found when passes are built.
 
 use crate::rig::Rig;
 use crate::views::arranging::choose::{MOST_TEXELS_PER_PIXEL, direction_name, free_name};
@@ -12,7 +12,8 @@ use crate::views::fitting::fit::Patch;
 use crate::views::sampling::output_map::{OutputMap, Sample};
 use glam::{DVec2, DVec3};
 
-/// Views for what `output` shows at pixel positions; `others` are those that there are.
+/// Returns views for the directions that `output` shows at pixel positions. `others`: the existing
+/// views.
 pub(in crate::views) fn views(
     rig: &Rig,
     (output, output_map): (usize, &OutputMap),
@@ -21,8 +22,8 @@ pub(in crate::views) fn views(
 ) -> Vec<PlannedView> {
     let samples: Vec<Sample> = places.iter().filter_map(|place| output_map.sample_or_disc(*place)).collect();
     let quality = rig.views.quality;
-    // One view for all, or one for each face of a cube: in a face no two directions are too far
-    // from each other.
+    // One view for all, or one for each face of a cube: directions in the same face are near enough
+    // to each other.
     let views = match oriented(&samples, quality) {
         Some(view) => vec![view],
         None => by_faces(&samples).iter().filter_map(|face| oriented(face, quality)).collect(),
@@ -47,7 +48,7 @@ fn oriented(samples: &[Sample], quality: f64) -> Option<OrientedView> {
     tightest(&patch, &patch, quality)
 }
 
-/// The samples in each face of a cube.
+/// Returns the samples in each face of a cube.
 fn by_faces(samples: &[Sample]) -> [Vec<Sample>; 6] {
     let mut faces: [Vec<Sample>; 6] = Default::default();
     for sample in samples {

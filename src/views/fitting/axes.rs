@@ -15,11 +15,12 @@ pub(crate) struct OrientedView {
     pub fit: Fit,
 }
 
-/// The single view with the fewest texels that shows `fine` (searched on `coarse`, the same
-/// directions), or `None` where some direction would lie more than 83° from any axis tried.
+/// Returns the single view with the fewest texels that shows `fine`. The search uses `coarse`,
+/// samples of the same directions. `None` if some direction would lie more than 83° from every axis
+/// that was tried.
 ///
-/// A grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best two.
-/// Deterministic.
+/// Tries a grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best
+/// two. Deterministic.
 pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<OrientedView> {
     let base = facing(coarse.middle());
     let mut starts: Vec<(f64, DMat3)> = Vec::new();
@@ -41,21 +42,21 @@ pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<Ori
         .min_by(|a, b| a.fit.texels().total_cmp(&b.fit.texels()))
 }
 
-/// Better axes near `axes` (local → viewer), by the simplex of Nelder and Mead (1965).
+/// Returns better axes near `axes` (local → viewer), by the simplex of Nelder and Mead (1965).
 pub(crate) fn refined(samples: &Patch, axes: DMat3, quality: f64) -> DMat3 {
     let turned = |at: [f64; 3]| axes * pose::rotation(at[0], at[1], at[2]);
     let cost = |at: [f64; 3]| texels(samples, turned(at), quality).ln();
     turned(nelder_mead(cost, [0.0; 3], 0.1, 90))
 }
 
-/// Texels that a view with `axes` (local → viewer) needs for `samples`; infinite where it cannot
-/// show them.
+/// Returns the number of texels that a view with `axes` (local → viewer) needs for `samples`;
+/// infinite if it cannot show them.
 pub(crate) fn texels(samples: &Patch, axes: DMat3, quality: f64) -> f64 {
     fit(axes.transpose(), samples, quality, false).map_or(f64::INFINITY, |fit| fit.texels())
 }
 
-/// Axes (local → parent) of a camera that looks along `direction`, upright where that means
-/// something.
+/// Returns the axes (local → parent) of a camera that looks along `direction`, upright where that
+/// is defined.
 pub(crate) fn facing(direction: DVec3) -> DMat3 {
     let back = -direction.normalize_or(DVec3::NEG_Z);
     let hint = if back.y.abs() > 0.99 { DVec3::NEG_Z * back.y.signum() } else { DVec3::Y };

@@ -13,7 +13,7 @@ pub(in crate::views) struct Metrics {
     pub up: DVec4,
 }
 
-/// One of them.
+/// One metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Metric {
     across: f64,
@@ -22,12 +22,12 @@ struct Metric {
 }
 
 impl Metrics {
-    /// The one in a lane.
+    /// Returns the metric of a lane.
     fn get(&self, lane: usize) -> Metric {
         Metric { across: self.across[lane], mixed: self.mixed[lane], up: self.up[lane] }
     }
 
-    /// Up to four; what is missing is like the first.
+    /// Makes it from up to four metrics; missing ones equal the first.
     fn of(metrics: &[Metric]) -> Self {
         let lanes = |part: fn(&Metric) -> f64| {
             DVec4::from_array(std::array::from_fn(|lane| part(metrics.get(lane).unwrap_or(&metrics[0]))))
@@ -36,8 +36,8 @@ impl Metrics {
     }
 }
 
-/// The least product of resolutions, in texels per unit of tangent at quality 1, that satisfies all
-/// `metrics`; `None` if there are none, or no finite ones do.
+/// Returns the resolutions with the least product, in texels per unit of tangent at quality 1, that
+/// satisfy all `metrics`; `None` if there are no metrics, or if no finite resolutions satisfy them.
 ///
 /// `fine` searches the ratio of the two to 1e-4 instead of some per cent.
 pub(in crate::views) fn density(metrics: &[Metrics], fine: bool) -> Option<DVec2> {
@@ -51,7 +51,7 @@ pub(in crate::views) fn density(metrics: &[Metrics], fine: bool) -> Option<DVec2
     }
     let metrics = &undominated(metrics);
     let centre = (across / up).ln();
-    // log of the squared product, halved
+    // Half the logarithm of the squared product.
     let cost = |log_ratio: f64| least_squared_up(metrics, log_ratio).ln() + 0.5 * log_ratio;
     let steps = if fine { 24 } else { 8 };
     let step = 6.0 / f64::from(steps);
@@ -64,8 +64,9 @@ pub(in crate::views) fn density(metrics: &[Metrics], fine: bool) -> Option<DVec2
 /// Returns the minimum of a convex `cost` among 0…`last`, the first of equals. The search starts in
 /// the middle and goes downhill.
 ///
-/// That of [`density`] is convex: eigenvalues whose matrix has entries with convex logarithms have
-/// one, too (Kingman 1961), and so has the greatest of many.
+/// The cost in [`density`] is convex. If the entries of a matrix have convex logarithms, its
+/// greatest eigenvalue has one, too (Kingman 1961), and so has the greatest of many such
+/// eigenvalues.
 fn valley(last: u32, cost: impl Fn(u32) -> f64) -> u32 {
     let mut at = last / 2;
     let mut here = cost(at);
@@ -90,7 +91,7 @@ fn valley(last: u32, cost: impl Fn(u32) -> f64) -> u32 {
     at
 }
 
-/// The metrics but for those that others imply (`G ⪯ G'`), as far as the few greatest ones tell.
+/// Returns the metrics without those that one of the few greatest metrics implies (`G ⪯ G'`).
 fn undominated(metrics: &[Metrics]) -> Vec<Metrics> {
     let sizes: [fn(&Metrics) -> DVec4; 4] = [|m| m.across, |m| m.up, |m| m.across + m.up, |m| m.across * m.up];
     let pivots: Vec<Metric> = sizes.iter().filter_map(|size| metric_of_greatest(metrics, size)).collect();
@@ -112,7 +113,7 @@ fn undominated(metrics: &[Metrics]) -> Vec<Metrics> {
     kept.chunks(LANES).map(Metrics::of).collect()
 }
 
-/// The metric of the greatest size.
+/// Returns the metric of the greatest size.
 fn metric_of_greatest(metrics: &[Metrics], size: impl Fn(&Metrics) -> DVec4) -> Option<Metric> {
     let mut sizes = DVec4::splat(f64::NEG_INFINITY);
     for four in metrics {
@@ -125,7 +126,7 @@ fn metric_of_greatest(metrics: &[Metrics], size: impl Fn(&Metrics) -> DVec4) -> 
     })
 }
 
-/// The least `f_y²` for `f_x²/f_y² = exp(log_ratio)`.
+/// Returns the least `f_y²` for `f_x²/f_y² = exp(log_ratio)`.
 pub(in crate::views) fn least_squared_up(metrics: &[Metrics], log_ratio: f64) -> f64 {
     let (inverse, root) = (DVec4::splat((-log_ratio).exp()), DVec4::splat((-0.5 * log_ratio).exp()));
     let half = DVec4::splat(0.5);
@@ -139,7 +140,7 @@ pub(in crate::views) fn least_squared_up(metrics: &[Metrics], log_ratio: f64) ->
     greatest(eigenvalues)
 }
 
-/// The place of a minimum of `cost` between `low` and `high`, to `tolerance` (Kiefer 1953).
+/// Returns the place of a minimum of `cost` between `low` and `high`, to `tolerance` (Kiefer 1953).
 pub(crate) fn golden_section(cost: impl Fn(f64) -> f64, mut low: f64, mut high: f64, tolerance: f64) -> f64 {
     const PART: f64 = 0.618_033_988_749_894_8;
     let (mut left, mut right) = (high - PART * (high - low), low + PART * (high - low));
@@ -163,7 +164,7 @@ mod tests {
     use super::*;
     use crate::testing::random::Random;
 
-    /// Of random ellipses, some of them long.
+    /// Returns metrics of random ellipses, some of them long.
     fn metrics(random: &mut Random, count: usize) -> Vec<Metric> {
         let metric = |_| {
             let (long, short, turn) = (random.range(1.0, 30.0), random.range(0.01, 1.0), random.range(0.0, 3.2));
@@ -177,7 +178,7 @@ mod tests {
         (0..count).map(metric).collect()
     }
 
-    /// The greatest eigenvalue, one by one.
+    /// Returns the greatest eigenvalue, computed one by one.
     fn greatest_eigenvalue(metrics: &[Metric], log_ratio: f64) -> f64 {
         metrics.iter().fold(0.0, |greatest, metric| {
             let (across, mixed) = (metric.across * (-log_ratio).exp(), metric.mixed * (-0.5 * log_ratio).exp());
@@ -186,7 +187,7 @@ mod tests {
         })
     }
 
-    /// [`density`] over all metrics, none left out, all steps tried.
+    /// Returns [`density`] over all metrics, with none left out and all steps tried.
     fn plain(metrics: &[Metric], fine: bool) -> DVec2 {
         let greatest = |part: fn(&Metric) -> f64| metrics.iter().map(part).fold(0.0, f64::max);
         let centre = (greatest(|m| m.across) / greatest(|m| m.up)).ln();

@@ -14,8 +14,8 @@ use crate::views::sampling::output_map::{Sample, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 
-/// Factor on the resolution, for places between samples that need more than the samples do: over a
-/// 64th of a picture, twice what any map seen so far needs.
+/// Factor on the resolution for places between samples, which may need more than the samples do. It
+/// is twice what any map so far needs over a 64th of a picture.
 const RESERVE: f64 = 1.0001;
 
 /// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent
@@ -36,16 +36,16 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Texels of the sampled part.
+    /// Returns the number of texels of the sampled part.
     pub fn texels(&self) -> f64 {
         self.extent.width() * self.extent.height() * self.density.x * self.density.y
     }
 }
 
-/// Samples that are fitted many times, four by four.
+/// Samples that are fitted many times, in groups of four.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patch {
-    /// The last four are filled up with the first of them.
+    /// Groups of four. The last group is filled up with its first sample.
     fours: Vec<Four>,
     middle: DVec3,
 }
@@ -82,7 +82,8 @@ impl Patch {
         Self::new(&samples.iter().copied().collect::<Vec<_>>())
     }
 
-    /// The mean of their directions, of unit length; straight ahead where there is none.
+    /// Returns the mean of the samples' directions, of unit length; straight ahead if there is
+    /// none.
     pub fn middle(&self) -> DVec3 {
         self.middle
     }
@@ -95,7 +96,7 @@ impl Patch {
 /// `fine` searches the ratio of the two resolutions to 1e-4 instead of some per cent.
 pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) -> Option<Fit> {
     let axes = Axes::new(rotation);
-    // Twice through the directions costs less than metrics that are not needed.
+    // Reading the directions twice costs less than metrics that are not needed.
     let nearest = samples.fours.iter().fold(DVec4::splat(f64::INFINITY), |found, four| lesser(found, axes.ahead(four)));
     if least(nearest) < LEAST_COSINE {
         return None;
@@ -115,7 +116,7 @@ pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) ->
 }
 
 impl Fit {
-    /// Raises the resolution to what `others`, shown by the same view, need too.
+    /// Raises the resolution for `others`, further samples that the view shows.
     pub fn raise(&mut self, rotation: DMat3, others: &[Sample], quality: f64) {
         let axes = Axes::new(rotation);
         let shown: Vec<Sample> = others.iter().filter(|sample| axes.shows(sample)).copied().collect();
@@ -126,9 +127,9 @@ impl Fit {
     }
 }
 
-/// Texels per pixel around a sample in the direction in which there are fewest, in a view with axes
-/// `rotation` (viewer → view) and `density` texels per unit of tangent; `None` too far from its
-/// axis.
+/// Returns the texels per pixel around a sample, in the direction with the fewest, for a view with
+/// axes `rotation` (viewer → view) and `density` texels per unit of tangent; `None` if the sample
+/// is too far from its axis.
 pub(crate) fn sharpness(rotation: DMat3, density: DVec2, sample: &Sample) -> Option<f64> {
     let axes = Axes::new(rotation);
     if !axes.shows(sample) {
@@ -162,7 +163,7 @@ impl Axes {
         -(self.rotation * sample.direction).z >= LEAST_COSINE
     }
 
-    /// The cosines of the angles from the axis.
+    /// Returns the cosines of the angles from the axis.
     #[inline(always)]
     fn ahead(&self, four: &Four) -> DVec4 {
         -dot(&self.rows[2], &four.direction)
@@ -183,14 +184,14 @@ impl Axes {
         let scale = nearness * nearness;
         let (xx, xy, yy) =
             (dot(&across, &spread_across) * scale, dot(&across, &spread_up) * scale, dot(&up, &spread_up) * scale);
-        // A pixel that is seen edge-on would ask for endless resolution; it gets a finite amount.
+        // A pixel that is seen edge-on would need an infinite resolution; it gets a finite one.
         let least = greater(DVec4::splat(1e-6) * xx * yy, DVec4::splat(f64::MIN_POSITIVE));
         let determinant = greater(least, xx * yy - xy * xy);
         (at, Metrics { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant })
     }
 }
 
-/// Scalar products.
+/// Returns the scalar products.
 #[inline(always)]
 fn dot(a: &[DVec4; 3], b: &[DVec4; 3]) -> DVec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,32 +1,32 @@
-//! Four numbers at a time, as [`DVec4`]: compilers make vector instructions of them, and the
-//! results are those of single numbers to the bit.
+//! Computation with four numbers at a time, as [`DVec4`]. Compilers make vector instructions of it,
+//! and the results are those of single numbers to the bit.
 //!
-//! `DVec4::max` returns its argument where either is no number. The functions here keep the value
+//! `DVec4::max` returns its argument where either number is NaN. The functions here keep the value
 //! that was found so far.
 
 use glam::DVec4;
 
-/// Number of numbers.
+/// Number of lanes.
 pub(in crate::views) const LANES: usize = 4;
 
-/// The greater ones; those of `found` where one is no number.
+/// Returns the greater numbers; those of `found` where one is NaN.
 #[inline(always)]
 pub(in crate::views) fn greater(found: DVec4, other: DVec4) -> DVec4 {
     other.max(found)
 }
 
-/// The smaller ones; those of `found` where one is no number.
+/// Returns the smaller numbers; those of `found` where one is NaN.
 #[inline(always)]
 pub(in crate::views) fn lesser(found: DVec4, other: DVec4) -> DVec4 {
     other.min(found)
 }
 
-/// The greatest of them that is a number.
+/// Returns the greatest number that is not NaN.
 pub(in crate::views) fn greatest(numbers: DVec4) -> f64 {
     numbers.to_array().into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The least of them that is a number.
+/// Returns the least number that is not NaN.
 pub(in crate::views) fn least(numbers: DVec4) -> f64 {
     numbers.to_array().into_iter().fold(f64::INFINITY, f64::min)
 }

@@ -6,8 +6,8 @@ use crate::views::view_plan::Tile;
 /// The first lies at the origin. At least `gutter` texels stay free between any two.
 ///
 /// Skyline packing, bottom-left rule, tallest first, for a series of widths; the smallest area
-/// wins. `None` if nothing tried fits into `limit × limit`. Deterministic; O(n³) with n tiles,
-/// of which there are some twenty at most.
+/// wins. `None` if nothing that was tried fits into `limit × limit`. Deterministic. Takes O(n³) for
+/// n tiles, of which there are about twenty at most.
 pub(crate) fn pack(sizes: &[(u32, u32)], gutter: u32, limit: u32) -> Option<(Vec<Tile>, (u32, u32))> {
     if sizes.is_empty() {
         return Some((Vec::new(), (0, 0)));
@@ -36,7 +36,7 @@ pub(crate) fn pack(sizes: &[(u32, u32)], gutter: u32, limit: u32) -> Option<(Vec
     best
 }
 
-/// Widths worth trying: sums of a few tiles' widths, and even steps between.
+/// Returns the widths worth trying: sums of a few tiles' widths, and even steps between.
 fn widths(sizes: &[(u32, u32)], gutter: u32, widest: u32, most: u32) -> Vec<u32> {
     const STEPS: u32 = 32;
     let mut widths: Vec<u32> = (0..=STEPS)
@@ -84,7 +84,7 @@ fn skyline(sizes: &[(u32, u32)], order: &[usize], gutter: u32, width: u32) -> (V
     (tiles, used)
 }
 
-/// The greatest height of the skyline from the start of `steps` over `width`.
+/// Returns the greatest height of the skyline from the start of `steps` over `width`.
 fn height_over(steps: &[Step], width: u32) -> u32 {
     let end = steps[0].x + width;
     steps.iter().take_while(|step| step.x < end).map(|step| step.y).max().unwrap_or(0)

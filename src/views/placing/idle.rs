@@ -1,8 +1,8 @@
-//! Views that no pixel samples after all.
+//! Views that no pixel samples.
 //!
-//! The planner reasons about the continuous picture of an output. Where that reaches into a cell by
-//! less than a pixel, no pixel's centre may lie in it; and where views overlap, an earlier one may
-//! answer for everything that a later one shows. Such a view would be drawn for nothing.
+//! The planner uses the continuous picture of an output. If the picture reaches into a cell by less
+//! than a pixel, it may be that no pixel's centre lies in the cell. Where views overlap, an earlier
+//! view may serve everything that a later one shows. Such a view would be drawn in vain.
 
 use crate::geom::PixelSpan;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
@@ -11,10 +11,10 @@ use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
 /// Number of pixels of an output, across and down, that are tried first: most views that are not
-/// idle show in one of them.
+/// idle serve one of them.
 const FEW: u32 = 24;
 
-/// A view that answers for no pixel of any output, if there is one.
+/// Returns a view that serves no pixel of any output, if there is one.
 pub(crate) fn find(plan: &ViewPlan, output_maps: &[OutputMap]) -> Option<usize> {
     (0..plan.views.len()).find(|&index| {
         !output_maps.iter().zip(&plan.output_views).any(|(output_map, views)| {
@@ -27,7 +27,7 @@ pub(crate) fn find(plan: &ViewPlan, output_maps: &[OutputMap]) -> Option<usize> 
     })
 }
 
-/// The search for a pixel of one output that a view answers for.
+/// The search for a pixel of one output that a view serves.
 struct Search<'a> {
     output_map: &'a OutputMap,
     view: Cone,
@@ -36,17 +36,17 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The direction at a pixel's centre, unit length.
+    /// Returns the direction at a pixel's centre, unit length.
     fn direction(&self, x: u32, y: u32) -> Option<DVec3> {
         self.output_map.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
     }
 
-    /// True if the view answers for a direction.
+    /// True if the view serves a direction.
     fn answers(&self, direction: DVec3) -> bool {
         self.view.contains(direction) && !self.earlier.iter().any(|other| other.contains(direction))
     }
 
-    /// True if there is such a pixel among a few.
+    /// True if the view serves one of a few pixels.
     fn finds_at_once(&self) -> bool {
         let pixel = |step: u32, length: u32| (u64::from(2 * step + 1) * u64::from(length) / u64::from(2 * FEW)) as u32;
         let (width, height) = self.output_map.size;
@@ -54,8 +54,8 @@ impl Search<'_> {
         places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
     }
 
-    /// True if the view answers for a pixel of a block: by quarters, but for blocks that lie clear
-    /// of the view or inside an earlier one.
+    /// True if the view serves a pixel of a block. The search goes by quarters, except for blocks
+    /// that lie clear of the view or inside an earlier one.
     fn finds(&self, block: PixelSpan) -> bool {
         let PixelSpan { left, top, right, bottom } = block;
         let (middle_x, middle_y) = (left + (right - left) / 2, top + (bottom - top) / 2);
@@ -78,7 +78,7 @@ impl Search<'_> {
             .any(|part| self.finds(part))
     }
 
-    /// True if the corners of a block tell that no pixel of it is answered by the view.
+    /// True if the corners of a block prove that the view serves no pixel of it.
     fn hopeless(&self, block: PixelSpan) -> bool {
         let PixelSpan { left, top, right, bottom } = block;
         let places = [(left, top), (right - 1, top), (left, bottom - 1), (right - 1, bottom - 1)];

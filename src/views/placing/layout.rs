@@ -8,29 +8,29 @@ use crate::views::fitting::fit::WIDENING;
 use crate::views::placing::atlas;
 use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 
-/// Texels around the sampled part of a tile.
+/// Number of texels around the sampled part of a tile.
 ///
-/// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; an eighth is the overlap of views (`correct::shaders`), the rest for the
-/// rounding of 32-bit shaders. Further sampling positions in a pixel need no wider guard: each is
-/// looked up in the view that answers for it.
+/// At the border of the sampled part, bilinear filtering reads half a texel beyond it, a cubic
+/// kernel one and a half. An eighth of a texel is the overlap of views (`correct::shaders`), the
+/// rest is for the rounding of 32-bit shaders. Further sampling positions in a pixel need no wider
+/// guard: each is sampled in the view that serves it.
 fn guard(filter: Filter) -> f64 {
     if filter.is_cubic() { 1.65625 } else { 0.65625 }
 }
 
-/// Least widening of the sampled part, as a tangent: about four times the rounding error of f32.
-/// More than [`WIDENING`] only where texels are narrower than two millionths.
+/// Least widening of the sampled part, as a tangent: about four times the rounding error of f32. It
+/// exceeds [`WIDENING`] only if texels are narrower than two millionths.
 const ROUNDING: f64 = 4e-7;
 
-/// Free texels between tiles.
+/// Number of free texels between tiles.
 const GUTTER: u32 = 1;
 
-/// At this part of the resolution asked for each view is one texel. If it still does not fit, the
-/// tile of the window is too large.
+/// At this part of the requested resolution each view is one texel. If the views still do not fit,
+/// the tile of the window is too large.
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
-/// `sampling_margin`: texels that the guard is wider than filters need.
+/// `sampling_margin`: texels of the guard in addition to those for filters.
 pub(crate) fn place(
     rig: &Rig,
     request: &Request,
@@ -56,7 +56,7 @@ pub(crate) fn place(
     };
     if scale < 1.0 {
         notes.push(format!(
-            "the views have {:.1} % of the resolution asked for, in each direction: an atlas of {limit}×{limit} texels holds no more",
+            "the views have {:.1} % of the resolution asked for, in each direction: an atlas of {limit}×{limit} texels has no room for more",
             100.0 * scale
         ));
     }
@@ -94,24 +94,24 @@ fn too_small(request: &Request) -> Error {
     Error::new(
         ErrorKind::Graphics,
         format!(
-            "an atlas of {limit}×{limit} texels is too small for {width}×{height} pixels of the program's window beside the views; a smaller window would fit",
+            "an atlas of {limit}×{limit} texels has no room for {width}×{height} pixels of the program's window beside the views; use a smaller window",
             limit = request.max_atlas
         ),
     )
 }
 
-/// One direction of a view: the sampled part, widened by [`WIDENING`], the opening of the tile, and
-/// its number of texels.
+/// Computes one direction of a view. Returns the sampled part, widened by [`WIDENING`], the opening
+/// of the tile, and its number of texels.
 ///
-/// From the middle outwards the tile consists of the sampled part (`span`), the widening and the
-/// guard on either side (`around`). The number of texels is a whole one, so that texels are a
-/// little narrower than `density` asks for: `texel` is the width with which `span` keeps exactly
+/// From the middle outwards the tile consists of the sampled part (`span`), and of the widening and
+/// the guard on either side (`around`). The number of texels is rounded up, so that texels are a
+/// little narrower than `density` requires. `texel` is the width with which `span` fills exactly
 /// the texels that `around` leaves. Part and opening are then measured from the middle in such
-/// texels. A span of 0 (a single direction) has texels of the asked width.
+/// texels. A span of 0 (a single direction) has texels of the required width.
 fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64), u32) {
     let rounding = (ROUNDING - WIDENING / density).max(0.0);
     let (span, around) = (high - low + 2.0 * rounding, 2.0 * (WIDENING + guard));
-    // 2^20 is far beyond any atlas: the loop that scales down sees it as too large.
+    // 2^20 is far beyond any atlas: the loop that scales down finds it too large.
     let texels = (span * density + around).max(around + 0.5).ceil().min(1_048_576.0);
     let texel = if span > 0.0 { span / (texels - around) } else { 1.0 / density };
     let middle = 0.5 * (low + high);
@@ -120,7 +120,7 @@ fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64
     ((middle - half, middle + half), (middle - whole, middle + whole), texels as u32)
 }
 
-/// The view in its final size, at no place yet.
+/// Returns the view in its final size, without a place in the atlas.
 fn sized(planned: &PlannedView, quality: f64, scale: f64, guard: f64) -> View {
     let extent = planned.fit.extent;
     let (owned, frustum, (width, height)) = match planned.exact {
@@ -158,7 +158,7 @@ fn sized(planned: &PlannedView, quality: f64, scale: f64, guard: f64) -> View {
     }
 }
 
-/// The flat panel: a window in front of the viewer.
+/// Returns the flat panel: a window in front of the viewer.
 fn panel(rig: &Rig, tile: Tile) -> View {
     let half = (0.5 * rig.overlay.width).tan();
     let half_up = half * f64::from(tile.height) / f64::from(tile.width);
@@ -181,8 +181,8 @@ mod tests {
 
     #[test]
     fn a_part_is_widened_by_what_rounding_moves_directions() {
-        // 64 texels of 1e-9, and 64 of 1e-3: what is owned is wider on either side, by 4e-7 at
-        // least.
+        // 64 texels of 1e-9, and 64 of 1e-3: the owned part is wider on either side, by at least
+        // 4e-7.
         for (texel, least) in [(1e-9, ROUNDING), (1e-3, WIDENING * 1e-3)] {
             let (low, high) = (0.3, 0.3 + 64.0 * texel);
             let ((from, to), (first, last), texels) = side(low, high, 1.0 / texel, 1.5);

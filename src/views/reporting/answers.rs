@@ -1,4 +1,4 @@
-//! Search for the view that answers for a direction of an output.
+//! Search for the view that serves a direction of an output.
 
 use crate::geom::ContentMap;
 use crate::rig::Rig;
@@ -12,7 +12,8 @@ use glam::{DMat2, DVec2};
 pub(super) struct Answers<'a> {
     plan: &'a ViewPlan,
     cones: Vec<(usize, Cone)>,
-    /// The only view is the program's window, in which it is the place of a direction.
+    /// Index of the program's window, if it is the only view, and the map from a direction to a
+    /// place in it.
     content: Option<(usize, ContentMap)>,
 }
 
@@ -27,7 +28,7 @@ impl<'a> Answers<'a> {
         Self { plan, cones, content }
     }
 
-    /// Index of the view that shows what a pixel samples.
+    /// Returns the index of the view that a pixel samples.
     pub fn view(&self, sample: &Sample) -> Option<usize> {
         match &self.content {
             Some((view, map)) => map.place(sample.direction).map(|_| *view),
@@ -40,7 +41,7 @@ impl<'a> Answers<'a> {
         view < self.plan.views.len()
     }
 
-    /// Texels per pixel in the direction in which there are fewest, where that is known. `pixel` is
+    /// Returns the texels per pixel in the direction with the fewest, if that is known. `pixel` is
     /// the sample's place in `map`.
     pub fn texels_per_pixel(&self, view: usize, sample: &Sample, pixel: DVec2, map: &OutputMap) -> Option<f64> {
         let answering = &self.plan.views[view];
@@ -52,7 +53,7 @@ impl<'a> Answers<'a> {
     }
 }
 
-/// The same for content, by differences over a pixel; `None` at its rims.
+/// Returns the same for content, by differences over a pixel; `None` at its rims.
 fn content_sharpness(content: &ContentMap, window: &View, pixel: DVec2, map: &OutputMap) -> Option<f64> {
     let texels = DVec2::new(f64::from(window.tile.width), f64::from(window.tile.height));
     let place = |pixel| Some(texels * content.place(map.sample(pixel)?.direction)?);
@@ -66,7 +67,7 @@ fn content_sharpness(content: &ContentMap, window: &View, pixel: DVec2, map: &Ou
     Some((determinant.abs() / (0.5 * (squares + root)).sqrt()).abs()).filter(|value| value.is_finite())
 }
 
-/// Texels of a view per unit of tangent, across and up.
+/// Returns the texels of a view per unit of tangent, across and up.
 fn density(view: &View) -> DVec2 {
     DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height))
         / DVec2::new(view.frustum.width(), view.frustum.height())

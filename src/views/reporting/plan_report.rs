@@ -24,9 +24,9 @@ pub struct ViewReport {
     pub horizontal_degrees: f64,
     /// Vertical opening, degrees.
     pub vertical_degrees: f64,
-    /// Drawn with the program's own lens; the openings stand for nothing then.
+    /// True if the view is drawn with the program's own lens; the openings have no meaning then.
     pub program_lens: bool,
-    /// Part of the output's lit pixels that this view answers for, for each output that samples it.
+    /// Part of the output's lit pixels that sample this view, for each output.
     pub coverage: Vec<OutputShare>,
 }
 
@@ -35,7 +35,7 @@ pub struct ViewReport {
 pub struct OutputShare {
     /// The output's name.
     pub output: String,
-    /// Part of its lit pixels, 0…1; to about 1/256 of the picture's width.
+    /// Part of its lit pixels, 0…1; exact to about 1/256 of the picture's width.
     pub share: f64,
 }
 
@@ -44,10 +44,10 @@ pub struct OutputShare {
 pub struct Report {
     /// The views, in order of precedence.
     pub views: Vec<ViewReport>,
-    /// Texels of all views.
+    /// Number of texels of all views.
     pub view_texels: u64,
-    /// Pixels of all outputs that can show something: the circle of a domemaster, every pixel of
-    /// the others.
+    /// Number of pixels of all outputs that can show something: the circle of a domemaster, every
+    /// pixel of the others.
     pub output_pixels: u64,
     /// `view_texels / output_pixels`; 0 without outputs.
     pub texels_per_pixel: f64,
@@ -114,7 +114,7 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
     }
 }
 
-/// For each of the views `sampled`, the part of the lit pixels that it answers for.
+/// Returns, for each of the views `sampled`, the part of the lit pixels that it serves.
 fn shares(answers: &Answers, output_map: &OutputMap, sampled: &[usize]) -> Vec<f64> {
     let mut counts = vec![0u32; sampled.len()];
     let mut lit = 0u32;

@@ -7,22 +7,22 @@ use crate::views::sampling::output_map::{OutputMap, Sample};
 use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
-/// A pixel of an output and what shows it.
+/// A pixel of an output, and the view that it samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surveyed {
     /// Index of the output.
     pub output: usize,
     /// The direction that the pixel's centre shows, viewer axes, unit length.
     pub direction: DVec3,
-    /// Index of the view that answers for it.
+    /// Index of the view that the pixel samples.
     pub view: usize,
-    /// Texels per pixel in the direction in which there are fewest of them, a domemaster's pixels
-    /// taken as the planner takes them (`[views] resolution`); `None` in views with the program's
-    /// own lens, but for content, and where vertices are projected straight to the output.
+    /// Texels per pixel in the direction with the fewest. A domemaster's pixels have the size that
+    /// the planner uses (`[views] resolution`). `None` in views with the program's own lens, except
+    /// for content, and in views with projected vertices.
     pub texels_per_pixel: Option<f64>,
 }
 
-/// Looks at pixels of one output.
+/// Surveys pixels of one output.
 pub struct Surveyor<'a> {
     answers: Answers<'a>,
     output: usize,
@@ -30,7 +30,7 @@ pub struct Surveyor<'a> {
 }
 
 impl<'a> Surveyor<'a> {
-    /// For output `output` of `rig` with `size` pixels, whose views `plan` has.
+    /// Makes a surveyor for output `output` of `rig` with `size` pixels. `plan` contains its views.
     ///
     /// # Errors
     /// Those of [`WarpMap::new`](crate::warp::WarpMap::new).
@@ -39,16 +39,16 @@ impl<'a> Surveyor<'a> {
         Ok(Self { answers: Answers::new(plan, rig, output), output, output_map })
     }
 
-    /// Returns what a pixel position (from the top left, centres at +½) shows; `None` where that is
-    /// nothing.
+    /// Returns the survey of a pixel position (from the top left, centres at +½); `None` where
+    /// nothing is shown.
     pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
         let sample = self.output_map.sample(pixel)?;
         let view = self.answers.view(&sample)?;
         Some(self.surveyed(pixel, &sample, view))
     }
 
-    /// The same for the view with this index, whichever answers; `None` also where the plan has no
-    /// such view.
+    /// As [`Surveyor::at`], for the view with this index, whichever view the pixel samples; `None`
+    /// also if the plan has no such view.
     pub fn in_view(&self, pixel: DVec2, view: usize) -> Option<Surveyed> {
         let sample = self.output_map.sample(pixel)?;
         self.answers.has(view).then(|| self.surveyed(pixel, &sample, view))
@@ -61,8 +61,8 @@ impl<'a> Surveyor<'a> {
 }
 
 /// Calls `visit` for pixels of all outputs that show something, row by row and evenly spread: every
-/// pixel of an output with at most `most` of them, else about `most`. Sizes beyond the rig's
-/// outputs are ignored, and so are outputs without pixels.
+/// pixel of an output with at most `most` pixels, otherwise about `most` of them. Sizes beyond the
+/// rig's outputs are ignored, and so are outputs without pixels.
 pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut visit: impl FnMut(&Surveyed)) {
     let outputs = rig.outputs.iter().zip(sizes).zip(&plan.output_views);
     for (output, ((_, &size), _)) in outputs.enumerate() {
@@ -81,12 +81,12 @@ pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut v
     }
 }
 
-/// Number of steps of a length along a side.
+/// Returns the number of steps of a length along a side.
 fn steps(pixels: u32, step: f64) -> u32 {
     (f64::from(pixels) / step).round().clamp(1.0, f64::from(pixels)) as u32
 }
 
-/// The centre of the pixel in the middle of a step.
+/// Returns the centre of the pixel in the middle of a step.
 fn centre(index: u32, steps: u32, pixels: u32) -> f64 {
     ((f64::from(index) + 0.5) * f64::from(pixels) / f64::from(steps)).floor() + 0.5
 }

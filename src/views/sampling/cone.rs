@@ -1,10 +1,11 @@
-//! The directions that a view answers for, and whether a small patch of directions is inside of
-//! them, outside or on the border.
+//! The cone of directions that a view serves, and the test whether a small patch of directions is
+//! inside, outside or on the border.
 //!
-//! A view's part, like a projector's picture, is a convex cone with four sides. What a block of
-//! pixels shows is a small curved patch: it departs from the flat quadrilateral of its corners by
-//! at most about its diameter squared, so that a patch whose corners all lie deeper than that
-//! inside (or all beyond one side) lies inside (beyond) entirely.
+//! A view's part, like a projector's picture, is a convex cone with four sides. A block of pixels
+//! shows a small curved patch. The patch departs from the flat quadrilateral of its corners by at
+//! most about its diameter squared. So if all corners lie deeper inside than that, the whole patch
+//! lies inside. If all corners lie farther beyond one side than that, the whole patch lies beyond
+//! it.
 
 use crate::geom::Frustum;
 use crate::views::view_plan::View;
@@ -16,27 +17,27 @@ pub(crate) const WIDEST: f64 = 0.2;
 /// A convex cone with four sides.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cone {
-    /// Any axes → the cone's, in which it looks along −z.
+    /// Outer axes → the cone's axes, in which it looks along −z.
     axes: DMat3,
     /// Inward unit normals of the left, right, bottom and top side, in the cone's axes.
     normals: [DVec3; 4],
-    /// It has no sides: all directions are deep inside.
+    /// True if the cone has no sides: all directions are deep inside.
     whole: bool,
 }
 
 /// Position of a patch relative to a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Relation {
-    /// All of it is inside.
+    /// The whole patch is inside.
     Inside,
-    /// All of it is outside.
+    /// The whole patch is outside.
     Outside,
-    /// Its corners do not tell.
+    /// The corners do not decide.
     Unclear,
 }
 
 impl Cone {
-    /// The cone with the given axes (any axes → its own) and opening.
+    /// Makes the cone with the given axes (outer axes → its own) and opening.
     pub fn new(axes: DMat3, opening: &Frustum) -> Self {
         let normals = [
             DVec3::new(1.0, 0.0, opening.left),
@@ -47,13 +48,13 @@ impl Cone {
         Self { axes, normals: normals.map(DVec3::normalize_or_zero), whole: false }
     }
 
-    /// Returns the directions for which `view` answers; all directions for the picture of an
+    /// Returns the cone of the directions that `view` serves; all directions for the picture of an
     /// output.
     pub fn of(view: &View) -> Self {
         Self { whole: view.curved.is_some(), ..Self::new(view.rotation, &view.owned) }
     }
 
-    /// The inward unit normals of the left, right, bottom and top side, in the outer axes.
+    /// Returns the inward unit normals of the left, right, bottom and top side, in the outer axes.
     pub fn sides(&self) -> [DVec3; 4] {
         self.normals.map(|normal| self.axes.transpose() * normal)
     }
@@ -65,7 +66,7 @@ impl Cone {
         self.normals.map(|normal| if self.whole { f64::INFINITY } else { normal.dot(local) })
     }
 
-    /// Directions in the cone's own axes.
+    /// Returns directions in the cone's own axes.
     pub fn localized(&self, directions: &[DVec3; 4]) -> [DVec3; 4] {
         directions.map(|direction| self.axes * direction)
     }
@@ -91,7 +92,8 @@ impl Cone {
     }
 }
 
-/// The distance across a patch with the corners upper left, upper right, lower left, lower right.
+/// Returns the distance across a patch with the corners upper left, upper right, lower left, lower
+/// right.
 pub(crate) fn diameter(corners: &[DVec3; 4]) -> f64 {
     corners[0].distance(corners[3]).max(corners[1].distance(corners[2]))
 }

@@ -1,7 +1,7 @@
 //! Map of each output: pixel → direction from the viewer, and the extent of a pixel.
 //!
-//! The planner's own map. Where passes use closed forms it is written as plain ray tracing, so that
-//! it is independent of them; the tests compare the two. For everything else it asks the exact map.
+//! This is the planner's own map. Where passes use closed forms, it is plain ray tracing. So it is
+//! independent of them, and the tests compare the two. For everything else it uses the exact map.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
@@ -21,7 +21,7 @@ pub(crate) struct Sample {
     pub spread: DMat3,
 }
 
-/// The mean direction, or straight ahead where there is none.
+/// Returns the mean direction, or straight ahead if there is none.
 pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> DVec3 {
     samples.map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
 }
@@ -29,7 +29,7 @@ pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> D
 /// The map of one output.
 #[derive(Clone, Debug)]
 pub(crate) struct OutputMap {
-    /// Resolution in pixels; (0, 0) of an output that is not shown.
+    /// Resolution in pixels; (0, 0) for an output that is not shown.
     pub size: (u32, u32),
     /// Distance of the outermost sampled places from the picture's sides, in pixels.
     pub inset: f64,
@@ -57,7 +57,7 @@ enum Map {
     },
 }
 
-/// Everything in dome axes, but for `to_viewer`.
+/// Map of a projector. Everything is in dome axes, except `to_viewer`.
 #[derive(Clone, Debug)]
 struct ProjectorMap {
     origin: DVec3,
@@ -75,29 +75,31 @@ struct ProjectorMap {
 /// Width of a pixel none of whose neighbours shows anything, radians.
 const ALONE: f64 = 1e-3;
 
-/// A domemaster's pixels are taken to be no narrower than this part of their nominal width.
+/// Least width of a domemaster's pixels, as a part of their nominal width.
 const LEAST_WIDTH: f64 = 1e-3;
 
-/// The opening whose picture coordinates are the tangents themselves; it stands for the program's
-/// own lens, which is known only when the program draws.
+/// The opening whose picture coordinates are the tangents themselves. It replaces the program's own
+/// lens, which is known only when the program draws.
 pub(crate) const UNIT_FRUSTUM: Frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
 
-/// Axes of the viewer → axes of the dome.
+/// Returns the rotation viewer axes → dome axes.
 pub(crate) fn viewer_rotation(rig: &Rig) -> DMat3 {
     pose::rotation(rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll)
 }
 
-/// The dome's pole in dome axes.
+/// Returns the dome's pole in dome axes.
 pub(crate) fn pole(rig: &Rig) -> DVec3 {
     DVec3::new(0.0, rig.dome.tilt.cos(), -rig.dome.tilt.sin())
 }
 
-/// Lens axes of a domemaster → viewer axes: its centre lies `tilt` radians from straight up.
+/// Returns the rotation from a domemaster's lens axes to viewer axes: its centre lies `tilt`
+/// radians from straight up.
 pub(crate) fn lens_rotation(tilt: f64) -> DMat3 {
     pose::rotation(0.0, std::f64::consts::FRAC_PI_2 - tilt, 0.0)
 }
 
-/// Normalised picture coordinates → ray in viewer axes, for a perspective output.
+/// Returns the matrix from normalised picture coordinates to a ray in viewer axes, for a
+/// perspective output.
 pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> DMat3 {
     match frustum {
         Some(frustum) => pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
@@ -105,21 +107,21 @@ pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> D
     }
 }
 
-/// The maps of the first `outputs` outputs.
+/// Returns the maps of the first `outputs` outputs.
 pub(in crate::views) fn all(rig: &Rig, outputs: usize, request: &Request) -> Result<Vec<OutputMap>> {
     let sizes = request.output_sizes.iter().take(outputs).enumerate();
     sizes.map(|(index, &size)| OutputMap::new(rig, index, size)).collect()
 }
 
 impl OutputMap {
-    /// The map of output `index` of `rig` at `size` pixels.
+    /// Makes the map of output `index` of `rig` at `size` pixels.
     ///
     /// # Errors
     /// Those of [`WarpMap::new`].
     pub fn new(rig: &Rig, index: usize, size: (u32, u32)) -> Result<Self> {
         let to_viewer = viewer_rotation(rig).transpose();
         let traced = |output: &Output| -> Result<Map> {
-            // A map that needs the program's lens is no traced one: any lens does.
+            // Maps that need the program's lens are not traced, so any lens will do.
             let map = WarpMap::new(rig, index, (size.0.max(1), size.1.max(1)), Some(UNIT_FRUSTUM))?;
             let width = |pixel| traced_sample(&map, pixel).map(|sample| pixel_width::squared_width(&sample.spread));
             let least = match output.kind {
@@ -176,13 +178,13 @@ impl OutputMap {
         }
     }
 
-    /// True if what is shown changes smoothly over the picture, but for rims.
+    /// True if directions change smoothly over the picture, except at rims.
     pub fn is_smooth(&self) -> bool {
         !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
     }
 
-    /// Returns the parts of the picture without discontinuities: the outermost places of
-    /// theirs that are sampled, top left and bottom right.
+    /// Returns the parts of the picture without discontinuities, by their outermost sampled places,
+    /// top left and bottom right.
     pub fn pieces(&self) -> Vec<[DVec2; 2]> {
         let count = match &self.map {
             Map::Traced { map, .. } => map.cubemap_faces(),
@@ -198,8 +200,8 @@ impl OutputMap {
         pieces.map(|[low, high]| [low - beside, high + beside]).collect()
     }
 
-    /// Centre and half the extent of what normalised coordinates −1…1 span: the circle, or the
-    /// whole picture.
+    /// Returns the centre and half the extent of the area that normalised coordinates −1…1 span:
+    /// the circle, or the whole picture.
     fn frame(&self) -> (DVec2, DVec2) {
         let half = 0.5 * DVec2::new(f64::from(self.size.0), f64::from(self.size.1));
         match &self.map {
@@ -209,24 +211,26 @@ impl OutputMap {
         }
     }
 
-    /// Pixel position (from the top left, centres at +½) → normalised picture coordinates.
+    /// Converts a pixel position (from the top left, centres at +½) to normalised picture
+    /// coordinates.
     pub fn normalised(&self, pixel: DVec2) -> DVec2 {
         let (center, half) = self.frame();
         (pixel - center) / half * DVec2::new(1.0, -1.0)
     }
 
-    /// Normalised picture coordinates → pixel position: the inverse of [`OutputMap::normalised`].
+    /// Converts normalised picture coordinates to a pixel position: the inverse of
+    /// [`OutputMap::normalised`].
     pub fn pixel(&self, normalised: DVec2) -> DVec2 {
         let (center, half) = self.frame();
         center + normalised * half * DVec2::new(1.0, -1.0)
     }
 
-    /// The direction seen at a pixel position and the spread of a pixel there; `None` where the
-    /// output shows nothing or the viewer stands in the very point that is seen.
+    /// Returns the direction at a pixel position, and the spread of a pixel there; `None` where the
+    /// output shows nothing, or the viewer is at the very point that is shown.
     ///
-    /// A domemaster's pixel is a circle of its nominal size, aperture over diameter, on the dome:
-    /// its own tangential resolution beyond that is an artefact of the lens and shows no more
-    /// detail. With `resolution = "full"` it counts.
+    /// A domemaster's pixel counts as a circle of its nominal size, aperture over diameter, on the
+    /// dome. A higher tangential resolution is an artefact of the lens and shows no more detail; it
+    /// counts only with `resolution = "full"`.
     pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
         let at = self.normalised(pixel);
         match &self.map {
@@ -265,7 +269,7 @@ impl OutputMap {
         })
     }
 
-    /// The direction seen at a pixel position, as [`OutputMap::sample`] has it, for less work.
+    /// Returns the direction at a pixel position, as [`OutputMap::sample`] does, with less work.
     pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
         let at = self.normalised(pixel);
         let seen = match &self.map {
@@ -281,14 +285,14 @@ impl OutputMap {
     }
 
     /// Returns the curves at which an output's content may end inside its picture: the rims of the
-    /// screen, and the outline of a dome as a projector outside sees it. Each gives the samples
+    /// screen, and the outline of a dome for a projector outside. Each curve returns the samples
     /// along it (0…1) that lie within the outermost pixel centres.
     pub fn boundary_curves(&self) -> Vec<BoundaryCurve<'_>> {
         match &self.map {
             Map::Projector(map) => {
                 let distance = map.origin.length();
-                // The outline itself is seen edge-on, where no resolution is enough: just within
-                // it.
+                // At the outline the dome is seen edge-on, and no resolution is enough. So the
+                // circle lies just within it.
                 let outline = (distance > map.radius)
                     .then(|| Circle { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
                 let cap = map.least_cosine.map(|cosine| Circle { axis: map.pole, cosine });
@@ -305,7 +309,7 @@ impl OutputMap {
                     let just_within = move |part, inset| self.sample(traced_pixel(map, contour(part, inset))?);
                     curves.push(Box::new(move |part| INSETS.into_iter().find_map(|inset| just_within(part, inset))));
                 }
-                // Where the viewer looks along the surface, what is seen folds.
+                // Where the viewer looks along the surface, the picture folds.
                 let viewer = map.viewer().position;
                 let folds = if map.origin() == Some(viewer) { Vec::new() } else { map.screen().contours(viewer) };
                 for fold in folds {
@@ -317,7 +321,8 @@ impl OutputMap {
         }
     }
 
-    /// The sample at `turn` (0…1) around a circle, if it lies within the outermost pixel centres.
+    /// Returns the sample at `turn` (0…1) around a circle, if it lies within the outermost pixel
+    /// centres.
     fn on_circle(&self, map: &ProjectorMap, rim: &Circle, turn: f64) -> Option<Sample> {
         let (first, second) = rim.axis.any_orthonormal_pair();
         let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
@@ -332,7 +337,8 @@ impl OutputMap {
         (on_screen && far).then(|| map.sample(&hit, self.per_pixel())).flatten()
     }
 
-    /// The sample in a direction from the viewer (viewer axes, any length), if the output shows it.
+    /// Returns the sample in a direction from the viewer (viewer axes, any length), if the output
+    /// shows it.
     pub fn sample_towards(&self, direction: DVec3) -> Option<Sample> {
         let at = match &self.map {
             Map::Fisheye { aperture, rotation, offset, .. } => {
@@ -356,21 +362,21 @@ impl OutputMap {
         self.sample(self.pixel(at))
     }
 
-    /// Homogeneous → normalised picture coordinates, if they lie within the outermost pixel
-    /// centres.
+    /// Converts homogeneous to normalised picture coordinates, if they lie within the outermost
+    /// pixel centres.
     fn within_picture(&self, picture: DVec3) -> Option<DVec2> {
         let at = picture.truncate() / picture.z;
         let low = self.normalised(DVec2::new(0.5, f64::from(self.size.1) - 0.5));
         (picture.z > 0.0 && at.cmpge(low).all() && at.cmple(-low).all()).then_some(at)
     }
 
-    /// Normalised picture coordinates per pixel to the right and down.
+    /// Returns the change of normalised picture coordinates per pixel to the right and down.
     fn per_pixel(&self) -> DVec2 {
         DVec2::new(2.0 / f64::from(self.size.0), -2.0 / f64::from(self.size.1))
     }
 }
 
-/// The samples along a line (0…1), where it is in the picture.
+/// Function that returns the sample at a place along a line (0…1), where it is in the picture.
 pub(crate) type BoundaryCurve<'a> = Box<dyn Fn(f64) -> Option<Sample> + 'a>;
 
 /// A circle on the dome around `axis`.
@@ -380,14 +386,15 @@ struct Circle {
     cosine: f64,
 }
 
-/// A sample from a direction and a spread of any common scale; `None` where they are degenerate.
+/// Makes a sample from a direction and a spread of any common scale; `None` where they are
+/// degenerate.
 fn of_unit_length(direction: DVec3, spread: DMat3) -> Option<Sample> {
     let squared = direction.length_squared();
     let usable = squared > 0.0 && squared.is_finite() && spread.is_finite();
     usable.then(|| Sample { direction: direction / squared.sqrt(), spread: spread * (1.0 / squared) })
 }
 
-/// `a·bᵀ`.
+/// Returns `a·bᵀ`.
 fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
@@ -416,7 +423,7 @@ impl ProjectorMap {
         of_unit_length(self.to_viewer * (hit.point - self.eye), outer(across, across) + outer(down, down))
     }
 
-    /// The far meeting of the ray with the sphere, if it lies ahead and on the screen.
+    /// Returns the far intersection of the ray with the sphere, if it lies ahead and on the screen.
     fn hit(&self, at: DVec2) -> Option<Hit> {
         let ray = self.rays * at.extend(1.0);
         let squared = ray.length_squared();
@@ -437,8 +444,8 @@ impl ProjectorMap {
 /// miss the surface by rounding where the light comes from afar.
 const INSETS: [f64; 4] = [1e-7, 1e-6, 1e-5, 1e-4];
 
-/// A sample of a surface that is seen edge-on, where no resolution is enough: its pixel counts as
-/// wide as it is long.
+/// Returns the sample of a surface that is seen edge-on, where no resolution is enough: its pixel
+/// counts as wide as it is long.
 fn edge_on(sample: Sample) -> Sample {
     let Sample { direction, spread } = sample;
     let squared = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
@@ -447,13 +454,14 @@ fn edge_on(sample: Sample) -> Sample {
 
 /// Distances at which a pixel's surroundings are sampled, pixels, in this order.
 const STEPS: [f64; 4] = [0.5, 0.05, 0.005, 0.0005];
-/// The spread of a pixel by differences, over what is shown of its surroundings.
+/// Returns the sample of a pixel. Its spread follows from differences over the shown part of its
+/// surroundings.
 ///
-/// Of a picture that shows all directions alike, a pixel is as high as it is (away from the
-/// picture's pole), at most nominally, and as wide.
+/// In a picture with a nominal size of pixels, a pixel counts as a circle. Its diameter is the
+/// pixel's height (away from the picture's pole), but at most the nominal size.
 fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     let direction = map.direction(pixel)?;
-    // What lies across the border of two pictures is no neighbour.
+    // A pixel across the border of two pictures is no neighbour.
     let cubemap_faces = f64::from(map.cubemap_faces());
     let face = (pixel.x * cubemap_faces / f64::from(map.size().0)).floor();
     let beside = |x: f64| {
@@ -465,7 +473,7 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
             let place = pixel + axis * offset;
             Some((map.direction(place).filter(|_| beside(place.x))?, offset))
         };
-        // What is shown may be narrower than a pixel.
+        // The shown part may be narrower than a pixel.
         let end = |side: f64| STEPS.iter().find_map(|step| there(side * step)).unwrap_or((direction, 0.0));
         let ((from, start), (to, stop)) = (end(-1.0), end(1.0));
         if stop > start { (to - from) / (stop - start) } else { DVec3::ZERO }
@@ -477,8 +485,7 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
         return of_unit_length(direction, (DMat3::IDENTITY - outer(direction, direction)) * (pitch * pitch));
     }
     let (mut across, mut down) = (along(DVec2::X), along(DVec2::Y));
-    // Where a rim leaves a pixel no neighbours on one axis, it is taken to be as wide as on the
-    // other.
+    // If a rim leaves a pixel no neighbours on one axis, it counts as wide as on the other.
     if across == DVec3::ZERO {
         across = direction.cross(down);
     } else if down == DVec3::ZERO {
@@ -487,10 +494,10 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
 }
 
-/// The pixel position, within the outermost pixel centres of a picture without discontinuities,
-/// that shows a point of the screen.
+/// Returns the pixel position, within the outermost pixel centres of a picture without
+/// discontinuities, that shows a point of the screen.
 ///
-/// On the border of two such pictures rounding would decide which of them is asked what it shows.
+/// On the border of two such pictures, rounding would decide in which of them the point is sampled.
 fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     let pixel = map.pixel(point)?;
     let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
@@ -500,10 +507,10 @@ fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     ((left..=right).contains(&pixel.x) && (0.5..=height - 0.5).contains(&pixel.y)).then_some(pixel)
 }
 
-/// The outermost pixel centres of one of `count` pictures that stand side by side in an output of
-/// `width` pixels; the first is beyond the second where it has none.
+/// Returns the outermost pixel centres of one of `count` pictures side by side in an output of
+/// `width` pixels. If the picture has no pixel centre, the first is beyond the second.
 fn face_columns(width: u32, count: u32, face: u32) -> [f64; 2] {
-    // The first column whose centre is in a face.
+    // Index of the first column whose centre is in a face.
     let first = |face: u32| (f64::from(face) * f64::from(width) / f64::from(count) - 0.5).ceil().max(0.0);
     [first(face) + 0.5, first(face + 1) - 0.5]
 }

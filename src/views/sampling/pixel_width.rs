@@ -1,25 +1,27 @@
 //! Widths of the pixels of measured calibrations.
 //!
-//! A pixel has hardly any width if two measured values are the same but for noise. No view has to
-//! be as fine as that, so pixels that are far narrower than nearly all others are not counted.
+//! A pixel has almost no width if two measured values differ only by noise. No view needs such a
+//! resolution, so pixels that are far narrower than nearly all others count as wider.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// Places in each direction where widths are measured.
+/// Number of places in each direction where widths are measured.
 const PLACES: u32 = 32;
-/// Part of the pixels that may be narrower than what counts as usual.
+/// Part of the pixels that may be narrower than the usual width.
 const FEW: f64 = 0.02;
-/// Pixels count as at least this part as wide as that.
+/// Least width that counts, as a part of the usual width.
 const NARROWEST: f64 = 0.7;
 
-/// Places over a picture of `size` pixels at which the widths for [`least`] are measured.
+/// Returns the places over a picture of `size` pixels at which the widths for [`least`] are
+/// measured.
 pub(super) fn places((width, height): (u32, u32)) -> impl Iterator<Item = DVec2> {
     let size = DVec2::new(f64::from(width), f64::from(height));
     let place = |index: u32| (f64::from(index) + 0.5) / f64::from(PLACES);
     (0..PLACES * PLACES).map(move |i| DVec2::new(place(i % PLACES), place(i / PLACES)) * size)
 }
 
-/// The squared width that pixels have at least, squared radians, from those of many; 0 without any.
+/// Returns the least squared width that counts for a pixel, squared radians, from the widths of
+/// many; 0 without any.
 pub(super) fn least(squared_widths: impl Iterator<Item = f64>) -> f64 {
     let mut widths: Vec<f64> = squared_widths.collect();
     widths.sort_by(f64::total_cmp);
@@ -27,7 +29,7 @@ pub(super) fn least(squared_widths: impl Iterator<Item = f64>) -> f64 {
     usual * NARROWEST * NARROWEST
 }
 
-/// The spread of a pixel in a direction, made wide enough.
+/// Returns the spread of a pixel in a direction, made wide enough.
 pub(super) fn widened(direction: DVec3, spread: DMat3, least: f64) -> DMat3 {
     let missing = least - squared_width(&spread);
     if missing.is_nan() || missing <= 0.0 {
@@ -42,7 +44,7 @@ pub(super) fn is_narrowest(spread: &DMat3, least: f64) -> bool {
     squared_width(spread) <= least * (1.0 + 1e-6)
 }
 
-/// The lesser of the two eigenvalues of a spread that are not 0.
+/// Returns the lesser of the two eigenvalues of a spread that are not 0.
 pub(super) fn squared_width(spread: &DMat3) -> f64 {
     let [x, y, z] = [spread.x_axis, spread.y_axis, spread.z_axis];
     let trace = x.x + y.y + z.z;
@@ -60,8 +62,8 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::Arc;
 
-    /// A calibration of a flat picture of 60° × 45°, of which some pixels have their neighbour's
-    /// value but for noise.
+    /// Returns a calibration of a flat picture of 60° × 45°, in which some pixels differ from their
+    /// neighbour only by noise.
     fn calibrated(faulty: &[usize]) -> crate::rig::Rig {
         let (width, height) = (64, 48);
         let value = |index: usize| {

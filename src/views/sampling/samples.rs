@@ -1,8 +1,7 @@
 //! The directions that an output shows, sampled along lines.
 //!
-//! Lines rather than points: where a line crosses the side of a view it can be cut exactly there,
-//! so that the openings and resolutions of cropped views do not depend on where samples happen to
-//! lie.
+//! Lines are used instead of points: a line can be cut exactly where it crosses the side of a view.
+//! So the openings and resolutions of cropped views do not depend on the positions of samples.
 
 use crate::views::sampling::output_map::{OutputMap, Sample, mean_direction};
 use glam::{DMat3, DVec2, DVec3};
@@ -10,18 +9,20 @@ use glam::{DMat3, DVec2, DVec3};
 /// Density of an output's samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fineness {
-    /// Cells of the grid in each direction.
+    /// Number of cells of the grid in each direction.
     pub cells: u32,
-    /// Steps along each side of a picture, or a quarter of a circle.
+    /// Number of steps along each side of a picture, or a quarter of a circle.
     pub border: u32,
 }
 
-/// For searching: a few per cent of accuracy.
+/// Fineness for searches: an accuracy of a few per cent.
 pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
-/// For the result: the sagitta of a border step is below a hundredth of a pixel at 16384 pixels.
+/// Fineness for the result: the sagitta of a border step is below a hundredth of a pixel at 16384
+/// pixels.
 pub(crate) const FINE: Fineness = Fineness { cells: 64, border: 768 };
 
-/// Between two samples, the spread may differ from the mean of theirs by this part.
+/// Greatest relative difference between the spread in the middle of two samples and the mean of
+/// theirs.
 const UNEVEN: f64 = 0.01;
 
 /// Greatest number of times that a cell is divided.
@@ -36,11 +37,11 @@ pub(crate) struct Samples {
     cap: Cap,
 }
 
-/// A cone around directions, to tell quickly where they are not.
+/// A cone around directions, for a quick test that they are elsewhere.
 #[derive(Clone, Copy, Debug)]
 struct Cap {
     axis: DVec3,
-    /// Of half its opening.
+    /// Cosine of half its opening.
     cosine: f64,
 }
 
@@ -48,28 +49,28 @@ impl Cap {
     /// Greatest distance from a side at which rounding may decide, cosine.
     const ROUNDING: f64 = 1e-9;
 
-    /// Around these, of unit length.
+    /// Makes the cap around these samples.
     fn around<'a>(samples: impl Iterator<Item = &'a Sample> + Clone) -> Self {
         let axis = mean_direction(samples.clone());
         Self { axis, cosine: samples.map(|sample| sample.direction.dot(axis)).fold(1.0, f64::min) }
     }
 
-    /// True if all of it lies beyond the side with this inward unit normal, widened by `slack`.
+    /// True if the whole cap lies beyond the side with this inward unit normal, widened by `slack`.
     fn is_beyond(&self, normal: DVec3, slack: f64) -> bool {
-        // The cosine of the angle between the normal and the nearest of the cone.
+        // The cosine of the angle between the normal and the nearest direction of the cap.
         let cosine = normal.dot(self.axis);
         let nearest = if cosine >= self.cosine { 1.0 } else { cosine * self.cosine + self.sine() * sine_of(cosine) };
         nearest + slack < -Self::ROUNDING
     }
 
-    /// True if all of it lies on the inner side.
+    /// True if the whole cap lies on the inner side.
     fn is_inside(&self, normal: DVec3, slack: f64) -> bool {
         let cosine = normal.dot(self.axis);
         let farthest = if -cosine >= self.cosine { -1.0 } else { cosine * self.cosine - self.sine() * sine_of(cosine) };
         farthest + slack > Self::ROUNDING
     }
 
-    /// Of half its opening.
+    /// Returns the sine of half its opening.
     fn sine(&self) -> f64 {
         sine_of(self.cosine)
     }
@@ -94,7 +95,7 @@ impl Samples {
         } else {
             output_map.pieces().into_iter().for_each(|piece| samples.add_rectangle(output_map, piece, fineness))
         }
-        // The rim of a mesh is in many pieces.
+        // The rim of a mesh consists of many pieces.
         let steps = if output_map.is_smooth() { 4 * fineness.border } else { 2 };
         for rim in output_map.boundary_curves() {
             samples.add_line(steps, rim);
@@ -103,15 +104,15 @@ impl Samples {
         samples
     }
 
-    /// Every sample.
+    /// Returns every sample.
     pub fn iter(&self) -> impl Iterator<Item = &Sample> + Clone {
         self.lines.iter().flatten()
     }
 
-    /// The samples within a convex cone, given by the inward unit normals of its sides (at least
-    /// three) and widened by `slack` (radians; negative = narrowed). Lines are cut at the sides,
-    /// and the cone's own edges are sampled too: together these are all the corners of the part
-    /// shown.
+    /// Returns the samples within a convex cone, given by the inward unit normals of its sides (at
+    /// least three) and widened by `slack` (radians; negative = narrowed). Lines are cut at the
+    /// sides, and the cone's own edges are sampled, too. Together these contain all corners of the
+    /// shown part.
     pub fn within(&self, normals: &[DVec3], slack: f64) -> Vec<Sample> {
         let mut found: Vec<Sample> = if normals.iter().any(|&normal| self.cap.is_beyond(normal, slack)) {
             Vec::new()
@@ -126,7 +127,7 @@ impl Samples {
         found
     }
 
-    /// True if [`Samples::within`] finds any.
+    /// True if [`Samples::within`] finds any samples.
     pub fn reach_into(&self, normals: &[DVec3], slack: f64) -> bool {
         let beyond = normals.iter().any(|&normal| self.cap.is_beyond(normal, slack));
         let of_lines = || self.lines.iter().any(|line| meets(line, normals, slack));
@@ -144,22 +145,22 @@ impl Samples {
             if !corner || edge == DVec3::ZERO {
                 return None;
             }
-            // The point by `slack` beyond both sides; of a narrowed cone it has to be shown itself:
-            // its corner may lie on a rim.
+            // The point beyond both sides by `slack`. For a narrowed cone this point itself has to
+            // be shown, since the corner may lie on a rim.
             let direction = (edge - (first + second) * (slack / (1.0 + first.dot(second)))).normalize_or(edge);
             let sample = self.output_map.sample_towards(if slack < 0.0 { direction } else { edge })?;
             Some(Sample { direction, ..sample })
         })
     }
 
-    /// True if the output shows nothing at all.
+    /// True if the output shows nothing.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
     fn add_rectangle(&mut self, output_map: &OutputMap, [low, high]: [DVec2; 2], fineness: Fineness) {
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
-        // What stands out of a mesh may be small.
+        // Parts that stand out of a mesh may be small.
         let cells = if output_map.is_smooth() { fineness.cells } else { 4 * fineness.cells };
         for index in 1..cells {
             let part = f64::from(index) / f64::from(cells);
@@ -199,7 +200,8 @@ impl Samples {
         }
     }
 
-    /// Adds the line `at(0…1)` in `steps` steps, broken and ended exactly where nothing is shown.
+    /// Adds the line `at(0…1)` in `steps` steps, interrupted and ended exactly where nothing is
+    /// shown.
     fn add_line(&mut self, steps: u32, at: impl Fn(f64) -> Option<Sample>) {
         let mut line: Vec<Sample> = Vec::new();
         let mut before = 0.0;
@@ -244,7 +246,7 @@ fn refine(
     }
 }
 
-/// The last sample on the way from `shown` to `dark` that shows something.
+/// Returns the last sample between `shown` and `dark` that shows something.
 fn border(at: &impl Fn(f64) -> Option<Sample>, shown: f64, dark: f64) -> Option<Sample> {
     let (mut inside, mut outside, mut last) = (shown, dark, None);
     // 40 halvings of a grid cell end far below a thousandth of a pixel.
@@ -283,7 +285,8 @@ fn is_within(sample: &Sample, normals: &[DVec3], slack: f64) -> bool {
     normals.iter().all(|normal| normal.dot(sample.direction) >= -slack)
 }
 
-/// The sample at `part` of the way between two neighbours: right to the square of their distance.
+/// Returns the sample at `part` of the way between two neighbours; its error is of the order of
+/// their distance squared.
 fn between(from: &Sample, to: &Sample, part: f64) -> Sample {
     if part == 0.0 {
         return *from;
@@ -292,7 +295,7 @@ fn between(from: &Sample, to: &Sample, part: f64) -> Sample {
     Sample { direction: direction.normalize_or(from.direction), spread: from.spread * (1.0 - part) + to.spread * part }
 }
 
-/// Every two of them.
+/// Returns all pairs of normals.
 fn pairs(normals: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
     normals
         .iter()
@@ -300,7 +303,7 @@ fn pairs(normals: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
         .flat_map(|(index, &first)| normals[index + 1..].iter().map(move |&second| (first, second)))
 }
 
-/// The part of the segment from `a` to `b` on the inner side of all planes.
+/// Returns the part of the segment from `a` to `b` on the inner side of all planes.
 fn cut(a: DVec3, b: DVec3, normals: &[DVec3], slack: f64) -> Option<(f64, f64)> {
     let (mut start, mut end) = (0.0f64, 1.0f64);
     for normal in normals {

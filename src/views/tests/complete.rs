@@ -1,4 +1,4 @@
-//! Rigs of which planners may leave a part without a view: rims, borders, corners.
+//! Rigs in which a planner may leave a part without a view: at rims, borders and corners.
 
 use crate::views::tests::*;
 
@@ -20,7 +20,7 @@ fn near_the_horizon_of_a_cone_no_direction_is_without_a_view() {
     assert!(shown > 100_000 && shown < 40 * size.0, "{shown}");
 }
 
-/// The same of a plane: found by `cupola-lab stress` (seed 10324).
+/// The same for a plane: found by `cupola-lab stress` (seed 10324).
 #[test]
 fn near_the_horizon_of_a_plane_no_direction_is_without_a_view() {
     let text = "[screen]\nshape = \"plane\"\nsize = [11, 7.3]\nyaw = -23\nposition = [0, 0, -4.4]\n[views]\nquality = 8\n\
@@ -41,8 +41,8 @@ fn near_the_horizon_of_a_plane_no_direction_is_without_a_view() {
     assert!(shown > 100_000, "{shown}");
 }
 
-/// Half of what it shows is a little too wide for one view, which only the finest samples told:
-/// found by `cupola-lab stress` (seed 20451), as a picture with one view where it needs two.
+/// Half of the picture is a little too wide for one view, which only the finest samples show. Found
+/// by `cupola-lab stress` (seed 20451), as a picture with one view that needs two.
 #[test]
 fn a_half_that_turns_out_too_wide_for_a_view_is_not_left_out() {
     let text = "[dome]\ntilt = 55.24\n[screen]\nshape = \"cone\"\nradii = [7.681984279083114, 6.350391077178101]\n\
@@ -66,7 +66,7 @@ fn a_half_that_turns_out_too_wide_for_a_view_is_not_left_out() {
 }
 
 /// Pixels that are two million times as high as they are wide, found by `cupola-lab stress` (seed
-/// 20075) before rigs could not have them.
+/// 20075) before such rigs were refused.
 #[test]
 fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
     let text = "[dome]\ntilt = 5.939462340701425\ncoverage = 338.0065766511442\n[viewer]\nyaw = 162.32071945669628\n\
@@ -79,8 +79,8 @@ fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
         panic!("a cylindrical picture");
     };
     span.width = 8.6e-8;
-    // All faces of all cubes leave it to their neighbours, which costs nothing; a view of its own
-    // shows it.
+    // All faces of all cubes leave the output to their neighbours, which costs nothing; a dedicated
+    // view shows it.
     let own = plan(&rig, &request(&[(256, 501)])).expect("a plan");
     assert_eq!(own.views.iter().map(|view| view.name.as_str()).collect::<Vec<_>>(), ["sliver"]);
     rig.views.method = ViewMethod::Cube;
@@ -101,7 +101,7 @@ fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
 }
 
 /// Less than a pixel of the screen lies in the picture's corner, and the sides of two cells of the
-/// viewer's cube cross there: found by `cupola-lab stress` (seed 1931).
+/// viewer's cube cross there. Found by `cupola-lab stress` (seed 1931).
 #[test]
 fn a_single_lit_pixel_has_a_view() {
     let text = "[dome]\nradius = 5\ntilt = -44.08227529026583\ncoverage = 180\n[viewer]\nyaw = -36.818994007683756\n\
@@ -119,8 +119,8 @@ fn a_single_lit_pixel_has_a_view() {
     assert!(views.iter().any(|view| crate::views::sampling::cone::Cone::of(view).contains(lit[0])), "{views:?}");
 }
 
-/// The rim of the dome crosses faces at their borders, where rounding decides which of them shows
-/// it: found by `cupola-lab stress` (seed 10837), as a picture without any view.
+/// The rim of the dome crosses faces at their borders, where rounding decides which face shows it.
+/// Found by `cupola-lab stress` (seed 10837), as a picture without any view.
 #[test]
 fn a_cubemap_that_is_turned_anyhow_has_a_view_for_every_pixel() {
     let mut random = Random::new(3);

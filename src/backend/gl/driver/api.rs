@@ -21,7 +21,8 @@ unsafe impl Send for Gl {}
 // SAFETY: as above; the table never changes after it is loaded.
 unsafe impl Sync for Gl {}
 
-/// The core name of a command: itself, or what the registry calls it an alias of.
+/// Returns the core name of a command: the name itself, or the name of which the registry calls it
+/// an alias.
 pub fn core_name(name: &str) -> &str {
     let mut name = name;
     // An alias may point at another alias; the registry has no cycles.
@@ -31,17 +32,17 @@ pub fn core_name(name: &str) -> &str {
     name
 }
 
-/// The kinds of contexts that do not have a command.
+/// Kinds of contexts that lack a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outside {
-    /// Those of the core profile.
+    /// Contexts of the core profile lack it.
     pub core: bool,
-    /// Those of OpenGL ES 2 and 3.
+    /// Contexts of OpenGL ES 2 and 3 lack it.
     pub es: bool,
 }
 
 impl Outside {
-    /// Of the command with this core name.
+    /// Returns the kinds of contexts that lack the command with this core name.
     pub const fn of(name: &str) -> Self {
         Self { core: is_in(&OUTSIDE_CORE, name), es: is_in(&OUTSIDE_ES, name) }
     }
@@ -70,7 +71,7 @@ const fn is_in(list: &[&str], name: &str) -> bool {
 }
 
 impl Gl {
-    /// A string of the driver, `GL_VERSION` and the like, whose context is current; empty where it
+    /// Returns a string of the current context's driver, such as `GL_VERSION`; empty if the driver
     /// has none.
     pub fn text(&self, name: u32) -> String {
         // SAFETY: the driver's strings end with a zero and live as long as it.
@@ -93,8 +94,8 @@ mod tests {
     #[test]
     fn the_registry_says_what_a_context_lacks() {
         let lacking = [("glBegin", true, true), ("glPushAttrib", true, true), ("glDrawBuffer", false, true)];
-        // Taken away with OpenGL 3.2 and given back with 4.3; of an extension of desktop OpenGL; of OpenGL ES by
-        // another name.
+        // Removed from the core profile in OpenGL 3.2 and added again in 4.3; in an extension of
+        // desktop OpenGL; in OpenGL ES under another name.
         let having = [
             ("glGetPointerv", false, false),
             ("glFramebufferDrawBufferEXT", false, true),

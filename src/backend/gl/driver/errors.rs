@@ -2,10 +2,10 @@
 
 use crate::backend::gl::driver::api::{GL_NO_ERROR, Gl};
 
-/// Errors that are asked for at once, at most.
+/// Greatest number of errors that are read at once.
 pub const MOST_ERRORS: u64 = 64;
 
-/// Takes the errors that are pending; gives the first.
+/// Reads and clears the pending errors. Returns the first one, or `GL_NO_ERROR`.
 pub fn drain(gl: &Gl) -> u32 {
     let mut first = GL_NO_ERROR;
     for _ in 0..MOST_ERRORS {

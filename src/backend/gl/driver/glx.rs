@@ -15,7 +15,7 @@ const GLX_PBUFFER_WIDTH: c_int = 0x8041;
 
 type Handle = *mut c_void;
 
-/// Names that a driver gives of itself.
+/// Names that a driver reports.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Driver {
     /// `GL_VENDOR`.
@@ -24,14 +24,14 @@ pub struct Driver {
     pub renderer: String,
     /// `GL_VERSION`.
     pub version: String,
-    /// The driver draws in this process; otherwise the X server does, and nothing can be
-    /// intercepted.
+    /// True if the driver draws in this process. Otherwise the X server draws, and Cupola cannot
+    /// intercept anything.
     pub direct: bool,
     /// Extensions of GLX, with a space between them.
     pub extensions: String,
 }
 
-/// The functions of Xlib and GLX that are needed.
+/// Functions of Xlib and GLX that are needed.
 struct Glx {
     open_display: unsafe extern "C" fn(*const c_char) -> Handle,
     close_display: unsafe extern "C" fn(Handle) -> c_int,
@@ -46,7 +46,7 @@ struct Glx {
     make_current: unsafe extern "C" fn(Handle, c_ulong, c_ulong, Handle) -> c_int,
     is_direct: unsafe extern "C" fn(Handle, Handle) -> c_int,
     query_extensions: unsafe extern "C" fn(Handle, c_int) -> *const c_char,
-    // Keep the functions above valid; last, so that they go last.
+    // Keep the functions above valid. This is the last field, since fields are dropped in order.
     _libraries: [Library; 2],
 }
 
@@ -83,8 +83,9 @@ impl Glx {
     }
 }
 
-/// Asks the driver of the display that `DISPLAY` names. To be called in a process of its own: Xlib
-/// ends the process on errors of the protocol, and the libraries stay loaded as long as it lives.
+/// Reads the names of the driver of the display that `DISPLAY` names. Call it in a separate
+/// process: Xlib ends the process on a protocol error, and the libraries stay loaded until the
+/// process ends.
 ///
 /// # Errors
 /// [`ErrorKind::Graphics`] if there is no Xlib, no GLX, no such display, or no context; the message
@@ -134,7 +135,8 @@ fn on_display(glx: &Glx, display: Handle) -> Result<Driver> {
         let gl = Gl::load(|name| unsafe { (glx.get_proc_address)(name.as_ptr()) });
         // SAFETY: display and context are valid.
         let direct = unsafe { (glx.is_direct)(display, context) } != 0;
-        // SAFETY: the display is open and has this screen; the text is the driver's, and ends with a zero.
+        // SAFETY: the display is open and has this screen; the text is the driver's, and ends with
+        // a zero.
         let extensions = unsafe {
             let text = (glx.query_extensions)(display, (glx.default_screen)(display));
             if text.is_null() { String::new() } else { CStr::from_ptr(text).to_string_lossy().into_owned() }
@@ -142,9 +144,9 @@ fn on_display(glx: &Glx, display: Handle) -> Result<Driver> {
         let (vendor, renderer, version) = (gl.text(GL_VENDOR), gl.text(GL_RENDERER), gl.text(GL_VERSION));
         Ok(Driver { vendor, renderer, version, direct, extensions })
     } else {
-        Err(graphics("GLX gives no context that can be used"))
+        Err(graphics("GLX cannot make a usable context"))
     };
-    // SAFETY: what was made is unmade once, after it is no longer current.
+    // SAFETY: each object is destroyed once, after it is no longer current.
     unsafe {
         (glx.make_current)(display, 0, 0, null_mut());
         (glx.destroy_pbuffer)(display, pbuffer);

@@ -1,4 +1,4 @@
-//! A context without a window: EGL on no surface.
+//! A context without a window: EGL without a surface.
 
 use crate::backend::gl::driver::api::Gl;
 use crate::error::{Error, ErrorKind, Result};
@@ -12,7 +12,7 @@ use std::ptr::null_mut;
 pub enum Api {
     /// OpenGL, core profile, 3.3 or later.
     Core,
-    /// OpenGL, compatibility profile, whatever version the driver gives.
+    /// OpenGL, compatibility profile, in the version that the driver offers.
     Compatibility,
     /// OpenGL ES, 3.0 or later.
     Es3,
@@ -31,7 +31,7 @@ const EGL_NONE: i32 = 0x3038;
 
 type Handle = *mut c_void;
 
-/// The functions of EGL that are needed.
+/// Functions of EGL that are needed.
 struct Egl {
     get_proc_address: unsafe extern "C" fn(*const c_char) -> *const c_void,
     get_display: unsafe extern "C" fn(Handle) -> Handle,
@@ -41,8 +41,8 @@ struct Egl {
     make_current: unsafe extern "C" fn(Handle, Handle, Handle, Handle) -> u32,
     destroy_context: unsafe extern "C" fn(Handle, Handle) -> u32,
     get_error: unsafe extern "C" fn() -> i32,
-    // Keeps the functions above valid. Never unloaded: displays stay initialised, and a library
-    // that is loaded again knows nothing of them and makes new ones, each with threads of its own.
+    // Keeps the functions above valid. It is never unloaded: displays stay initialised. A library
+    // that is loaded again would not know them and would make new ones, each with its own threads.
     _library: ManuallyDrop<Library>,
 }
 
@@ -53,7 +53,7 @@ pub struct Headless {
     context: Handle,
     /// The driver's functions.
     pub gl: Gl,
-    /// OpenGL ES, not desktop OpenGL.
+    /// True for OpenGL ES, false for desktop OpenGL.
     pub is_gles: bool,
 }
 
@@ -61,7 +61,7 @@ impl Egl {
     fn load() -> Result<Self> {
         // SAFETY: libEGL's initialisers are those that every EGL program runs.
         let library = unsafe { Library::new("libEGL.so.1") }
-            .map_err(|e| graphics(format!("There is no EGL here: libEGL.so.1 cannot be loaded ({e}).")))?;
+            .map_err(|e| graphics(format!("EGL is missing: libEGL.so.1 cannot be loaded ({e}).")))?;
         macro_rules! function {
             ($name:literal) => {
                 // SAFETY: the field's type is the function's type in the EGL specification.
@@ -81,8 +81,8 @@ impl Egl {
         })
     }
 
-    /// An initialised display: no surface at all, else the first device that works, else the
-    /// default one.
+    /// Returns an initialised display: the surfaceless platform, else the first device that works,
+    /// else the default display.
     fn display(&self) -> Result<Handle> {
         type GetPlatformDisplay = unsafe extern "C" fn(u32, Handle, *const i32) -> Handle;
         type QueryDevices = unsafe extern "C" fn(i32, *mut Handle, *mut i32) -> u32;
@@ -91,7 +91,8 @@ impl Egl {
         if !platform.is_null() {
             // SAFETY: the type is the function's type in EGL_EXT_platform_base.
             let platform: GetPlatformDisplay = unsafe { std::mem::transmute(platform) };
-            // SAFETY: an unknown platform is an error code, not undefined.
+            // SAFETY: for an unknown platform the function returns no display; that is defined
+            // behaviour.
             candidates.push(unsafe { platform(EGL_PLATFORM_SURFACELESS_MESA, null_mut(), std::ptr::null()) });
             let query = self.function(c"eglQueryDevicesEXT");
             if !query.is_null() {
@@ -119,7 +120,7 @@ impl Egl {
             }
         }
         Err(graphics(
-            "EGL has no display without a window: no OpenGL driver is installed, or it offers none of EGL_MESA_platform_surfaceless and EGL_EXT_platform_device.",
+            "EGL has no display without a window: no OpenGL driver is installed, or it offers neither EGL_MESA_platform_surfaceless nor EGL_EXT_platform_device.",
         ))
     }
 
@@ -168,7 +169,7 @@ impl Headless {
             (egl.create_context)(display, null_mut(), null_mut(), attributes.as_ptr())
         };
         if context.is_null() {
-            return Err(graphics(format!("EGL gives no {api:?} context: {}.", egl.error())));
+            return Err(graphics(format!("EGL cannot make a {api:?} context: {}.", egl.error())));
         }
         // SAFETY: display and context come from EGL.
         if unsafe { (egl.make_current)(display, null_mut(), null_mut(), context) } == 0 {
@@ -193,7 +194,7 @@ impl Headless {
 
 impl Egl {
     fn error(&self) -> String {
-        // SAFETY: takes nothing.
+        // SAFETY: the function takes no arguments.
         format!("error {:#x}", unsafe { (self.get_error)() })
     }
 }

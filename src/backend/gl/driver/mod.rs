@@ -1,4 +1,4 @@
-//! The driver: its function table, its errors, names of objects, contexts without a program.
+//! The driver: its function table, its errors, names of objects, and contexts without a program.
 
 pub mod api;
 pub mod errors;

@@ -1,39 +1,39 @@
-//! Names for objects of our own.
+//! Names for objects of Cupola.
 //!
-//! Programs of the old profile and of OpenGL ES may use names that they never asked for, mostly
-//! from 1 on. Ours are far from those there.
+//! In the compatibility profile and in OpenGL ES a program may use names that it has not generated,
+//! mostly from 1 on. There, names of Cupola are far above these.
 
 use crate::backend::gl::driver::api::{self, Gl};
 
-/// Number of names that are left to programs that use names which they have not generated.
+/// Number of names left free for programs that use names without generating them.
 const PROGRAM_NAMES: usize = 4096;
 
-/// A command that writes names, and one that deletes them.
+/// A command that generates names, and one that deletes them.
 type Commands = (unsafe fn(&Gl, i32, *mut u32), unsafe fn(&Gl, i32, *const u32));
 
-/// A name of a texture. The caller deletes it, as those of the next functions.
+/// Generates the name of a texture. The caller deletes it; the same holds for the next functions.
 pub fn texture(gl: &Gl) -> u32 {
     name(gl, (Gl::gen_textures, Gl::delete_textures))
 }
 
-/// A name of a buffer.
+/// Generates the name of a buffer.
 pub fn buffer(gl: &Gl) -> u32 {
     name(gl, (Gl::gen_buffers, Gl::delete_buffers))
 }
 
-/// A name of a framebuffer.
+/// Generates the name of a framebuffer.
 pub fn framebuffer(gl: &Gl) -> u32 {
     name(gl, (Gl::gen_framebuffers, Gl::delete_framebuffers))
 }
 
-/// A name of a renderbuffer.
+/// Generates the name of a renderbuffer.
 pub fn renderbuffer(gl: &Gl) -> u32 {
     name(gl, (Gl::gen_renderbuffers, Gl::delete_renderbuffers))
 }
 
 fn name(gl: &Gl, (generate, delete): Commands) -> u32 {
     let mut names = [0; PROGRAM_NAMES];
-    // SAFETY: writes as many names as there is room for, and gives back all but the last.
+    // SAFETY: writes at most as many names as the array holds, and deletes all but the last.
     unsafe {
         if !takes_any_name(gl) {
             generate(gl, 1, names.as_mut_ptr());
@@ -45,7 +45,7 @@ fn name(gl: &Gl, (generate, delete): Commands) -> u32 {
     names[PROGRAM_NAMES - 1]
 }
 
-/// True if programs may use names that they did not ask for.
+/// True if programs may use names that they have not generated.
 fn takes_any_name(gl: &Gl) -> bool {
     if gl.is_es() {
         return true;

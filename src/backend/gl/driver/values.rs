@@ -2,9 +2,9 @@
 
 use crate::backend::gl::driver::api::Gl;
 
-/// One integer of the context; 0 where it knows no such name.
+/// Returns one integer of the context's state; 0 if the context does not know the name.
 pub(crate) fn integer(gl: &Gl, name: u32) -> i32 {
-    // Some names answer with more than one number in some profiles.
+    // Some names have more than one value in some profiles.
     let mut values = [0; 4];
     // SAFETY: a context is current; no name used here has more than four values.
     unsafe { gl.get_integerv(name, values.as_mut_ptr()) };

@@ -1,22 +1,21 @@
-//! Linked programs of shaders as the driver gives them out, kept by their texts and by the driver.
+//! Binaries of linked shader programs, cached by the shaders' texts and by the driver.
 //!
-//! Drivers keep what they compile, too, most of them; what is saved beside that is reading the
-//! shaders' language.
+//! Most drivers have a cache of their own. This cache also saves the parsing of the shaders.
 
 use crate::backend::gl::driver::api::*;
 use crate::cache::{self, Cache, RawBytes};
 use crate::error::{Error, Result};
 
-/// Source and destination of linked programs.
+/// Cache of program binaries for one driver.
 #[derive(Default)]
 pub(in crate::backend::gl) struct Binaries {
     cache: Cache,
-    /// The driver's name and version; empty where it gives out no programs.
+    /// The driver's name and version; empty if it offers no program binaries.
     driver: String,
 }
 
 impl Binaries {
-    /// Kept by `cache`, if the current context `can` give programs out.
+    /// Makes a cache of binaries on `cache`. `can`: the current context supports program binaries.
     pub fn new(gl: &Gl, cache: Cache, can: bool) -> Self {
         let mut formats = 0;
         if can && gl.has_get_program_binary() && gl.has_program_binary() && gl.has_program_parameteri() {
@@ -27,13 +26,13 @@ impl Binaries {
         Self { cache, driver: if formats > 0 { driver() } else { String::new() } }
     }
 
-    /// True if a program may be asked for after `link` made it, so that it has to say so to the
-    /// driver.
+    /// True if programs are cached. The function that links then has to set the driver's hint that
+    /// the binary will be read.
     pub fn are_kept(&self) -> bool {
         !self.driver.is_empty()
     }
 
-    /// The program of these texts by `link`, or what was kept of it.
+    /// Returns the program of these texts, from the cache or made by `link`.
     ///
     /// # Errors
     /// Those of `link`.
@@ -46,14 +45,14 @@ impl Binaries {
     }
 }
 
-/// A program of what [`store`] wrote; `None` where the driver does not take it, as after it was
-/// updated.
+/// Makes a program of the data that [`store`] wrote; `None` if the driver refuses it, for example
+/// after an update.
 fn load(gl: &Gl, bytes: &[u8]) -> Option<u32> {
     let (format, RawBytes(binary)) = cache::decode::<(u32, RawBytes<'_>)>(bytes)?;
     let size = i32::try_from(binary.len()).ok()?;
     let mut linked = 0;
-    // SAFETY: a context is current; the driver looks at its binaries before it believes them, and
-    // has as many bytes as are said.
+    // SAFETY: a context is current; the driver checks a binary before it uses it, and `size` is the
+    // number of its bytes.
     let program = unsafe {
         let program = gl.create_program();
         gl.program_binary(program, format, binary.as_ptr().cast(), size);
@@ -61,7 +60,8 @@ fn load(gl: &Gl, bytes: &[u8]) -> Option<u32> {
         program
     };
     if linked == 0 {
-        // SAFETY: as above. What it does not know is an error that is nobody's.
+        // SAFETY: as above. The error of an unknown format is cleared, so that the program does not
+        // see it.
         unsafe {
             gl.delete_program(program);
             gl.get_error();
@@ -71,7 +71,7 @@ fn load(gl: &Gl, bytes: &[u8]) -> Option<u32> {
     Some(program)
 }
 
-/// Returns format and bytes of a program; `None` where the driver does not give it out.
+/// Returns format and bytes of a program's binary; `None` if the driver offers none.
 fn store(gl: &Gl, program: u32) -> Option<Vec<u8>> {
     let (mut length, mut written, mut format) = (0, 0, 0);
     // SAFETY: a context is current; one value.
@@ -80,7 +80,7 @@ fn store(gl: &Gl, program: u32) -> Option<Vec<u8>> {
     if binary.is_empty() {
         return None;
     }
-    // SAFETY: the driver writes no more bytes than there are.
+    // SAFETY: the driver writes at most `length` bytes.
     unsafe { gl.get_program_binary(program, length, &mut written, &mut format, binary.as_mut_ptr().cast()) };
     let binary = binary.get(..usize::try_from(written).ok()?).filter(|binary| !binary.is_empty())?;
     cache::encode(&(format, RawBytes(binary)))

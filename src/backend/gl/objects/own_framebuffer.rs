@@ -11,10 +11,10 @@ pub struct OwnFramebuffer {
 }
 
 impl OwnFramebuffer {
-    /// Makes one of this size in pixels.
+    /// Makes a framebuffer of this size in pixels.
     pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
         let canvas = Self { framebuffer: own_names::framebuffer(gl), texture: own_names::texture(gl) };
-        // SAFETY: makes objects of Cupola; the bindings that are touched are put back.
+        // SAFETY: makes objects of Cupola; the bindings that change are restored.
         unsafe {
             let (mut bound, mut texture) = (0, 0);
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
@@ -35,7 +35,7 @@ impl OwnFramebuffer {
         canvas
     }
 
-    /// Deletes it in its context, which must be current.
+    /// Deletes the objects in their context, which must be current.
     pub fn destroy(self, gl: &Gl) {
         // SAFETY: objects of Cupola.
         unsafe {

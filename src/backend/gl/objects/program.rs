@@ -15,7 +15,8 @@ pub(in crate::backend::gl) const TABLE_UNIT: u32 = 2;
 /// Texture unit of a picture of black.
 pub(in crate::backend::gl) const BLACK_UNIT: u32 = 3;
 
-/// Compiles and links, or takes what was kept; leaves the program current. The caller deletes it.
+/// Compiles and links a program, or takes it from the cache. The program is current afterwards. The
+/// caller deletes it.
 ///
 /// # Errors
 /// [`ErrorKind::Graphics`] with the driver's log.
@@ -39,7 +40,7 @@ pub(in crate::backend::gl) fn build(gl: &Gl, text: &Specialised, binaries: &Bina
     Ok(program)
 }
 
-/// The program of two texts, current. The caller deletes it.
+/// Links the program of two texts and makes it current. The caller deletes it.
 ///
 /// # Errors
 /// As for [`build`].
@@ -50,7 +51,7 @@ pub(in crate::backend::gl) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Res
     Ok(program)
 }
 
-/// The program of two texts, which the driver is asked for afterwards if it is `kept`.
+/// Links the program of two texts. `kept`: its binary will be read for the cache.
 fn linked(gl: &Gl, vertex: &str, fragment: &str, kept: bool) -> Result<u32> {
     let vertex = compile(gl, GL_VERTEX_SHADER, vertex)?;
     let fragment = compile(gl, GL_FRAGMENT_SHADER, fragment).inspect_err(|_| delete(gl, vertex))?;

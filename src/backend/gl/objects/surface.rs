@@ -6,20 +6,21 @@ use crate::backend::gl::driver::{api, own_names};
 use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 
-/// A framebuffer of Cupola. The methods take the context that it was made on as current.
+/// A framebuffer of Cupola. Its methods need the context on which it was made to be current.
 #[derive(Debug)]
 pub struct Surface {
     framebuffer: u32,
-    /// A texture, or a renderbuffer where it is multisampled.
+    /// Colour: a texture, or a renderbuffer if the surface is multisampled.
     color: u32,
-    /// The same texels as sRGB, which are drawn to; 0 where `color` is.
+    /// Texture view of `color` in an sRGB format, which is the target of drawing; 0 if `color` is
+    /// the target.
     as_srgb: u32,
     depth: u32,
     samples: i32,
     size: (i32, i32),
 }
 
-/// State that [`Surface::begin_tile`] changed.
+/// State that [`Surface::begin_tile`] changed, to be restored.
 #[derive(Clone, Copy, Debug)]
 pub struct Saved {
     draw: i32,
@@ -30,12 +31,12 @@ pub struct Saved {
 }
 
 impl Surface {
-    /// A surface of `size` (width, height in pixels) with RGBA8 colour and 24 + 8 bits of depth and
-    /// stencil. `samples`: 0 = one sample per pixel, in a texture. `srgb`: the program may ask for
-    /// conversion to sRGB when it draws; the texture's values are taken as they are all the same.
-    /// On Mesa `glCopyPixels` reads linear values from an sRGB texture; so the texture is not sRGB
-    /// where the driver allows that. Every binding that is touched is put back. No error of the
-    /// program is pending.
+    /// Makes a surface of `size` (width, height in pixels) with RGBA8 colour and 24 + 8 bits of
+    /// depth and stencil. `samples`: 0 = one sample per pixel, in a texture. `srgb`: the program
+    /// may enable conversion to sRGB when it draws; the correction reads the texture without
+    /// conversion in any case. On Mesa `glCopyPixels` reads linear values from an sRGB texture; so
+    /// the texture is not sRGB if the driver supports texture views. Every binding that changes is
+    /// restored. No error of the program may be pending.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
@@ -43,7 +44,7 @@ impl Surface {
         let (width, height) = size;
         let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
         let mut surface = Self { framebuffer: 0, color: 0, as_srgb: 0, depth: 0, samples, size };
-        // SAFETY: makes objects of Cupola on the current context; bindings are put back.
+        // SAFETY: makes objects of Cupola on the current context; bindings are restored.
         unsafe {
             let bindings = Bindings::save(gl);
             if samples > 0 {
@@ -80,14 +81,14 @@ impl Surface {
         }
     }
 
-    /// Makes its framebuffer anew, in the current context, which shares objects with the one
-    /// before; contexts do not share framebuffers. Every binding that is touched is put back. No
-    /// error of the program is pending.
+    /// Makes a new framebuffer in the current context, which shares objects with the former
+    /// context. Contexts do not share framebuffers. Every binding that changes is restored. No
+    /// error of the program may be pending.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
     pub fn rehome(&mut self, gl: &Gl) -> Result<()> {
-        // SAFETY: makes an object of Cupola on the current context; bindings are put back.
+        // SAFETY: makes an object of Cupola on the current context; bindings are restored.
         let (status, error) = unsafe {
             let bindings = Bindings::save(gl);
             self.framebuffer = own_names::framebuffer(gl);
@@ -104,7 +105,7 @@ impl Surface {
             bindings.restore(gl);
             (status, drain(gl))
         };
-        // A driver may call a framebuffer complete whose images have no memory.
+        // A driver may report a framebuffer as complete although its images have no memory.
         if status == api::GL_FRAMEBUFFER_COMPLETE && error == api::GL_NO_ERROR {
             return Ok(());
         }
@@ -112,23 +113,23 @@ impl Surface {
         Err(Error::new(
             ErrorKind::Graphics,
             format!(
-                "the driver gives no framebuffer of {width} × {height} pixels with {samples} samples \
+                "the driver cannot make a framebuffer of {width} × {height} pixels with {samples} samples \
                  (status 0x{status:04X}, error 0x{error:04X}); a lower quality in [views] makes it smaller"
             ),
         ))
     }
 
-    /// Its OpenGL name.
+    /// Returns the framebuffer's OpenGL name.
     pub fn framebuffer(&self) -> u32 {
         self.framebuffer
     }
 
-    /// The texture of a surface with one sample per pixel; 0 for others.
+    /// Returns the texture if the surface has one sample per pixel, else 0.
     pub fn texture(&self) -> u32 {
         if self.samples > 0 { 0 } else { self.color }
     }
 
-    /// Samples per pixel; 0 = not multisampled.
+    /// Returns the samples per pixel; 0 = not multisampled.
     pub fn samples(&self) -> i32 {
         self.samples
     }
@@ -138,11 +139,11 @@ impl Surface {
         self.size
     }
 
-    /// Binds it for drawing, with viewport and scissor on `tile`.
+    /// Binds the framebuffer, with viewport and scissor on `tile`.
     pub fn begin_tile(&self, gl: &Gl, tile: LowerLeftRect) -> Saved {
         let mut saved = Saved { draw: 0, read: 0, viewport: [0; 4], scissor: [0; 4], scissor_test: false };
         let LowerLeftRect { x, y, width, height } = tile;
-        // SAFETY: queries and sets plain state of the current context; put back by `end_tile`.
+        // SAFETY: queries and sets plain state of the current context; `end_tile` restores it.
         unsafe {
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut saved.draw);
             gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut saved.read);
@@ -157,7 +158,7 @@ impl Surface {
         saved
     }
 
-    /// Puts back what [`Surface::begin_tile`] changed.
+    /// Restores the state that [`Surface::begin_tile`] changed.
     pub fn end_tile(&self, gl: &Gl, saved: &Saved) {
         let [x, y, width, height] = saved.viewport;
         let [left, bottom, across, up] = saved.scissor;
@@ -173,7 +174,7 @@ impl Surface {
         }
     }
 
-    /// Deletes it.
+    /// Deletes the surface's objects.
     pub fn destroy(&self, gl: &Gl) {
         // SAFETY: objects of Cupola; the name 0 is ignored.
         unsafe {
@@ -188,7 +189,7 @@ impl Surface {
     }
 }
 
-/// True if a texture's storage can be seen in another format.
+/// True if the context supports texture views.
 fn views_textures(gl: &Gl) -> bool {
     let mut version = [0; 2];
     // SAFETY: each writes one integer.
@@ -199,7 +200,7 @@ fn views_textures(gl: &Gl) -> bool {
     !gl.is_es() && version >= [4, 3] && gl.has_texture_view()
 }
 
-/// Greatest width and height of a texture on the current context, at least 1024.
+/// Returns the greatest width and height of a texture on the current context, at least 1024.
 pub fn greatest_texture(gl: &Gl) -> u32 {
     let mut greatest = 0;
     // SAFETY: writes one integer.
@@ -210,22 +211,23 @@ pub fn greatest_texture(gl: &Gl) -> u32 {
 /// State of a framebuffer as a target of drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FramebufferState {
-    /// It can.
+    /// The framebuffer can be drawn to.
     Complete,
-    /// The context has none of this name.
+    /// The context has no framebuffer of this name.
     Missing,
-    /// It is not complete; OpenGL's status.
+    /// The framebuffer is not complete; the value is OpenGL's status.
     Incomplete(u32),
 }
 
-/// The state of a framebuffer of the current context; 0 = its window. Bindings are put back.
+/// Returns the state of a framebuffer of the current context; 0 = the window. Bindings are
+/// restored.
 pub fn framebuffer_state(gl: &Gl, framebuffer: u32) -> FramebufferState {
-    // SAFETY: asks the context, which is current.
+    // SAFETY: queries the context, which is current.
     if framebuffer != 0 && unsafe { gl.is_framebuffer(framebuffer) } == 0 {
         return FramebufferState::Missing;
     }
     let mut bound = 0;
-    // SAFETY: writes one integer; the binding is put back.
+    // SAFETY: writes one integer; the binding is restored.
     let status = unsafe {
         gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
@@ -240,7 +242,7 @@ pub fn framebuffer_state(gl: &Gl, framebuffer: u32) -> FramebufferState {
     }
 }
 
-/// Bindings that making a surface disturbs.
+/// Bindings that change while a surface is made.
 struct Bindings([i32; 4]);
 
 impl Bindings {
@@ -266,7 +268,7 @@ impl Bindings {
     /// The context of `save` must be current.
     unsafe fn restore(&self, gl: &Gl) {
         let [draw, read, renderbuffer, texture] = self.0.map(|v| v as u32);
-        // SAFETY: puts back what was bound.
+        // SAFETY: binds the objects that were bound.
         unsafe {
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw);
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read);

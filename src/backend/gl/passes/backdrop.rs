@@ -1,4 +1,4 @@
-//! A picture that lies behind a scene, in all directions.
+//! Draws a picture behind a scene, in all directions.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::own_names;
@@ -14,27 +14,27 @@ use crate::correct::shaders::glsl::Specialised;
 use crate::error::{Error, ErrorKind, Result};
 use glam::DMat3;
 
-/// Part of a picture that is drawn, and its place.
+/// A picture behind the scene, and the tiles to fill with it.
 pub struct Spread<'a> {
-    /// The framebuffer that has the picture.
+    /// Framebuffer that contains the picture.
     pub framebuffer: u32,
-    /// Place of the picture there.
+    /// Rectangle of the picture there.
     pub picture: LowerLeftRect,
-    /// Its sized format.
+    /// Sized format of the picture.
     pub format: u32,
-    /// The lens that the picture is seen with: scale and off-centre term to the right, and upwards
+    /// Lens of the picture: scale and off-centre term to the right, then the same upwards
     /// (`geom::reprojection::Intrinsics`).
     pub lens: [f64; 4],
-    /// Tiles of the bound draw framebuffer, and from a place (−1…1 to the right and up, 1) there to
-    /// a direction (to the right, up, ahead) in the camera's axes.
+    /// Tiles of the bound draw framebuffer. The matrix of a tile maps a place in it (−1…1 to the
+    /// right and up, 1) to a direction (right, up, ahead) in the camera's axes.
     pub tiles: &'a [(LowerLeftRect, DMat3)],
 }
 
-/// The texts for OpenGL 3.3 and OpenGL ES 3.0.
+/// Texts of the shaders for OpenGL 3.3 and OpenGL ES 3.0.
 ///
-/// Within the lens each direction has the colour of its place in the picture. Beyond its right and
-/// left sides, places of equal elevation have equal heights there, and all around what lies outside
-/// has the colour of the picture's border: no view has a seam.
+/// A direction within the lens has the colour of its place in the picture. A direction outside has
+/// the colour of the picture's border. Beyond the left and right sides, directions of equal
+/// elevation map to equal heights of the picture. So no view has a seam.
 macro_rules! texts {
     ($version:literal) => {
         (
@@ -57,7 +57,7 @@ macro_rules! texts {
     };
 }
 
-/// Objects that draw it, on one context.
+/// Objects that draw a backdrop, on one context.
 #[derive(Debug)]
 pub(in crate::backend::gl) struct Backdrop {
     vertex_array: u32,
@@ -71,7 +71,7 @@ pub(in crate::backend::gl) struct Backdrop {
 }
 
 impl Backdrop {
-    /// The caller keeps what uploading touches.
+    /// Makes the objects. The caller saves and restores the state that uploading changes.
     ///
     /// # Errors
     /// [`Graphics`](ErrorKind::Graphics) where the driver refuses the shader.
@@ -93,11 +93,11 @@ impl Backdrop {
         Ok(backdrop)
     }
 
-    /// Fills the tiles. Everything is put back; depth and stencil are not touched. `false`: nothing
-    /// could be done, or not all colours are written.
+    /// Fills the tiles. All state is restored; depth and stencil do not change. Returns false if
+    /// nothing could be drawn, or if the program's mask does not write all colours.
     ///
     /// # Errors
-    /// [`Graphics`](ErrorKind::Graphics) where the driver gives no copy of the picture.
+    /// [`Graphics`](ErrorKind::Graphics) where the driver cannot copy the picture.
     pub fn spread(&mut self, gl: &Gl, caps: &Capabilities, what: &Spread<'_>, known: &KnownState) -> Result<bool> {
         if counting(gl, caps) || !state::can_draw(gl, caps) || !gl.has_tex_storage2_d() {
             return Ok(false);
@@ -109,18 +109,18 @@ impl Backdrop {
         done.map(|()| writes)
     }
 
-    /// Copies the picture into the texture, which is bound then.
+    /// Copies the picture into the texture, which is bound afterwards.
     fn copy(&mut self, gl: &Gl, what: &Spread<'_>) -> Result<()> {
         let LowerLeftRect { width, height, .. } = what.picture;
         let [x0, y0, x1, y1] = what.picture.corners();
-        // SAFETY: objects of Cupola; the bindings of framebuffers are put back, those of textures
+        // SAFETY: objects of Cupola; bindings of framebuffers are restored here, those of textures
         // by the caller.
         let complete = unsafe {
             let [read, draw] =
                 [GL_READ_FRAMEBUFFER_BINDING, GL_DRAW_FRAMEBUFFER_BINDING].map(|n| integer(gl, n) as u32);
             let other = self.size != [width, height] || self.format != what.format;
             if other {
-                // Its storage cannot be changed.
+                // The storage of a texture cannot be changed.
                 gl.delete_textures(1, &self.texture);
                 self.texture = own_names::texture(gl);
             }
@@ -149,7 +149,7 @@ impl Backdrop {
             gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, draw);
             complete
         };
-        let refused = || Error::new(ErrorKind::Graphics, "The driver gives no copy of a scene's background.");
+        let refused = || Error::new(ErrorKind::Graphics, "The driver cannot copy the background of a scene.");
         complete.then_some(()).ok_or_else(refused)
     }
 
@@ -172,13 +172,13 @@ impl Backdrop {
         }
     }
 
-    /// Goes on in the current context, which shares the program and the texture with the one before,
+    /// Moves to the current context, which shares the program and the texture with the former one,
     /// but not the framebuffer and the vertex array.
     pub fn rehome(&mut self, gl: &Gl) {
         // SAFETY: the context is current, and a name is written.
         unsafe { gl.gen_vertex_arrays(1, &mut self.vertex_array) };
         self.framebuffer = own_names::framebuffer(gl);
-        // The next picture gets a texture of its own, attached to the new framebuffer.
+        // The next picture gets a new texture, attached to the new framebuffer.
         self.size = [0; 2];
     }
 

@@ -1,28 +1,28 @@
-//! Draws that show nothing but the colour of views that hold a single one. They need not be issued.
+//! Draws that would show only the colour of cleared views. They need not be issued.
 
 use crate::correct::shaders::constants::Constants;
 use crate::correct::{Footprints, LowerLeftRect, TexelSpan};
 
-/// Views that hold one colour in every texel, or in all but a part.
+/// Views that contain one colour in every texel, or in all texels outside a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearedViews<'a> {
-    /// Bit i: the plan's view i. Views from number 64 on are none of them.
+    /// Bit i stands for view i of the plan. Views from number 64 on are never included.
     pub views: u64,
     /// Red, green and blue as they are stored: multiples of 1/255.
     pub color: [f32; 3],
-    /// For each view the texels of the atlas that may hold something else; views beyond the list
-    /// may everywhere.
+    /// For each view, the texels of the atlas that may have another colour. Views beyond the list
+    /// may have another colour everywhere.
     pub touched: &'a [TexelSpan],
 }
 
-/// Effect of a draw on the colour of views that hold a single one.
+/// Effect of a draw on the single colour of cleared views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::backend::gl) enum Shows {
-    /// It is shown as it is.
+    /// The colour is shown unchanged.
     Same,
-    /// Black stays black: other colours are weighted, or have a rim.
+    /// Black stays black. Other colours change: they are weighted, or the picture has a rim.
     Black,
-    /// Another one.
+    /// Another colour is shown.
     Other,
 }
 
@@ -30,22 +30,23 @@ pub(in crate::backend::gl) enum Shows {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::backend::gl) struct Draw {
     pub program: u32,
-    /// First index, number of indices.
+    /// Index of the first index, number of indices.
     pub first: i32,
     pub count: i32,
-    /// The views that it samples, a bit each.
+    /// Views that the draw samples, one bit each.
     pub views: u64,
     pub shows: Shows,
-    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as
+    /// True if the batch shows its view 1:1. Texels are then copied if the target has the size of
     /// the output.
     pub nearest: bool,
 }
 
-/// A part of an output that is larger is not worth a clear of all of it.
+/// If the part that still has to be drawn is larger, a clear of the whole output does not pay.
 const WORTHWHILE: f64 = 0.7;
 
-/// The part of an output of `size` pixels outside of which draws that can be
-/// narrowed show the colour of the views; `None` where that is not known, or saves little.
+/// Returns the part of an output of `size` pixels in which draws that can be narrowed still have to
+/// run. Outside it they show the colour of the cleared views. `None` if the part is not known, or
+/// if the clear saves little.
 pub(in crate::backend::gl) fn part(
     cleared: &ClearedViews,
     draws: &[Draw],
@@ -59,7 +60,7 @@ pub(in crate::backend::gl) fn part(
 }
 
 impl Draw {
-    /// True if what shows a colour shows that same colour.
+    /// True if the draw shows this colour unchanged.
     fn keeps(&self, color: [f32; 3]) -> bool {
         match self.shows {
             Shows::Same => true,
@@ -68,19 +69,19 @@ impl Draw {
         }
     }
 
-    /// True if it shows the colour of views wherever they hold it.
+    /// True if the draw shows the cleared colour wherever its views contain it.
     pub fn narrows(&self, cleared: &ClearedViews) -> bool {
         self.views != 0 && self.keeps(cleared.color)
     }
 
-    /// True if it shows the colour of these views and nothing else. What shows nothing at all is
+    /// True if the draw shows only the colour of the cleared views. A draw without views shows
     /// black.
     pub fn shows_cleared(&self, cleared: &ClearedViews) -> bool {
         self.keeps(cleared.color) && self.views & !cleared.views == 0
     }
 }
 
-/// Returns the effect on a single colour of a draw with these constants.
+/// Returns the effect of a draw with these constants on a single colour.
 pub(in crate::backend::gl) fn shows(constants: &Constants) -> Shows {
     // Only the pass that shows black has no views.
     let Some(shared) = constants.shared() else { return Shows::Black };

@@ -1,30 +1,31 @@
-//! Full clears: a framebuffer that shows nothing but outputs is cleared at once.
+//! Full clears: a framebuffer that shows only outputs is cleared before they are drawn.
 //!
-//! Of all ways to make pixels black this is the cheapest: hardware only notes it, and llvmpipe
-//! takes 0.4 ns for a pixel, where a rectangle takes 1.2 ns and a clear within a scissor that
-//! leaves something out 2 ns.
+//! A full clear is the cheapest way to make pixels black. Hardware only records it. llvmpipe takes
+//! 0.4 ns per pixel; a rectangle takes 1.2 ns, and a clear with a scissor that excludes pixels
+//! takes 2 ns.
 
 use crate::backend::gl::objects::target::Target;
 use crate::correct::apart;
 
-/// A framebuffer with less to fill is filled by rectangles: a clear reaches the other pixels, too.
+/// Black part of a framebuffer from which a full clear pays. If less is black, rectangles fill it,
+/// since a clear also writes the other pixels.
 const WORTHWHILE: f64 = 0.2;
 
 /// The framebuffer that outputs share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::backend::gl) struct FullClear {
-    /// Its name.
+    /// The framebuffer's name.
     framebuffer: u32,
-    /// The outputs cover it.
+    /// True if the outputs cover the framebuffer.
     covered: bool,
-    /// Much of what they show is black.
+    /// True if much of the outputs is always black.
     dark: bool,
 }
 
 impl FullClear {
-    /// For the framebuffer of `targets`, of `size` pixels. `black`: which part of each output is
-    /// black whatever the views show. `None` where one clear cannot serve all outputs: they
-    /// overlap, or have several framebuffers.
+    /// Returns the full clear for the framebuffer of `targets`, of `size` pixels. `black`: the part
+    /// of each output that is black whatever the views show. `None` if one clear cannot serve all
+    /// outputs: they overlap, or have several framebuffers.
     pub fn of(targets: &[Target], size: (u32, u32), black: impl Iterator<Item = f64>) -> Option<Self> {
         let framebuffer = targets.first()?.framebuffer;
         let together = targets.iter().all(|target| target.framebuffer == framebuffer);
@@ -38,11 +39,11 @@ impl FullClear {
         Some(Self { framebuffer, covered: shown >= all, dark: filled > WORTHWHILE * all })
     }
 
-    /// The colour that it is cleared to, if it is; `cleared`: one that some outputs show as a
-    /// clear.
+    /// Returns the colour of the clear; `None`: no clear. `cleared`: colour of cleared views that
+    /// some draws show.
     pub fn color(&self, cleared: Option<[f32; 3]>) -> Option<[f32; 3]> {
         const BLACK: [f32; 3] = [0.0; 3];
-        // What no output shows is black.
+        // Pixels outside all outputs are black.
         cleared.filter(|_| self.covered).or((!self.covered || self.dark || cleared == Some(BLACK)).then_some(BLACK))
     }
 
@@ -69,7 +70,7 @@ mod tests {
         assert_eq!(worthwhile(&[left, right], [0.0, 0.0]), Some(false));
         assert_eq!(worthwhile(&[left, right], [0.3, 0.0]), Some(false));
         assert_eq!(worthwhile(&[left, right], [0.3, 0.2]), Some(true));
-        assert_eq!(worthwhile(&[left], [0.0, 0.0]), Some(true), "half of it is nobody's");
+        assert_eq!(worthwhile(&[left], [0.0, 0.0]), Some(true), "half of it belongs to no output");
         assert_eq!(worthwhile(&[], [0.0, 0.0]), None);
     }
 

@@ -1,5 +1,5 @@
-//! Runs a plan on the current context: one draw for each batch of rectangles, one for what is
-//! black.
+//! Runs a plan on the current context: one draw for each batch of rectangles, one for the pixels
+//! that are always black.
 
 mod backdrop;
 mod cleared_views;
@@ -46,14 +46,14 @@ struct Output {
     mask: u32,
     /// 0 = none.
     table: u32,
-    /// The texture of what black is raised to; 0 = none.
+    /// Texture of the codes to which black is raised; 0 = none.
     black_picture: u32,
     footprints: Option<Footprints>,
-    /// Part of it that is black whatever the views show.
+    /// Part of the output that is black whatever the views show.
     black: f64,
 }
 
-/// Names of the objects that we made in the context.
+/// Names of Cupola's objects in the context.
 #[derive(Debug, Default)]
 struct Names {
     vertex_array: u32,
@@ -66,10 +66,11 @@ struct Names {
     textures: Vec<u32>,
 }
 
-/// The correction on one context. Vertex arrays are not shared between contexts: one backend each.
+/// The correction on one context. Each context needs its own backend, since contexts do not share
+/// vertex arrays.
 ///
-/// It is used with the context current on which it was made, and ended by [`GlBackend::destroy`]:
-/// dropping it cannot delete anything, since no context may be current then.
+/// The context on which the backend was made must be current. [`GlBackend::destroy`] deletes its
+/// objects. Dropping deletes nothing, since no context may be current then.
 pub struct GlBackend {
     caps: Capabilities,
     stage: Stage,
@@ -83,12 +84,13 @@ pub struct GlBackend {
     left_out: Cell<u64>,
     narrowed: Cell<u64>,
     linked: u64,
-    /// An error of the program's that was taken while preparing.
+    /// Error of the program that was read while preparing.
     pending: Cell<u32>,
 }
 
 impl GlBackend {
-    /// A backend on the current context, with nothing prepared. `is_gles`: it is OpenGL ES.
+    /// Makes a backend on the current context, with nothing prepared. `is_gles`: the context is
+    /// OpenGL ES.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the context is older than OpenGL 3.3 or OpenGL ES 3.0.
@@ -125,7 +127,7 @@ impl GlBackend {
         Ok(backend)
     }
 
-    /// The same; linked programs are kept by `cache` where the driver gives them out.
+    /// Returns the backend with `cache` for linked programs, if the driver offers program binaries.
     pub fn with_cache(mut self, gl: &Gl, cache: &Cache) -> Self {
         self.binaries = Binaries::new(gl, cache.clone(), self.caps.program_binaries);
         self
@@ -137,8 +139,7 @@ impl GlBackend {
         self.names.programs.extend(other.names.programs.drain());
     }
 
-    /// Returns the number of errors that our own calls have caused. None of them is left for the
-    /// program to find.
+    /// Returns the number of errors that Cupola's calls have caused. The program sees none of them.
     pub fn errors(&self) -> u64 {
         self.errors.get()
     }
@@ -149,12 +150,13 @@ impl GlBackend {
     }
 
     /// Compiles all shaders of `plan` and uploads rectangles and masks. `panel`: the flat panel is
-    /// shown where the plan has one. Takes milliseconds per batch: for changes of rig, size or
-    /// panel only. What was prepared before stays in use where it is the same, also on an error.
+    /// shown where the plan has one. Takes milliseconds per batch: call it only when the rig, a
+    /// size or the panel changes. Programs that stay the same are used again. If the driver refuses
+    /// a shader, the former correction stays in use.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses a shader or runs out of memory;
-    /// [`ErrorKind::Internal`] where the plan exceeds what shaders take.
+    /// [`ErrorKind::Internal`] where the plan exceeds the limits of the shaders.
     pub fn prepare(&mut self, gl: &Gl, plan: &Plan, panel: bool) -> Result<()> {
         self.prepare_passes(gl, plan, &plan.passes, panel)
     }
@@ -176,22 +178,22 @@ impl GlBackend {
         if self.errors() != before {
             return Err(Error::new(
                 ErrorKind::Graphics,
-                "The driver reports an error while the correction is prepared.",
+                "The driver reported an error while Cupola prepared the correction.",
             ));
         }
         Ok(())
     }
 
-    /// Says that from now on `targets`, one for each prepared output, are all that is to be seen in
-    /// their framebuffer of `size` pixels: what no output shows there is made black, and all of it
-    /// may be cleared first.
+    /// Declares that from now on `targets`, one for each prepared output, are the only content of
+    /// their framebuffer of `size` pixels. Pixels outside all outputs become black, and the whole
+    /// framebuffer may be cleared first.
     pub fn own_framebuffer(&mut self, targets: &[Target], size: (u32, u32)) {
         self.full_clear = FullClear::of(targets, size, self.outputs.iter().map(|output| output.black));
     }
 
     /// Uploads `areas`, rectangles of an atlas of the given size in texels, for
-    /// [`GlBackend::close_unsampled`]; none: there is nothing to close. For changes of the plan
-    /// only.
+    /// [`GlBackend::close_unsampled`]. With an empty list nothing is closed. Call it only when the
+    /// plan changes.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses a shader.
@@ -210,12 +212,14 @@ impl GlBackend {
         Ok(())
     }
 
-    /// After the program cleared the depth of the atlas, which is bound, to `cleared` (0…1): closes
-    /// the prepared areas by the depth farthest from that, so that what is drawn there fails the
-    /// usual depth tests. Colours and stencil stay. How many texels were closed: 0 where none are
-    /// prepared, where the program does not write depth, and while it counts samples. Allocates
-    /// nothing; the program's state and errors are put back as by [`GlBackend::present`], but the
-    /// program's pending error is returned by the next of those. What is `known` is not asked for.
+    /// Closes the prepared areas after the program cleared the depth of the atlas, which is bound,
+    /// to `cleared` (0…1). They get the depth farthest from `cleared`, so that drawing there fails
+    /// the usual depth tests. Colours and stencil do not change.
+    ///
+    /// Returns the number of texels that were closed: 0 if no areas are prepared, if the program
+    /// does not write depth, or while it counts samples. Allocates nothing. State and errors are
+    /// restored as by [`GlBackend::present`], but the program's pending error is returned by the
+    /// next call of `present`. State in `known` is not queried.
     pub fn close_unsampled(&self, gl: &Gl, cleared: f32, known: &KnownState) -> u64 {
         let Some(unsampled) = &self.unsampled else { return 0 };
         self.take_pending(gl);
@@ -225,8 +229,8 @@ impl GlBackend {
     }
 
     /// Fills tiles of the framebuffer that is bound for drawing with a picture behind the scene.
-    /// `false`: nothing could be done. The program's state and errors are put back as by
-    /// [`GlBackend::close_unsampled`].
+    /// Returns false if the tiles could not be filled completely. The program's state and errors
+    /// are restored as by [`GlBackend::close_unsampled`].
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the shader or a copy of the picture.
@@ -247,7 +251,8 @@ impl GlBackend {
         self.make_objects(gl);
         let mut old = take(&mut self.names.programs);
         let result = self.build_draws(gl, plan, passes, panel, &mut old);
-        // Kept programs have moved; on an error nothing is deleted that may still be drawn with.
+        // Programs that stay the same were taken out of `old`. On an error nothing is deleted,
+        // since the former correction stays in use.
         match result {
             Ok((outputs, list)) => {
                 for program in old.into_values() {
@@ -305,26 +310,26 @@ impl GlBackend {
         }
     }
 
-    /// Runs `work`, which uploads rows that lie close together to textures; what that touches is
-    /// put back.
+    /// Runs `work`, which uploads tightly packed rows to textures. The state that uploading changes
+    /// is restored.
     pub fn while_uploading<R>(&self, gl: &Gl, work: impl FnOnce() -> R) -> R {
         state::while_uploading(gl, &self.caps, work)
     }
 
-    /// Its vertex array, which contexts do not share.
+    /// Returns the name of the vertex array, which contexts do not share.
     pub fn vertex_array(&self) -> u32 {
         self.names.vertex_array
     }
 
-    /// True if the current context is that of the backend: vertex arrays are not shared between
-    /// contexts. A context that happens to have one of the same name is not told apart.
+    /// True if the current context is that of the backend: contexts do not share vertex arrays.
+    /// Also true, wrongly, for another context that has a vertex array of the same name.
     pub fn is_of_current_context(&self, gl: &Gl) -> bool {
-        // SAFETY: asks; without a context functions of OpenGL do nothing and answer 0.
+        // SAFETY: a query; without a context, functions of OpenGL do nothing and return 0.
         unsafe { gl.is_vertex_array(self.names.vertex_array) != 0 }
     }
 
-    /// Goes on in the current context, which shares objects with the one before. All bindings are
-    /// put back.
+    /// Moves to the current context, which shares objects with the former one. All bindings are
+    /// restored.
     pub fn rehome(&mut self, gl: &Gl) {
         if let Some(backdrop) = &mut self.backdrop {
             backdrop.rehome(gl);
@@ -427,7 +432,7 @@ impl GlBackend {
         self.count_errors(gl);
     }
 
-    /// The programs in the context, sorted.
+    /// Returns the names of the programs in the context, sorted.
     #[cfg(test)]
     pub(in crate::backend::gl) fn programs(&self) -> Vec<u32> {
         let mut programs: Vec<u32> = self.names.programs.values().copied().collect();
@@ -435,7 +440,7 @@ impl GlBackend {
         programs
     }
 
-    /// Keeps the first error that the program has pending.
+    /// Stores the program's first pending error.
     fn take_pending(&self, gl: &Gl) {
         let found = drain(gl);
         if self.pending.get() == GL_NO_ERROR {
@@ -454,10 +459,9 @@ impl GlBackend {
     }
 }
 
-/// Fills a buffer.
 fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
-    // SAFETY: a context is current and gave the name; the array is as long as said. A buffer has no
-    // fixed type: bound as an array it changes no vertex array.
+    // SAFETY: a context is current and gave the name; `size` is that of the array. A buffer has no
+    // fixed type: bound as `GL_ARRAY_BUFFER` it changes no vertex array.
     unsafe {
         gl.bind_buffer(GL_ARRAY_BUFFER, buffer);
         let size = std::mem::size_of_val(values) as isize;

@@ -1,4 +1,4 @@
-//! Presenting a frame: each output is drawn in its place of the target.
+//! Presenting a frame: each output is drawn at its place in the target.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::objects::program::{ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
@@ -14,20 +14,22 @@ use std::cell::Cell;
 impl GlBackend {
     /// Corrects the picture in `atlas_texture` (a 2D texture with encoded values, as large as the
     /// plan's atlas) into `targets`, one for each output of the plan, in its order. Allocates and
-    /// compiles nothing, puts back all state, and leaves no error of its own.
+    /// compiles nothing, restores all state, and leaves no error of Cupola.
     ///
     /// Does nothing before [`GlBackend::prepare`], and while the program compiles a display list or
-    /// picks. Conditional rendering and running queries must be off. Gives the error that the
-    /// program itself had pending (`GL_NO_ERROR` mostly): OpenGL forgets an error once it is asked
-    /// for, so the caller has to hand it to the program's next `glGetError`. One that was pending
-    /// at [`GlBackend::new`] or [`GlBackend::prepare`] is given by the next call of this.
+    /// picks. Conditional rendering and queries must not be active.
+    ///
+    /// Returns the error that the program itself had pending, mostly `GL_NO_ERROR`. OpenGL clears
+    /// an error when it is read, so the caller has to return it from the program's next
+    /// `glGetError`. An error that was pending at [`GlBackend::new`] or [`GlBackend::prepare`] is
+    /// returned by the next call of this function.
     pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
         self.present_changed(gl, atlas_texture, targets, None, &KnownState::default())
     }
 
-    /// As [`GlBackend::present`], but what shows only `cleared_views` views is cleared to their
-    /// colour instead of being sampled. The picture is the same, if the target stores 8 bits as the
-    /// atlas does. What is `known` is not asked for.
+    /// As [`GlBackend::present`], but batches that show only `cleared_views` are cleared to their
+    /// colour instead of being drawn. The picture is the same if the target stores 8 bits, as the
+    /// atlas does. State in `known` is not queried.
     pub fn present_changed(
         &self,
         gl: &Gl,
@@ -46,12 +48,12 @@ impl GlBackend {
         self.pending.replace(GL_NO_ERROR)
     }
 
-    /// Returns the number of batches that were cleared instead of being drawn, so far.
+    /// Returns the number of batches so far that were cleared instead of being drawn.
     pub fn left_out(&self) -> u64 {
         self.left_out.get()
     }
 
-    /// Returns the number of outputs' pictures that were corrected in a part only, and cleared
+    /// Returns the number of pictures of outputs so far that were drawn in a part only and cleared
     /// around it.
     pub fn narrowed(&self) -> u64 {
         self.narrowed.get()
@@ -68,7 +70,8 @@ impl GlBackend {
             if more {
                 gl.bind_sampler(MASK_UNIT, linear);
                 gl.bind_sampler(BLACK_UNIT, linear);
-                // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
+                // Some drivers cannot filter textures of 32-bit floats, and a table must not be
+                // filtered.
                 gl.bind_sampler(TABLE_UNIT, nearest);
             }
         }
@@ -101,13 +104,14 @@ impl GlBackend {
         }
     }
 
-    /// Returns the number of texture units in use: one if there is nothing beside the atlas.
+    /// Returns the number of texture units in use: one if only the atlas is read.
     fn units(&self) -> usize {
         let more = self.outputs.iter().any(|output| output.mask | output.table | output.black_picture != 0);
         if more { state::UNITS } else { 1 }
     }
 
-    /// The colour that the framebuffer of all outputs is cleared to before they are drawn.
+    /// Returns the colour to which the framebuffer of all outputs is cleared before they are drawn;
+    /// `None`: no clear.
     fn first_color(&self, targets: &[Target], cleared_views: Option<&ClearedViews<'_>>) -> Option<[f32; 3]> {
         let full_clear = self.full_clear.filter(|full_clear| full_clear.serves(targets))?;
         let draws = || self.outputs.iter().flat_map(|output| &output.draws);
@@ -116,7 +120,7 @@ impl GlBackend {
         full_clear.color(cleared_views.map(|cleared_views| cleared_views.color))
     }
 
-    /// Draws one output. `held`: the colour that is there already.
+    /// Draws one output. `held`: colour to which the framebuffer was already cleared.
     fn draw_output(
         &self,
         gl: &Gl,

@@ -1,7 +1,7 @@
-//! Closing parts of the atlas by their depth, so that nothing is shaded there.
+//! Closes parts of the atlas by their depth, so that nothing is shaded there.
 //!
-//! All rectangles are one draw. Clearing each within the scissor needs no state at all, but
-//! software renderers take 0.2 ms for each rectangle.
+//! One call draws all rectangles. A clear with a scissor for each rectangle would need no other
+//! state, but software renderers take 0.2 ms for each.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::own_names;
@@ -15,8 +15,8 @@ use crate::correct::shaders::glsl::Specialised;
 use crate::correct::{LowerLeftRect, Tile};
 use crate::error::Result;
 
-/// The texts for OpenGL 3.3 and OpenGL ES 3.0. Texels of the atlas → clip coordinates, at the depth
-/// `frame.z`.
+/// Texts of the shaders for OpenGL 3.3 and OpenGL ES 3.0. They map texels of the atlas to clip
+/// coordinates, at the depth `frame.z`.
 macro_rules! texts {
     ($version:literal) => {
         (
@@ -30,7 +30,7 @@ macro_rules! texts {
     };
 }
 
-/// Rectangles of the atlas on one context.
+/// Unsampled areas of the atlas, as objects of one context.
 #[derive(Debug)]
 pub(in crate::backend::gl) struct UnsampledAreas {
     vertex_array: u32,
@@ -45,7 +45,8 @@ pub(in crate::backend::gl) struct UnsampledAreas {
 }
 
 impl UnsampledAreas {
-    /// Uploads `areas` of an atlas of the given size. The caller keeps what uploading touches.
+    /// Uploads `areas` of an atlas of the given size. The caller saves and restores the state that
+    /// uploading changes.
     ///
     /// # Errors
     /// [`Graphics`](crate::ErrorKind::Graphics) where the driver refuses the shader.
@@ -70,8 +71,8 @@ impl UnsampledAreas {
             texels: areas.iter().map(Tile::area).sum(),
             atlas,
         };
-        // SAFETY: a context is current; one name is written to each place; the array is as long as
-        // said.
+        // SAFETY: a context is current; one name is written to each place; `size` is that of the
+        // array.
         unsafe {
             unsampled.frame = gl.get_uniform_location(program, c"frame".as_ptr());
             gl.gen_vertex_arrays(1, &mut unsampled.vertex_array);
@@ -86,11 +87,11 @@ impl UnsampledAreas {
         Ok(unsampled)
     }
 
-    /// Gives the rectangles of the bound framebuffer the depth that is farthest from `cleared`; how
-    /// many texels they have, or 0 where nothing could be done. Everything is put back; stencil and
-    /// colour are not touched.
+    /// Sets the rectangles of the bound framebuffer to the depth that is farthest from `cleared`.
+    /// Returns the number of their texels, or 0 if nothing could be done. All state is restored;
+    /// stencil and colour do not change.
     pub fn close(&self, gl: &Gl, caps: &Capabilities, cleared: f32, known: &KnownState) -> u64 {
-        // Without writing to it, the program's clear left the depth as it was, too.
+        // If depth is not written, the program's clear did not change it either.
         if !values::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {
             return 0;
         }
@@ -130,7 +131,7 @@ impl UnsampledAreas {
     }
 }
 
-/// True if the program counts samples or primitives, and would count ours.
+/// True if a query of the program is active that would count samples or primitives of Cupola.
 pub(super) fn counting(gl: &Gl, caps: &Capabilities) -> bool {
     let desktop: &[u32] = &[GL_SAMPLES_PASSED, GL_PRIMITIVES_GENERATED];
     let conservative: &[u32] = &[GL_ANY_SAMPLES_PASSED_CONSERVATIVE];

@@ -12,11 +12,11 @@ pub(in crate::backend::gl) struct Capabilities {
     pub gles: bool,
     /// Version: 10·major + minor.
     pub version: i32,
-    /// The fixed-function state exists.
+    /// The context has the fixed-function state.
     pub(super) compatibility: bool,
     pub(super) clip_control: bool,
     pub(super) framebuffer_srgb: bool,
-    /// A sampler can be told not to decode sRGB textures.
+    /// A sampler can skip the decoding of sRGB textures.
     pub srgb_decode: bool,
     /// 16-bit normalised textures.
     pub norm16: bool,
@@ -26,16 +26,16 @@ pub(in crate::backend::gl) struct Capabilities {
     pub(super) viewport_array: bool,
     /// Transform feedback can be paused.
     pub(super) feedback_pauses: bool,
-    /// Linked programs can be had from the driver and given back.
+    /// The driver can return linked programs and load them again.
     pub program_binaries: bool,
     pub(super) draw_buffers: u32,
 }
 
 impl Capabilities {
-    /// Those of the current context.
+    /// Returns the capabilities of the current context.
     pub fn of(gl: &Gl, gles: bool) -> Self {
         let version = 10 * integer(gl, GL_MAJOR_VERSION) + integer(gl, GL_MINOR_VERSION);
-        // GL_CONTEXT_PROFILE_MASK exists from 3.2 on; older contexts have all of the old state.
+        // GL_CONTEXT_PROFILE_MASK exists from 3.2 on; older contexts have the fixed-function state.
         let compatibility = !gles
             && (version < 32
                 || integer(gl, GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_COMPATIBILITY_PROFILE_BIT as i32 != 0);
@@ -59,7 +59,7 @@ impl Capabilities {
             // SAFETY: the index is below the number of extensions.
             let name = unsafe { gl.get_stringi(GL_EXTENSIONS, i) };
             if name.is_null() {
-                break; // More are counted than there are.
+                break; // The driver lists fewer extensions than it counts.
             }
             // SAFETY: GL strings end with a zero.
             match unsafe { CStr::from_ptr(name.cast()) }.to_bytes() {
@@ -77,7 +77,7 @@ impl Capabilities {
         found
     }
 
-    /// The version for [`CurrentProgram::save`].
+    /// Returns the version for [`CurrentProgram::save`].
     pub(super) fn subroutines(&self) -> i32 {
         if self.gles { 0 } else { self.version }
     }

@@ -1,9 +1,9 @@
-//! The program in use, which is put back with what `glUseProgram` resets.
+//! The program in use. It is restored together with its subroutines, which `glUseProgram` resets.
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::values::integer;
 
-/// Stages that have subroutines, each with the interface of these.
+/// Stages that can have subroutines, each with its interface of subroutine uniforms.
 const STAGES: [(u32, u32); 6] = [
     (api::GL_VERTEX_SHADER, api::GL_VERTEX_SUBROUTINE_UNIFORM),
     (api::GL_TESS_CONTROL_SHADER, api::GL_TESS_CONTROL_SUBROUTINE_UNIFORM),
@@ -13,13 +13,14 @@ const STAGES: [(u32, u32); 6] = [
     (api::GL_COMPUTE_SHADER, api::GL_COMPUTE_SUBROUTINE_UNIFORM),
 ];
 
-/// Number of locations of subroutine uniforms of a stage of a linked program.
+/// Returns the number of locations of subroutine uniforms of a stage of a linked program.
 fn locations(gl: &Gl, program: u32, version: i32, (stage, interface): (u32, u32)) -> i32 {
     let mut count = 0;
     // SAFETY: a linked program; one integer is written.
     unsafe {
         if version >= 43 {
-            // Mesa says an error of a stage that the program lacks, but not here.
+            // For a stage that the program lacks, Mesa raises an error in the call below, but not
+            // here.
             gl.get_program_interfaceiv(program, interface, api::GL_ACTIVE_RESOURCES, &mut count);
             if count <= 0 {
                 return 0;
@@ -30,17 +31,17 @@ fn locations(gl: &Gl, program: u32, version: i32, (stage, interface): (u32, u32)
     count
 }
 
-/// A program that was in use, and the subroutines that were chosen for it. Allocates only where
-/// there are any.
+/// A program that was in use, and the subroutines that were chosen for it. Allocates only if there
+/// are subroutines.
 pub struct CurrentProgram {
     name: u32,
-    /// Of each stage with subroutine uniforms, their values.
+    /// Values of the subroutine uniforms, for each stage that has them.
     subroutines: Vec<(u32, Vec<u32>)>,
 }
 
 impl CurrentProgram {
-    /// The program that is in use. `version`: 10·major + minor of OpenGL, or 0 where no subroutines
-    /// were chosen, as always in OpenGL ES.
+    /// Returns the program that is in use. `version`: 10·major + minor of OpenGL, or 0 if no
+    /// subroutines were chosen, as always in OpenGL ES.
     pub fn save(gl: &Gl, version: i32) -> Self {
         let mut saved = Self { name: integer(gl, api::GL_CURRENT_PROGRAM) as u32, subroutines: Vec::new() };
         if saved.name == 0 || version < 40 {
@@ -63,13 +64,13 @@ impl CurrentProgram {
         saved
     }
 
-    /// Chooses the same subroutines for `other`, which was put in use and has the program's stages
-    /// besides its own.
+    /// Chooses the same subroutines for `other`, which is in use and contains the program's stages
+    /// beside its own.
     pub fn copy_subroutines(&self, gl: &Gl, other: u32) {
         for (stage, values) in &self.subroutines {
             let mut count = 0;
-            // SAFETY: a linked program; one integer is written, as many values read as the stage
-            // has.
+            // SAFETY: a linked program; one integer is written, and the array has as many values as
+            // the stage.
             unsafe {
                 gl.get_program_stageiv(other, *stage, api::GL_ACTIVE_SUBROUTINE_UNIFORM_LOCATIONS, &mut count);
                 if count as usize == values.len() {
@@ -79,7 +80,7 @@ impl CurrentProgram {
         }
     }
 
-    /// Puts it in use again.
+    /// Uses the program again, with its subroutines.
     pub fn restore(&self, gl: &Gl) {
         // SAFETY: a program that was in use; as many values as its stage has.
         unsafe {

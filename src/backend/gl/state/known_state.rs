@@ -1,11 +1,11 @@
-//! State that whoever sees all calls of a context can follow, so that it need not be asked for:
-//! once known it is kept until it is noted anew or forgotten.
+//! State of a context that the caller follows, since it sees all calls. A known value need not be
+//! queried. It stays known until it is noted again or forgotten.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::values::integer;
 use std::cell::Cell;
 
-/// The switches that are followed; the first of them are off while we draw
+/// The switches that are followed. The first of them are off while Cupola draws
 /// (`crate::backend::gl::state`).
 pub(in crate::backend::gl) const SWITCHES: [u32; 28] = [
     GL_DEPTH_TEST,
@@ -32,14 +32,14 @@ pub(in crate::backend::gl) const SWITCHES: [u32; 28] = [
     GL_CLIP_DISTANCE5,
     GL_CLIP_DISTANCE6,
     GL_CLIP_DISTANCE7,
-    // That of the first buffer, where each has one.
+    // Blending of the first buffer, where each buffer has its own.
     GL_BLEND,
     GL_PRIMITIVE_RESTART_FIXED_INDEX,
     GL_COLOR_MATERIAL,
     GL_DEBUG_OUTPUT,
 ];
 
-/// The bit of a switch; 0: it is not followed. The switches that programs use most come first.
+/// Returns the bit of a switch; 0 if it is not followed. The most frequent switches come first.
 fn bit(switch: u32) -> u32 {
     let place = match switch {
         GL_DEPTH_TEST => 0,
@@ -54,7 +54,7 @@ fn bit(switch: u32) -> u32 {
     1 << place
 }
 
-/// Most colour buffers whose masks are kept.
+/// Greatest number of colour buffers whose masks are followed.
 pub(in crate::backend::gl) const MOST_DRAW_BUFFERS: usize = 16;
 
 /// The masks of all colour buffers.
@@ -63,16 +63,16 @@ pub(in crate::backend::gl) type Masks = [[u8; 4]; MOST_DRAW_BUFFERS];
 /// Known part of a context's state.
 #[derive(Clone, Default)]
 pub struct KnownState {
-    /// A bit for each switch.
+    /// Switches whose state is known, one bit each.
     known: Cell<u32>,
     on: Cell<u32>,
-    /// The context has the switch: it was seen on.
+    /// Switches that the context certainly has, since they were on once.
     there: Cell<u32>,
     masks: Cell<Option<Masks>>,
     blending: Cell<Option<[u32; 4]>>,
     clear_color: Cell<Option<[f32; 4]>>,
     clear_depth: Cell<Option<f32>>,
-    /// No subroutine was chosen since the context was made: `glUseProgram` resets nothing.
+    /// True if no subroutine was chosen since the context was made: `glUseProgram` resets nothing.
     no_subroutines: Cell<bool>,
 }
 
@@ -82,7 +82,7 @@ impl KnownState {
         Self { no_subroutines: Cell::new(true), ..Self::default() }
     }
 
-    /// The program chose subroutines.
+    /// Notes that the program chose subroutines.
     pub fn note_subroutines(&self) {
         self.no_subroutines.set(false);
     }
@@ -92,7 +92,7 @@ impl KnownState {
         !self.no_subroutines.get()
     }
 
-    /// Anything may have changed.
+    /// Forgets all values, since anything may have changed.
     pub fn forget(&self) {
         self.known.set(0);
         self.masks.set(None);
@@ -101,7 +101,8 @@ impl KnownState {
         self.clear_depth.set(None);
     }
 
-    /// State that was once `saved` may have come back, or not.
+    /// Notes that the state may have changed back to `saved`, or not. Only values that are equal in
+    /// both stay known.
     pub fn restored(&self, saved: &Self) {
         self.known.set(self.known.get() & saved.known.get() & !(self.on.get() ^ saved.on.get()));
         keep_same(&self.masks, &saved.masks);
@@ -110,8 +111,8 @@ impl KnownState {
         keep_same(&self.clear_depth, &saved.clear_depth);
     }
 
-    /// A switch was set. A context that does not have it refuses that, so that one is believed to
-    /// be on only if it was seen so.
+    /// Notes that a switch was set. A context that lacks the switch refuses the call. So a switch
+    /// counts as on only if the context certainly has it.
     pub fn note(&self, switch: u32, on: bool) {
         let bit = bit(switch);
         if on && self.there.get() & bit == 0 {
@@ -125,13 +126,13 @@ impl KnownState {
         }
     }
 
-    /// A switch may have changed.
+    /// Notes that a switch may have changed.
     pub fn forget_switch(&self, switch: u32) {
         self.known.set(self.known.get() & !bit(switch));
     }
 
-    /// True if a switch is on, one that the context has; of blending, that of the first colour
-    /// buffer.
+    /// True if a switch is on. The context must have it. For `GL_BLEND`: blending of the first
+    /// colour buffer.
     pub fn is_on(&self, gl: &Gl, switch: u32) -> bool {
         let bit = bit(switch);
         if self.known.get() & bit != 0 {
@@ -146,18 +147,18 @@ impl KnownState {
         on
     }
 
-    /// The mask of all colour buffers was set.
+    /// Notes that the mask of all colour buffers was set.
     pub fn note_mask(&self, mask: [u8; 4]) {
         self.masks.set(Some([mask.map(|on| u8::from(on != 0)); MOST_DRAW_BUFFERS]));
     }
 
-    /// The mask of some colour buffer may have changed.
+    /// Notes that the mask of some colour buffer may have changed.
     pub fn forget_masks(&self) {
         self.masks.set(None);
     }
 
-    /// The masks of the first `count` colour buffers, which the context has; one where they have
-    /// one in common.
+    /// Returns the masks of the first `count` colour buffers. `indexed`: each buffer has its own
+    /// mask.
     pub(in crate::backend::gl) fn masks(&self, gl: &Gl, count: usize, indexed: bool) -> Masks {
         if let Some(masks) = self.masks.get() {
             return masks;
@@ -175,7 +176,7 @@ impl KnownState {
         masks
     }
 
-    /// The mask of the first colour buffer.
+    /// Returns the mask of the first colour buffer.
     pub fn mask(&self, gl: &Gl) -> [u8; 4] {
         if let Some(masks) = self.masks.get() {
             return masks[0];
@@ -186,19 +187,19 @@ impl KnownState {
         mask
     }
 
-    /// The factors of blending were set: of colours of the source and of the destination, then of
-    /// alpha. Others than the usual ones may be refused.
+    /// Notes the factors of blending: source and destination of colours, then of alpha. The context
+    /// may refuse unusual factors, so the factors are unknown then.
     pub fn note_blending(&self, factors: [u32; 4]) {
         let usual = |factor: &u32| matches!(*factor, GL_ZERO | GL_ONE | GL_SRC_COLOR..=GL_ONE_MINUS_DST_COLOR);
         self.blending.set(Some(factors).filter(|factors| factors.iter().all(usual)));
     }
 
-    /// The factors of blending may have changed.
+    /// Notes that the factors of blending may have changed.
     pub fn forget_blending(&self) {
         self.blending.set(None);
     }
 
-    /// The factors of blending, those of the first colour buffer.
+    /// Returns the factors of blending of the first colour buffer.
     pub fn blending(&self, gl: &Gl) -> [u32; 4] {
         let factors = self.blending.get().unwrap_or_else(|| {
             [GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA]
@@ -208,12 +209,12 @@ impl KnownState {
         factors
     }
 
-    /// The colour of clears was set; none: it may have been.
+    /// Notes the colour of clears; `None`: it may have changed.
     pub fn note_clear_color(&self, color: Option<[f32; 4]>) {
         self.clear_color.set(color);
     }
 
-    /// The colour of clears.
+    /// Returns the colour of clears.
     pub fn clear_color(&self, gl: &Gl) -> [f32; 4] {
         let color = self.clear_color.get().unwrap_or_else(|| {
             let mut color = [0.0; 4];
@@ -225,12 +226,12 @@ impl KnownState {
         color
     }
 
-    /// The depth of clears may have been set.
+    /// Notes that the depth of clears may have changed.
     pub fn forget_clear_depth(&self) {
         self.clear_depth.set(None);
     }
 
-    /// The depth of clears.
+    /// Returns the depth of clears.
     pub fn clear_depth(&self, gl: &Gl) -> f32 {
         let depth = self.clear_depth.get().unwrap_or_else(|| {
             let mut depth = 1.0;
@@ -243,7 +244,7 @@ impl KnownState {
     }
 }
 
-/// Keeps a value that is the same now as it was.
+/// Keeps a value only if it equals the saved one.
 fn keep_same<T: Copy + PartialEq>(now: &Cell<Option<T>>, saved: &Cell<Option<T>>) {
     now.set(now.get().filter(|value| saved.get() == Some(*value)));
 }
@@ -264,7 +265,7 @@ mod tests {
     fn what_may_be_refused_is_not_believed() {
         let known = KnownState::default();
         known.note(GL_BLEND, true);
-        assert_eq!(known.known.get(), 0, "nobody has seen that there is such a switch");
+        assert_eq!(known.known.get(), 0, "the context may lack the switch");
         known.note(GL_BLEND, false);
         assert_eq!((known.known.get(), known.on.get()), (bit(GL_BLEND), 0));
         known.there.set(bit(GL_BLEND));
@@ -272,7 +273,7 @@ mod tests {
         assert_eq!((known.known.get(), known.on.get()), (bit(GL_BLEND), bit(GL_BLEND)));
         known.note_blending([GL_ONE, GL_ZERO, GL_ONE, 7]);
         assert_eq!(known.blending.get(), None);
-        // A switch that is not known changes nothing.
+        // A switch that is not followed changes nothing.
         known.note(GL_LIGHTING, true);
         assert_eq!(known.known.get(), bit(GL_BLEND));
     }

@@ -1,8 +1,8 @@
-//! The state of the program's context that correcting touches: read, set, put back.
+//! The state of the program's context that the correction changes: read, set, restored.
 //!
-//! `saved` is what drawing touches, `upload` what uploading does. What is known of the state
-//! (`known_state`, followed by the caller) is not asked for. `current_program` is the program in
-//! use with its subroutines, which OpenGL forgets.
+//! `saved` is the state that drawing changes, `upload` the state that uploading changes. Values in
+//! `known_state`, which the caller follows, are not queried. `current_program` is the program in
+//! use with its subroutines, which `glUseProgram` resets.
 
 mod capabilities;
 pub mod current_program;

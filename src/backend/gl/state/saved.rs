@@ -1,8 +1,8 @@
-//! The state of the program's context that correcting touches: read, set, put back.
+//! The state of the program's context that drawing changes: read, set, restored.
 //!
-//! Nothing here allocates, but for programs with subroutines. What is not in [`Saved`] is not
-//! touched. Two things of OpenGL cannot be asked for and are left to the caller: conditional
-//! rendering and queries that count samples or primitives.
+//! Allocates only for programs with subroutines. State outside [`Saved`] does not change. Two
+//! things are left to the caller: conditional rendering, which OpenGL does not report, and queries
+//! that count samples or primitives.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::values::{boolean, integer};
@@ -12,16 +12,16 @@ use crate::backend::gl::state::known_state;
 use crate::backend::gl::state::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
 use crate::correct::LowerLeftRect;
 
-/// Switches that are off while we draw, scissor apart.
+/// Switches that are off while Cupola draws. The scissor test is handled separately.
 const SWITCHES: [u32; 25] = match known_state::SWITCHES.first_chunk() {
     Some(switches) => *switches,
     None => panic!("more are followed"),
 };
 
-/// Units whose bindings are kept at most: the atlas, the mask, a table, a picture of black.
+/// Greatest number of texture units whose bindings are saved: atlas, mask, table, picture of black.
 pub(in crate::backend::gl) const UNITS: usize = 4;
 
-/// State of the program before drawing, to be put back.
+/// State of the program before drawing, to be restored.
 pub(in crate::backend::gl) struct Saved {
     /// Bit i: `SWITCHES[i]` was on.
     switches: u32,
@@ -30,7 +30,7 @@ pub(in crate::backend::gl) struct Saved {
     vertex_array: u32,
     draw_framebuffer: u32,
     active_texture: u32,
-    /// Number of elements of the next two that are used.
+    /// Number of used elements of the next two arrays.
     units: usize,
     textures: [u32; UNITS],
     samplers: [u32; UNITS],
@@ -41,14 +41,14 @@ pub(in crate::backend::gl) struct Saved {
     feedback: bool,
 }
 
-/// True if anything can be drawn: not while a display list is compiled or picking is under way,
-/// both of which would swallow our calls.
+/// True if Cupola can draw. A display list that the program compiles would record the calls, and
+/// picking would discard the pixels.
 pub(in crate::backend::gl) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
     !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)
 }
 
-/// Reads the state, as far as it is not `known`, and sets what drawing needs; a program, a vertex
-/// array, textures on the first `units` units and a viewport are for the caller to set.
+/// Reads the state that is not `known`, and sets the state that drawing needs. The caller sets a
+/// program, a vertex array, textures on the first `units` units and a viewport.
 pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &KnownState) -> Saved {
     let mut saved = Saved {
         switches: 0,
@@ -66,8 +66,8 @@ pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: 
         clip_control: [GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE],
         feedback: false,
     };
-    // SAFETY: a context is current; every name is one that it knows, every array as long as asked
-    // for.
+    // SAFETY: a context is current; every name is one that it knows, and every array is long
+    // enough.
     unsafe {
         for (bit, &switch) in SWITCHES.iter().enumerate() {
             if caps.knows(switch) && known.is_on(gl, switch) {
@@ -109,8 +109,8 @@ pub(in crate::backend::gl) fn save_and_set(gl: &Gl, caps: &Capabilities, units: 
     saved
 }
 
-/// Pauses transform feedback, while which no other program can be put in use. Whether it is to be
-/// resumed.
+/// Pauses transform feedback, since no other program can be used while it is active. Returns true
+/// if it has to be resumed.
 pub(super) fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
     let runs =
         caps.feedback_pauses && boolean(gl, GL_TRANSFORM_FEEDBACK_ACTIVE) && !boolean(gl, GL_TRANSFORM_FEEDBACK_PAUSED);
@@ -122,13 +122,13 @@ pub(super) fn pause_feedback(gl: &Gl, caps: &Capabilities) -> bool {
 }
 
 impl Saved {
-    /// The program's mask of the first colour buffer.
+    /// Returns the program's mask of the first colour buffer.
     pub(in crate::backend::gl) fn color_mask(&self) -> [u8; 4] {
         self.color_masks[0]
     }
 }
 
-/// Puts everything back.
+/// Restores the state.
 pub(in crate::backend::gl) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
     // SAFETY: as in `save_and_set`; the values are those that the context gave.
     unsafe {
@@ -174,14 +174,14 @@ pub(in crate::backend::gl) fn restore(gl: &Gl, caps: &Capabilities, saved: &Save
     }
 }
 
-/// Clears a rectangle of the first colour buffer, between [`save_and_set`] and [`restore`]; opaque.
+/// Clears a rectangle of the first colour buffer to an opaque colour. Call it between
+/// [`save_and_set`] and [`restore`].
 pub(in crate::backend::gl) fn clear(gl: &Gl, caps: &Capabilities, rect: LowerLeftRect, [red, green, blue]: [f32; 3]) {
     // SAFETY: a context is current; the colour has four numbers.
     within(gl, caps, rect, || unsafe { gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr()) });
 }
 
-/// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and
-/// [`restore`].
+/// Runs `draw` with the scissor on a rectangle. Call it between [`save_and_set`] and [`restore`].
 pub(in crate::backend::gl) fn within(gl: &Gl, caps: &Capabilities, part: LowerLeftRect, draw: impl FnOnce()) {
     let LowerLeftRect { x, y, width, height } = part;
     let mut scissor = [0; 4];
@@ -206,7 +206,7 @@ pub(in crate::backend::gl) fn within(gl: &Gl, caps: &Capabilities, part: LowerLe
     }
 }
 
-/// Sets the viewport that we draw with.
+/// Sets the viewport for Cupola's drawing.
 pub(in crate::backend::gl) fn set_viewport(
     gl: &Gl,
     caps: &Capabilities,
@@ -222,8 +222,8 @@ pub(in crate::backend::gl) fn set_viewport(
     }
 }
 
-/// Sets whether colours are written to the first colour buffer; the others are closed while we
-/// draw.
+/// Sets whether colours are written to the first colour buffer. The other buffers are not written
+/// while Cupola draws.
 pub(in crate::backend::gl) fn set_color_writes(gl: &Gl, caps: &Capabilities, on: bool) {
     let on = u8::from(on);
     // SAFETY: a context is current.
@@ -260,7 +260,7 @@ unsafe fn set_scissor(gl: &Gl, caps: &Capabilities, on: bool) {
     }
 }
 
-/// Only the first colour buffer stays writable.
+/// Makes only the first colour buffer writable.
 unsafe fn set_masks(gl: &Gl, caps: &Capabilities, masks: &Masks) {
     // SAFETY: the caller's context is current.
     unsafe {

@@ -1,4 +1,4 @@
-//! The state that uploading textures and vertices touches.
+//! The state that uploading textures and vertices changes: read, set, restored.
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::values::integer;
@@ -26,12 +26,12 @@ const UNPACK: [u32; 6] = [
     GL_UNPACK_LSB_FIRST,
 ];
 
-/// Of `UNPACK`, how many a context knows: OpenGL ES has no swapping of bytes.
+/// Returns how many names of `UNPACK` a context knows: OpenGL ES lacks the last two.
 fn unpack_count(caps: &Capabilities) -> usize {
     if caps.gles { 4 } else { 6 }
 }
 
-/// Runs `work` with tightly packed rows; what uploading touches is put back.
+/// Runs `work` with tightly packed rows. The state that uploading changes is restored.
 pub(in crate::backend::gl) fn while_uploading<R>(gl: &Gl, caps: &Capabilities, work: impl FnOnce() -> R) -> R {
     let saved = save_upload(gl, caps);
     let result = work();

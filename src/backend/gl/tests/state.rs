@@ -1,4 +1,4 @@
-//! Everything that the program had set is as it was.
+//! Tests that the correction restores all state of the program.
 
 use super::canvas::{Canvas, Picture};
 use super::{contexts, headless};
@@ -8,7 +8,7 @@ use crate::backend::gl::{GlBackend, Target, gpu_map};
 use crate::backend::tests::plans::*;
 use glam::DVec3;
 
-/// Values that any context has.
+/// Integer state of every context.
 const INTEGERS: &[u32] = &[
     GL_CURRENT_PROGRAM,
     GL_VERTEX_ARRAY_BINDING,
@@ -44,7 +44,7 @@ const INTEGERS: &[u32] = &[
     GL_TRANSFORM_FEEDBACK_BUFFER_BINDING,
 ];
 
-/// More of them on the desktop.
+/// Integer state of desktop OpenGL only.
 const DESKTOP_INTEGERS: &[u32] = &[
     GL_POLYGON_MODE,
     GL_LOGIC_OP_MODE,
@@ -138,7 +138,7 @@ pub fn snapshot(context: &Headless, api: Api) -> Vec<(String, Vec<i32>)> {
     all
 }
 
-/// Sets everything to something odd that would spoil what we draw.
+/// Sets all state to unusual values that would spoil Cupola's drawing.
 pub fn spoil(context: &Headless, api: Api) {
     let gl = &context.gl;
     let desktop = !context.is_gles;
@@ -281,7 +281,7 @@ fn errors_of_the_program_are_handed_over_and_ours_do_not_arise() {
         assert_eq!(backend.errors(), 0);
         // SAFETY: a context is current.
         assert_eq!(unsafe { gl.get_error() }, GL_NO_ERROR);
-        // Negative control: what is wrong is counted, and not left behind.
+        // Negative control: an error of Cupola is counted, and the program does not see it.
         backend.present(gl, texture, &[Target { framebuffer: 4_711_000, ..target }]);
         assert!(backend.errors() > 0);
         // SAFETY: a context is current.
@@ -325,7 +325,7 @@ fn preparing_again_compiles_only_what_is_new() {
     backend.prepare(gl, &other, false).expect("shaders");
     assert_ne!(backend.programs(), programs);
     assert_eq!(backend.programs().len(), programs.len(), "programs that no batch needs are kept");
-    // What cannot be prepared leaves the former correction in use.
+    // After a failed preparation the former correction stays in use.
     let (former, mut broken) = (backend.programs(), plan);
     broken.passes[0].batches[0].views = vec![99];
     assert!(backend.prepare(gl, &broken, false).is_err());
@@ -333,7 +333,7 @@ fn preparing_again_compiles_only_what_is_new() {
     backend.destroy(gl);
 }
 
-/// A backend that takes the place of another one, as after a change of the rig.
+/// A backend replaces another one, as after a change of the rig.
 #[test]
 fn programs_are_inherited_and_given_back_where_preparing_fails() {
     let context = headless(Api::Core);

@@ -35,7 +35,7 @@ fn a_target_of_another_size_and_place() {
                 compared += usize::from(error <= 1.6);
             }
         }
-        // All but the seams and the rim.
+        // All pixels except the seams and the rim.
         assert!(compared > 200_000, "{compared}");
         assert_eq!(shown.at(49, 100), [255, 0, 255, 77], "outside the viewport");
         assert_eq!(shown.at(50, 99), [255, 0, 255, 77], "outside the viewport");
@@ -75,7 +75,7 @@ fn two_fisheyes() -> Plan {
 #[test]
 fn an_own_framebuffer_shows_the_same_and_black_around_it() {
     let plan = two_fisheyes();
-    // Side by side with a strip that nobody draws to, covering everything, and overlapping.
+    // Side by side with a strip outside both, covering everything, and overlapping.
     let places = [
         ((140, 64), [[0, 0, 64, 64], [76, 0, 64, 64]]),
         ((128, 64), [[0, 0, 64, 64], [64, 0, 64, 64]]),
@@ -85,7 +85,7 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
         let gl = &context.gl;
         for (size, viewports) in places {
             for color in [None, Some([0, 0, 0]), Some([51, 102, 204])] {
-                // A picture of one colour is what views that hold a single one are.
+                // Cleared views are a picture of one colour.
                 let atlas = match color {
                     None => waves(plan.views.atlas),
                     Some([r, g, b]) => Picture::new(plan.views.atlas, |_, _| [r, g, b, 255]),

@@ -1,4 +1,4 @@
-//! Closing parts of the atlas: exactly their depth changes.
+//! Closing parts of the atlas: only their depth changes.
 
 use super::canvas::{Canvas, Picture};
 use super::headless;

@@ -16,14 +16,15 @@ pub struct Api {
     pub(in crate::backend::vk) limits: vk::PhysicalDeviceLimits,
     instance: ash::Instance,
     physical_device: vk::PhysicalDevice,
-    /// Keeps what the driver made of shaders …
+    /// Cache of compiled pipelines.
     pub(in crate::backend::vk) cache: Cache,
-    /// … for this driver on this device.
+    /// Part of the cache's keys: identity of the driver and of the device.
     pub(in crate::backend::vk) driver: Vec<u8>,
 }
 
 impl Api {
-    /// From tables that the caller has loaded; in a layer with the next layer's functions.
+    /// Makes it from function tables that the caller has loaded. In a layer these contain the next
+    /// layer's functions.
     pub fn new(instance: &ash::Instance, physical_device: vk::PhysicalDevice, device: &ash::Device) -> Self {
         // SAFETY: the physical device is one of the instance's.
         let (memory, properties) = unsafe {
@@ -46,28 +47,29 @@ impl Api {
         }
     }
 
-    /// Whether the device has an extension.
+    /// True if the device has an extension.
     pub fn has_extension(&self, name: &CStr) -> bool {
         // SAFETY: the physical device is one of the instance's, and both are live.
         let extensions = unsafe { self.instance.enumerate_device_extension_properties(self.physical_device) };
         extensions.is_ok_and(|all| all.iter().any(|one| one.extension_name_as_c_str().is_ok_and(|known| known == name)))
     }
 
-    /// The same; pipelines that the driver made are kept by `cache`.
+    /// Returns the device with `cache` for compiled pipelines.
     pub fn with_cache(mut self, cache: &Cache) -> Self {
         self.cache = cache.clone();
         self
     }
 
-    /// From handles.
+    /// Makes it from handles.
     ///
     /// # Safety
-    /// `get_instance_proc_addr` is Vulkan's and finds every function of Vulkan 1.0 for `instance`;
-    /// the handles are live and belong together, and stay live as long as what is returned is used.
+    /// `get_instance_proc_addr` is Vulkan's and finds every function of Vulkan 1.0 for `instance`.
+    /// The handles are live, belong together, and stay live as long as the result is used.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] where a handle is null; [`ErrorKind::Graphics`] where a
-    /// function of Vulkan 1.0 is not found, as when the handles are not of one instance.
+    /// function of Vulkan 1.0 is not found, for example if the handles belong to different
+    /// instances.
     pub unsafe fn from_handles(
         get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
         instance: vk::Instance,
@@ -85,7 +87,7 @@ impl Api {
         }
         // SAFETY: as promised above.
         let found = |name: &CStr| unsafe { get_instance_proc_addr(instance, name.as_ptr()) };
-        // What ash calls for a function that was not found ends the process.
+        // ash ends the process if a function is called that was not found.
         require(|find| _ = ash::InstanceFnV1_0::load(find), |name| address(found(name)))?;
         // SAFETY: as promised above.
         let instance = unsafe { ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance) };
@@ -135,7 +137,10 @@ impl Api {
         if drawing.contains(&(family as usize)) {
             return Ok(());
         }
-        let message = format!("queue family {family} cannot draw; of the device's {}, {drawing:?} can", families.len());
+        let message = format!(
+            "queue family {family} cannot draw; of the {} families of the device, {drawing:?} can",
+            families.len()
+        );
         Err(Error::new(ErrorKind::InvalidArgument, message))
     }
 
@@ -144,7 +149,7 @@ impl Api {
         self.timestamp_bits(family) > 0
     }
 
-    /// Returns the number of bits of the timestamps of queues of `family`; 0: there are none.
+    /// Returns the number of bits of the timestamps of queues of `family`; 0 if there are none.
     pub(in crate::backend::vk) fn timestamp_bits(&self, family: u32) -> u32 {
         // SAFETY: the physical device is one of the instance's.
         let families = unsafe { self.instance.get_physical_device_queue_family_properties(self.physical_device) };
@@ -163,13 +168,13 @@ fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
     function.map_or(std::ptr::null(), |function| function as *const c_void)
 }
 
-/// The function of Vulkan 1.0 for devices that `find` does not find, if there is one. What ash
-/// calls in its place ends the process.
+/// Returns the first device function of Vulkan 1.0 that `find` does not find. ash ends the process
+/// if such a function is called.
 pub fn missing_of_device(find: impl Fn(&CStr) -> *const c_void) -> Option<String> {
     first_missing(|find| _ = ash::DeviceFnV1_0::load(find), find)
 }
 
-/// The first function of a table that `find` does not find.
+/// Returns the first function of a table that `find` does not find.
 fn first_missing(
     load: impl FnOnce(&mut dyn FnMut(&CStr) -> *const c_void),
     find: impl Fn(&CStr) -> *const c_void,
@@ -191,12 +196,12 @@ fn require(
     find: impl Fn(&CStr) -> *const c_void,
 ) -> Result<()> {
     first_missing(load, find).map_or(Ok(()), |name| {
-        let message = format!("vkGetInstanceProcAddr finds no {name}: is the instance the one that it belongs to?");
+        let message = format!("vkGetInstanceProcAddr does not find {name}; check that it belongs to this instance");
         Err(Error::new(ErrorKind::Graphics, message))
     })
 }
 
-/// An error that says that Vulkan refused `what`.
+/// Returns a function that makes the error that Vulkan refused `what`.
 pub fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("Vulkan refuses {what}: {result:?}."))
 }

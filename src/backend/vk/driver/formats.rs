@@ -1,10 +1,10 @@
-//! Formats that views can be read from, and corrected into.
+//! Formats of images from which views can be read, and into which they can be corrected.
 
 use crate::backend::vk::driver::api::Api;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
-/// The names of those usual formats that views can be read from and corrected into.
+/// Returns the names of the usual formats that work both for views and for targets.
 pub fn usable_formats(api: &Api) -> Vec<String> {
     use vk::Format as F;
     let usual = [F::B8G8R8A8_UNORM, F::R8G8B8A8_UNORM, F::A2B10G10R10_UNORM_PACK32, F::R16G16B16A16_SFLOAT];
@@ -21,7 +21,8 @@ pub(in crate::backend::vk) fn check_source_format(api: &Api, format: vk::Format)
 /// Checks that encoded values can be drawn to images of `format`.
 pub(in crate::backend::vk) fn check_target_format(api: &Api, format: vk::Format) -> Result<()> {
     let what = "an image to correct into";
-    // Integers cannot be blended, by which they are told apart; 32-bit floats need not be.
+    // The requirement of blending excludes integers, which cannot be blended. 32-bit floats are
+    // allowed without blending.
     let needed = match format {
         vk::Format::R32G32B32A32_SFLOAT => vk::FormatFeatureFlags::COLOR_ATTACHMENT,
         _ => vk::FormatFeatureFlags::COLOR_ATTACHMENT | vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND,
@@ -34,13 +35,13 @@ fn check_format(api: &Api, what: &str, format: vk::Format, needed: vk::FormatFea
         return Err(Error::new(
             ErrorKind::InvalidArgument,
             format!(
-                "{what} has the format {format:?}, which converts; expected a view of the same image with the \
+                "{what} has the sRGB format {format:?}, which converts; expected a view of the same image with the \
              _UNORM format (VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT)"
             ),
         ));
     }
     if format == vk::Format::UNDEFINED || !api.features(format).contains(needed) {
-        let message = format!("The device cannot use {format:?} for {what}: it needs {needed:?}.");
+        let message = format!("The device cannot use {format:?} for {what}, which needs {needed:?}.");
         return Err(Error::new(ErrorKind::Graphics, message));
     }
     Ok(())

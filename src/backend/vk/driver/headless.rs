@@ -1,4 +1,4 @@
-//! A device of our own, without a window: for tests, measurements and `cupola doctor`.
+//! A device without a program and without a window: for tests, measurements and `cupola doctor`.
 
 use crate::backend::vk::barrier::{COLOR, Use, barrier};
 use crate::backend::vk::driver::api::{Api, refused};
@@ -13,7 +13,7 @@ use std::ffi::CStr;
 pub struct Headless {
     /// The device's functions.
     pub api: Api,
-    /// Name that the driver gives of itself.
+    /// Name that the driver reports.
     pub driver: String,
     queue: vk::Queue,
     pool: vk::CommandPool,
@@ -21,7 +21,7 @@ pub struct Headless {
     family: u32,
     get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     instance: ash::Instance,
-    // Keeps the functions above valid; last, so that it goes last.
+    // Keeps the functions above valid. This is the last field, since fields are dropped in order.
     _library: Library,
 }
 
@@ -33,9 +33,8 @@ impl Headless {
     /// message says which.
     pub fn new(layers: &[&CStr]) -> Result<Self> {
         // SAFETY: the loader's initialisers are those that every Vulkan program runs.
-        let library = unsafe { Library::new("libvulkan.so.1") }.map_err(|error| {
-            graphics(format!("There is no Vulkan here: libvulkan.so.1 cannot be loaded ({error})."))
-        })?;
+        let library = unsafe { Library::new("libvulkan.so.1") }
+            .map_err(|error| graphics(format!("Vulkan is missing: libvulkan.so.1 cannot be loaded ({error}).")))?;
         // SAFETY: the name's type is that of the Vulkan specification; the library stays loaded.
         let (get_instance_proc_addr, entry) = unsafe {
             let get_instance_proc_addr = *library
@@ -61,7 +60,7 @@ impl Headless {
                 _library: library,
             }),
             Err(error) => {
-                // SAFETY: ours, and without children.
+                // SAFETY: an instance of Cupola, without children.
                 unsafe { instance.destroy_instance(None) };
                 Err(error)
             }
@@ -106,24 +105,24 @@ impl Headless {
         match unsafe { device.allocate_command_buffers(&info) } {
             Ok(buffers) => Ok((pool, buffers[0])),
             Err(result) => {
-                // SAFETY: ours.
+                // SAFETY: a pool of Cupola.
                 unsafe { device.destroy_command_pool(pool, None) };
                 Err(refused("a command buffer")(result))
             }
         }
     }
 
-    /// The family of its queue.
+    /// Returns the family of the queue.
     pub fn queue_family(&self) -> u32 {
         self.family
     }
 
-    /// Finds the functions of its instance.
+    /// Returns the function that finds the functions of the instance.
     pub fn get_instance_proc_addr(&self) -> vk::PFN_vkGetInstanceProcAddr {
         self.get_instance_proc_addr
     }
 
-    /// Fills images, which have as many layers as `sizes` say, with a colour.
+    /// Fills images with a colour. `sizes`: size and number of layers of each image.
     ///
     /// # Errors
     /// Those of the device.
@@ -154,7 +153,7 @@ impl Headless {
         let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
         let buffers = [self.commands];
         let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
-        // SAFETY: the command buffer is ours and not pending, since every run is waited for.
+        // SAFETY: the command buffer is Cupola's and not pending, since each run waits for its end.
         unsafe {
             device
                 .begin_command_buffer(self.commands, &vk::CommandBufferBeginInfo::default().flags(once))
@@ -170,7 +169,7 @@ impl Headless {
 
 impl Drop for Headless {
     fn drop(&mut self) {
-        // SAFETY: all are ours; nothing is pending.
+        // SAFETY: all are objects of Cupola; nothing is pending.
         unsafe {
             self.api.device.destroy_command_pool(self.pool, None);
             self.api.device.destroy_device(None);

@@ -1,4 +1,4 @@
-//! The device: its functions, formats and clock, a device without a program.
+//! The device: its functions, formats and timers, and a device without a program.
 
 pub mod api;
 pub mod formats;

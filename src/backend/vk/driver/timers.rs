@@ -7,11 +7,11 @@ use ash::vk;
 /// Measured times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Corrections that were measured.
+    /// Number of measured corrections.
     pub corrections: u64,
-    /// The time of all of them, nanoseconds.
+    /// Sum of their times, nanoseconds.
     pub total: f64,
-    /// The time of the one that was read last, nanoseconds.
+    /// Time of the correction that was read last, nanoseconds.
     pub last: f64,
 }
 
@@ -21,15 +21,15 @@ pub(in crate::backend::vk) struct Timers {
     pool: vk::QueryPool,
     /// True for each source whose timestamps were written.
     written: Vec<bool>,
-    /// Nanoseconds of a step.
+    /// Nanoseconds per step of a timestamp.
     period: f64,
-    /// The bits of a timestamp that count.
+    /// Mask of the valid bits of a timestamp.
     mask: u64,
     timing: Timing,
 }
 
 impl Timers {
-    /// For `sources` sources whose corrections run in queues of `family`.
+    /// Makes timers for `sources` sources whose corrections run in queues of `family`.
     pub fn new(api: &Api, sources: usize, family: u32) -> Result<Self> {
         let bits = api.timestamp_bits(family);
         if bits == 0 || sources == 0 {
@@ -53,12 +53,12 @@ impl Timers {
         self.timing
     }
 
-    /// Takes what the last correction of `source` left, and records the beginning of the next one:
-    /// when all commands before it are done.
+    /// Reads the timestamps of the last correction of `source`. Records the start of the next one:
+    /// the time at which all commands before it are done.
     ///
     /// # Safety
-    /// The command buffer is being recorded, outside a render pass; no other one that does the same
-    /// is pending.
+    /// The command buffer is being recorded, outside a render pass; no other pending one measures
+    /// the same source.
     pub unsafe fn start(&mut self, api: &Api, command_buffer: vk::CommandBuffer, source: usize) {
         if self.written.get(source).is_none() {
             return;
@@ -75,15 +75,15 @@ impl Timers {
         }
     }
 
-    /// Takes what a correction of `source` that is done left. One whose commands are submitted
-    /// again and again, and are recorded only once, has to be asked for so after each time.
+    /// Reads the timestamps of a finished correction of `source`. If its commands are recorded once
+    /// and submitted repeatedly, call this after each time that they are done.
     pub fn read(&mut self, api: &Api, source: usize) {
         if source >= self.written.len() {
             return;
         }
         let mut stamps = [0u64; 2];
-        // SAFETY: the queries are ours. Those that are not available, as when nothing was
-        // submitted, are not waited for.
+        // SAFETY: the queries are Cupola's. The call does not wait for results that are not
+        // available, for example if nothing was submitted.
         let read = unsafe {
             let (first, wide) = (2 * source as u32, vk::QueryResultFlags::TYPE_64);
             api.device.get_query_pool_results(self.pool, first, &mut stamps, wide)
@@ -108,10 +108,10 @@ impl Timers {
         }
     }
 
-    /// Destroys them; nothing that uses them may be pending. What was measured is forgotten.
+    /// Destroys the timers and forgets the times. No pending commands may use them.
     pub fn destroy(&mut self, api: &Api) {
         let old = std::mem::take(self);
-        // SAFETY: ours or null.
+        // SAFETY: an object of Cupola or null.
         unsafe { api.device.destroy_query_pool(old.pool, None) };
     }
 }

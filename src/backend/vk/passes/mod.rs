@@ -1,5 +1,5 @@
-//! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for
-//! what is black.
+//! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for the
+//! pixels that are always black.
 
 mod record;
 
@@ -29,7 +29,7 @@ struct Draw {
     count: u32,
     views: Vec<usize>,
     nearest: bool,
-    /// It shows nothing but black.
+    /// True if the draw shows only black.
     black: bool,
 }
 
@@ -38,29 +38,29 @@ struct Draw {
 struct Output {
     size: (u32, u32),
     draws: Vec<Draw>,
-    /// Index into the textures.
+    /// Indices of mask, table and picture of black in the list of textures.
     mask: Option<usize>,
     table: Option<usize>,
     black: Option<usize>,
 }
 
-/// A mask, a table or a picture of black, and where its values wait in the staging buffer.
+/// A mask, a table or a picture of black, and the offset of its values in the staging buffer.
 struct Texture {
     image: Image,
     size: (u32, u32),
     offset: u64,
 }
 
-/// A command buffer of the program's that is being recorded.
+/// A command buffer of the program that is being recorded.
 pub struct Recording(vk::CommandBuffer);
 
 impl Recording {
-    /// Takes the caller's word for it.
+    /// Makes it from a command buffer for which the caller vouches.
     ///
     /// # Safety
     /// While this lives the command buffer is being recorded, outside a render pass, for a queue
-    /// that can draw, on the device of the [`VkBackend`] that it is given to; the images that the
-    /// backend knows are live, and in the layouts that were said when the commands are executed.
+    /// that can draw, on the device of the [`VkBackend`] that uses it. The images of the backend
+    /// are live, and are in the declared layouts when the commands are executed.
     pub unsafe fn new(command_buffer: vk::CommandBuffer) -> Self {
         Self(command_buffer)
     }
@@ -68,8 +68,8 @@ impl Recording {
 
 /// The correction on one device.
 ///
-/// Everything but [`VkBackend::record`] needs that no command buffer that it recorded is pending.
-/// Dropping it destroys nothing: [`VkBackend::destroy`] does, as long as the device lives.
+/// Every function except [`VkBackend::record`] needs that no command buffer recorded by the backend
+/// is pending. Dropping destroys nothing; call [`VkBackend::destroy`] while the device is live.
 pub struct VkBackend {
     api: Api,
     stage: Stage,
@@ -80,13 +80,13 @@ pub struct VkBackend {
     indices: Buffer,
     staging: Buffer,
     textures: Vec<Texture>,
-    /// The textures have to be filled by the next command buffer.
+    /// True if the next command buffer has to fill the textures.
     upload: bool,
     /// Dummy texture, bound where a shader has no mask, table or picture of black.
     dummy: Option<usize>,
     outputs: Vec<Output>,
     arrangement: Arrangement,
-    /// Of the images of a source.
+    /// Sizes of the images of a source.
     sizes: Vec<ImageSize>,
     descriptors: Descriptors,
     targets: Vec<(TargetImage, vk::Framebuffer)>,
@@ -94,12 +94,12 @@ pub struct VkBackend {
 }
 
 impl VkBackend {
-    /// A backend with nothing prepared.
+    /// Makes a backend with nothing prepared.
     pub fn new(api: &Api) -> Self {
         Self::for_stage(api, Stage::Present)
     }
 
-    /// Returns a backend as [`VkBackend::new`] does, with another last stage.
+    /// As [`VkBackend::new`], with another last stage.
     pub(in crate::backend::vk) fn for_stage(api: &Api, stage: Stage) -> Self {
         Self {
             api: api.clone(),
@@ -124,16 +124,16 @@ impl VkBackend {
 
     /// Makes all pipelines of `plan` for targets of `format`, and its vertices, masks and tables.
     /// `panel`: the flat panel is shown where the plan has one. Sources and targets have to be set
-    /// anew. Takes milliseconds per batch: for changes of rig or size only. After an error nothing
-    /// is prepared, or all as before.
+    /// again afterwards. Takes milliseconds per batch: call it only when the rig or a size changes.
+    /// After an error, either nothing is prepared, or everything is as before.
     ///
-    /// The command buffer that is recorded next fills masks and tables: it has to be submitted
+    /// The command buffer that is recorded next fills masks and tables. It has to be submitted
     /// before later ones.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an sRGB format; [`ErrorKind::Graphics`] where the device
-    /// cannot draw to the format, or refuses something; [`ErrorKind::Internal`] where the plan
-    /// exceeds what shaders take.
+    /// cannot draw to the format, or refuses an object; [`ErrorKind::Internal`] where the plan
+    /// exceeds the limits of the shaders.
     pub fn prepare(&mut self, plan: &Plan, panel: bool, format: vk::Format) -> Result<()> {
         self.arrange(Arrangement::Atlas);
         self.prepare_passes(plan, &plan.passes, panel, format)
@@ -148,7 +148,7 @@ impl VkBackend {
         self.prepare_passes(plan, &plan.passes, false, format)
     }
 
-    /// Forgets what is made for another arrangement.
+    /// Destroys the objects of another arrangement.
     fn arrange(&mut self, arrangement: Arrangement) {
         if arrangement != self.arrangement {
             self.destroy();
@@ -210,19 +210,20 @@ impl VkBackend {
             Ok(())
         });
         for pipeline in old.into_values() {
-            // SAFETY: ours, and nothing is pending.
+            // SAFETY: a pipeline of Cupola, and nothing is pending.
             unsafe { self.api.device.destroy_pipeline(pipeline, None) };
         }
         result?;
         self.stage_textures(passes)
     }
 
-    /// Makes masks and tables, and puts their values where the next command buffer takes them from.
+    /// Makes the textures of masks, tables and pictures of black, and writes their values to the
+    /// staging buffer.
     fn stage_textures(&mut self, passes: &[OutputPass]) -> Result<()> {
         let mut bytes: Vec<u8> = Vec::new();
         let mut add = |format, size, values: Vec<u8>| -> Result<usize> {
             let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-            // A table's texel has 16 bytes, which copies need to be aligned to.
+            // Copies have to be aligned to a texel; a table's texel has 16 bytes.
             bytes.resize(bytes.len().next_multiple_of(16), 0);
             let image = Image::new(&self.api, format, size, usage)?;
             self.textures.push(Texture { image, size, offset: bytes.len() as u64 });
@@ -230,7 +231,7 @@ impl VkBackend {
             Ok(self.textures.len() - 1)
         };
         if self.arrangement == Arrangement::Layers {
-            // Masks and tables are 2D images, which layers are not.
+            // Masks and tables are 2D images, but the pictures of this arrangement are arrays.
             self.dummy = Some(add(vk::Format::R8_UNORM, (1, 1), vec![u8::MAX])?);
         }
         for (pass, output) in passes.iter().zip(&mut self.outputs) {
@@ -241,7 +242,7 @@ impl VkBackend {
                     let values = mask.weights.iter().flat_map(|w| w.to_ne_bytes()).collect();
                     add(vk::Format::R16_UNORM, size, values)?
                 } else {
-                    // Every device has 8 bits; half a code of a weight is lost.
+                    // Every device can filter 8 bits. The weight is rounded by up to half a code.
                     let values = mask.weights.iter().map(|w| ((u32::from(*w) + 128) / 257) as u8).collect();
                     add(vk::Format::R8_UNORM, size, values)?
                 });
@@ -273,14 +274,14 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Says which pictures with views there are, for [`VkBackend::record`] to choose from: one
-    /// image for each source, and with [`Arrangement::Images`] as many as there are views. Former
-    /// ones are forgotten.
+    /// Sets the source images, from which [`VkBackend::record`] chooses: one image for each source,
+    /// or with [`Arrangement::Images`] one image for each view of each source. They replace the
+    /// former ones.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`SourceImage`] says, or another
-    /// number of them; [`ErrorKind::Graphics`] where the device cannot filter its format, or
-    /// refuses something.
+    /// [`ErrorKind::InvalidArgument`] for an image that does not match [`SourceImage`], or a wrong
+    /// number of images; [`ErrorKind::Graphics`] where the device cannot filter the format, or
+    /// refuses an object.
     pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
         self.expect_prepared()?;
         let view =
@@ -302,12 +303,12 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Says which images are corrected into, for [`VkBackend::record`] to choose from. Former ones
-    /// are forgotten.
+    /// Sets the target images, from which [`VkBackend::record`] chooses. They replace the former
+    /// ones.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`TargetImage`] says;
-    /// [`ErrorKind::Graphics`] where the device cannot draw to its format, or refuses something.
+    /// [`ErrorKind::InvalidArgument`] for an image that does not match [`TargetImage`];
+    /// [`ErrorKind::Graphics`] where the device cannot draw to its format, or refuses an object.
     pub fn set_targets(&mut self, images: &[TargetImage]) -> Result<()> {
         self.expect_prepared()?;
         images.iter().try_for_each(|image| image.check(&self.api, self.format))?;
@@ -327,9 +328,9 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Measures from now on how long the device takes for corrections, `sources` of which may be on
-    /// their way at the same time, in queues of `family`: a correction of a source is read when the
-    /// next one of it is recorded. Nothing is measured where the device cannot.
+    /// From now on measures how long the device takes for corrections of `sources` sources in
+    /// queues of `family`. The time of a correction is read when the next correction of its source
+    /// is recorded. Nothing is measured if the queues have no timestamps.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the device refuses the queries.
@@ -339,8 +340,8 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Takes the measured time of a correction of `source` that is done, and whose commands are
-    /// submitted again without being recorded anew.
+    /// Reads the time of a finished correction of `source` whose commands are submitted again
+    /// without being recorded again.
     pub fn read_timing(&mut self, source: usize) {
         self.timers.read(&self.api, source);
     }
@@ -359,12 +360,12 @@ impl VkBackend {
 
     fn forget_targets(&mut self) {
         for (_, framebuffer) in take(&mut self.targets) {
-            // SAFETY: ours, and nothing is pending.
+            // SAFETY: a framebuffer of Cupola, and nothing is pending.
             unsafe { self.api.device.destroy_framebuffer(framebuffer, None) };
         }
     }
 
-    /// Destroys everything but the pipelines and what they share.
+    /// Destroys everything except the pipelines and the objects that they share.
     fn forget(&mut self) {
         self.descriptors.destroy(&self.api);
         self.forget_targets();
@@ -383,7 +384,7 @@ impl VkBackend {
     pub fn destroy(&mut self) {
         self.forget();
         for pipeline in take(&mut self.pipelines).into_values() {
-            // SAFETY: ours, and nothing is pending.
+            // SAFETY: a pipeline of Cupola, and nothing is pending.
             unsafe { self.api.device.destroy_pipeline(pipeline, None) };
         }
         self.common.destroy(&self.api);

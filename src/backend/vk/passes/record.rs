@@ -24,16 +24,16 @@ impl VkBackend {
     }
 
     /// Records the correction of source `source` into target `target`: barriers, one render pass,
-    /// barriers. `viewports`: places of the outputs, one for each output of the plan, in its order.
-    /// Another size than the output's own scales it, without filtering anew: the map is evaluated
-    /// where the pixels are. Allocates nothing and makes no object.
+    /// barriers. `viewports`: rectangle of each output of the plan, in its order. With another size
+    /// than the output's own, the picture is scaled without a second filter: the map is evaluated
+    /// at each pixel of the target. Allocates nothing and makes no object.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that was not set; nothing is recorded then.
     ///
     /// # Safety
     /// The command buffer is being recorded, outside a render pass, for a queue that can draw; the
-    /// images that were set are live and in the layouts that were said.
+    /// images that were set are live and in the declared layouts.
     pub unsafe fn record(
         &mut self,
         command_buffer: vk::CommandBuffer,
@@ -57,7 +57,7 @@ impl VkBackend {
             .render_area(extent.into())
             .clear_values(&black);
         let device = &self.api.device;
-        // SAFETY: as promised above; all other objects are ours and live.
+        // SAFETY: as promised above; all other objects are Cupola's and live.
         unsafe {
             if take(&mut self.upload) {
                 self.fill_textures(command_buffer);
@@ -87,7 +87,7 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Draws one output. `is_black`: its place in the target.
+    /// Draws one output. `is_black`: the target is already black where the output is.
     ///
     /// # Safety
     /// As for [`VkBackend::record`], inside the render pass.
@@ -100,7 +100,8 @@ impl VkBackend {
         extent: vk::Extent2D,
         is_black: bool,
     ) {
-        // A scissor must not be negative; what a viewport has outside the target is cut off anyway.
+        // A scissor must not be negative. Parts of a viewport outside the target are clipped
+        // anyway.
         let (left, top) = (x.clamp(0, extent.width as i32), y.clamp(0, extent.height as i32));
         let (right, bottom) = (x.saturating_add(width), y.saturating_add(height));
         let (right, bottom) = (right.clamp(left, extent.width as i32), bottom.clamp(top, extent.height as i32));
@@ -128,7 +129,7 @@ impl VkBackend {
         }
     }
 
-    /// Records the copies of masks and tables.
+    /// Records the copies of masks, tables and pictures of black.
     ///
     /// # Safety
     /// As for [`VkBackend::record`].
@@ -146,7 +147,7 @@ impl VkBackend {
                     ..Default::default()
                 })
                 .image_extent(vk::Extent3D { width: texture.size.0, height: texture.size.1, depth: 1 });
-            // SAFETY: as promised above; buffer and image are ours, and the values lie in the
+            // SAFETY: as promised above; buffer and image are Cupola's, and the values lie in the
             // buffer.
             unsafe {
                 barrier(device, command_buffer, (image, 1), nothing, copied);

@@ -35,7 +35,7 @@ fn domemasters_and_projectors_differ_by_a_code_at_most() {
         let (first, second) = (gl.show(&plan, false, &atlas), vk.show(&plan, false, &atlas));
         let (beyond, most) = differences(&first, &second);
         println!("{name}: {beyond} channels beyond 1, at most {most}");
-        // Where two views meet either may answer, and here they show unrelated waves.
+        // Where two views meet, either may be sampled; here they show unrelated waves.
         assert!(beyond <= 12, "{name}: {beyond} channels differ, by up to {most}");
         // Negative control: another atlas is another picture.
         let other = Picture::new(atlas.size, |x, y| atlas.at(x, atlas.size.1 - 1 - y));

@@ -1,4 +1,4 @@
-//! Pictures to correct, and what is shown of them.
+//! Pictures to correct, and the corrected pictures.
 
 use crate::backend::tests::picture::Picture;
 use crate::backend::vk::driver::headless::Headless;
@@ -10,8 +10,8 @@ use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// Prepares, presents each of `atlases` into a target of the first output's size, and gives what is
-/// shown of each. Pictures have row 0 at the bottom.
+/// Prepares the plan, presents each of `atlases` into a target of the first output's size, and
+/// returns the pictures. Pictures have row 0 at the bottom.
 pub fn show_each(headless: &Headless, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture> {
     let api = &headless.api;
     let size = plan.passes[0].size;
@@ -50,7 +50,7 @@ pub fn show_each(headless: &Headless, plan: &Plan, panel: bool, atlases: &[Pictu
         .expect("a target");
     let mut shown = |atlas: &Picture| {
         assert_eq!(atlas.size, extent);
-        // From the top.
+        // Rows from the top.
         let rows = atlas.pixels.chunks_exact(extent.0 as usize).rev();
         upload.write(api, 0, &rows.flat_map(|row| row.as_flattened()).copied().collect::<Vec<u8>>()).expect("mapped");
         let run = headless.run(|commands| {

@@ -1,5 +1,5 @@
-//! Requests to the device: a steady frame makes nothing, everything that is made is destroyed, and
-//! each refusal of the device is an error.
+//! Requests to the device: a steady frame makes no objects, every object that is made is destroyed,
+//! and each refusal of the device is an error.
 
 use super::headless;
 use crate::backend::vk::driver::headless::Headless;
@@ -42,18 +42,19 @@ struct Asked {
     makers: [usize; PIPELINES + 1],
     destroyers: [usize; PIPELINES + 1],
     sets: usize,
-    /// Calls that make something.
+    /// Number of calls that make something.
     calls: usize,
-    /// The call that fails.
+    /// Number of the call that fails.
     fails: Option<usize>,
-    /// Kind of the object that was refused then.
+    /// Kind of the object that was refused.
     refused: Option<usize>,
     live: HashSet<(usize, u64)>,
-    /// Objects destroyed that are none.
+    /// Number of destroyed objects that were not live.
     strangers: usize,
-    /// Pipelines are numbers: nothing is drawn with them, and the driver takes long to make them.
+    /// True: pipelines are only numbers. Nothing is drawn with them, and real ones take long to
+    /// make.
     numbered_pipelines: bool,
-    /// The last of those numbers.
+    /// The last of these numbers.
     last_pipeline: u64,
 }
 
@@ -61,7 +62,7 @@ thread_local! {
     static ASKED: RefCell<Asked> = RefCell::default();
 }
 
-/// Counts a call; the device's own function, unless the call has to fail.
+/// Counts a call. Returns the device's own function, or `None` if the call has to fail.
 fn asked(own: impl Fn(&Asked) -> usize) -> Option<usize> {
     ASKED.with_borrow_mut(|asked| {
         let call = asked.calls;
@@ -131,7 +132,7 @@ unsafe extern "system" fn make_pipelines(
 
 unsafe extern "system" fn make_sets(device: vk::Device, info: *const c_void, place: *mut u64) -> vk::Result {
     let Some(own) = asked(|asked| asked.sets) else { return vk::Result::ERROR_DEVICE_LOST };
-    // SAFETY: as above. Sets go with their pool.
+    // SAFETY: as above. Sets are freed with their pool.
     unsafe { std::mem::transmute::<usize, MakeSets>(own)(device, info, place) }
 }
 
@@ -156,7 +157,7 @@ macro_rules! for_each_kind {
     };
 }
 
-/// The device with functions that count.
+/// Returns the device with functions that count calls.
 fn watched(headless: &Headless) -> Api {
     let (makers, destroyers) = for_each_kind!(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12);
     let names = KINDS.iter().copied().chain([(c"vkCreateGraphicsPipelines", c"vkDestroyPipeline")]);
@@ -183,14 +184,14 @@ fn watched(headless: &Headless) -> Api {
             own as *const c_void
         })
     };
-    // SAFETY: each function has the type of the one that it stands for.
+    // SAFETY: each function has the type of the function that it replaces.
     let table = unsafe { ash::Device::load_with(find, device) };
     Api::new(instance, headless.api.physical_device(), &table)
 }
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// A table, a mask, and several views.
+/// Returns a plan with a table, a mask and several views.
 fn plan(arrangement: Arrangement) -> Plan {
     let rig = rig::load("idome").expect("a preset loads");
     let request =
@@ -200,7 +201,7 @@ fn plan(arrangement: Arrangement) -> Plan {
     arrangement.arrange(plan)
 }
 
-/// Everything of Cupola on a device.
+/// All objects of Cupola on a device.
 struct Stage {
     api: Api,
     backend: VkBackend,
@@ -213,7 +214,7 @@ impl Stage {
         Self { api: api.clone(), backend: VkBackend::new(api), surface: None, target: Image::default() }
     }
 
-    /// Makes everything; two sources.
+    /// Makes all objects, with two sources.
     fn make(&mut self, plan: &Plan, arrangement: Arrangement, family: u32) -> Result<()> {
         let api = &self.api;
         self.backend.prepare_arranged(plan, arrangement, FORMAT)?;
@@ -313,8 +314,7 @@ fn whatever_the_device_refuses_is_an_error_and_leaves_nothing() {
     }
 }
 
-/// The cache of pipelines only saves time: a driver that refuses it makes the pipelines all the
-/// same.
+/// The cache of pipelines only saves time: pipelines are made even if the driver refuses it.
 #[test]
 fn a_refused_cache_of_pipelines_is_no_obstacle() {
     let headless = headless();

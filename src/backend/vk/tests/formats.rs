@@ -1,4 +1,4 @@
-//! Devices that cannot filter textures of 16 bits, as Vulkan allows.
+//! Devices that cannot filter textures of 16 bits, which Vulkan allows.
 
 use super::headless;
 use crate::backend::tests::Driver;
@@ -29,7 +29,8 @@ unsafe extern "system" fn without_16_bits(
     }
 }
 
-/// Masks and pictures of black have 8 bits then: what 8 bits can say is shown as with 16.
+/// Masks and pictures of black then have 8 bits. Values that 8 bits can represent are shown as with
+/// 16.
 #[test]
 fn masks_and_blacks_have_8_bits_where_textures_of_16_cannot_be_filtered() {
     let mut headless = headless();
@@ -66,7 +67,7 @@ fn masks_and_blacks_have_8_bits_where_textures_of_16_cannot_be_filtered() {
         true => without_16_bits as vk::PFN_vkGetPhysicalDeviceFormatProperties as usize as *const c_void,
         false => own(wanted),
     };
-    // SAFETY: each function has the type of the one that it stands for.
+    // SAFETY: each function has the type of the function that it replaces.
     let table = unsafe { ash::Instance::load_with(find, instance) };
     headless.api = Api::new(&table, headless.api.physical_device(), headless.api.device());
     let shown = headless.show(&plan, false, &atlas);

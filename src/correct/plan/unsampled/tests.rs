@@ -1,4 +1,4 @@
-//! Hidden areas against every pixel of random rigs.
+//! Unsampled areas, compared with every pixel of random rigs.
 
 use super::*;
 use crate::correct::plan::builder::build;

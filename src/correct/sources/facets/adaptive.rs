@@ -10,15 +10,15 @@ use crate::geom::rectangle::PixelRect;
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// The part of the error that measuring at a few places may see, for the whole to stay within the
-/// bound.
+/// Part of the allowed error that may be measured at a few places, so that the error everywhere
+/// stays within the bound.
 const MEASURED: f64 = 0.8;
 
 impl Facets {
-    /// The triangles for rectangles of an output all of whose pixels' centres show something: as
-    /// large as a greatest error in pixels allows. It is measured in the middle of each, of their
-    /// sides, and between; where the map is discontinuous, triangles are as small as pixels, and
-    /// exact at their centres.
+    /// Returns the triangles for rectangles of an output in which all pixels' centres show
+    /// something. They are as large as `max_error`, in pixels, allows. The error is measured in the
+    /// middle of each triangle, of its sides, and between. Where the map is discontinuous,
+    /// triangles are as small as pixels, and exact at the pixels' centres.
     pub(in crate::correct) fn within(sampler: &SurfaceSampler, rects: &[PixelRect], max_error: f64) -> Self {
         Builder::new(sampler, max_error).build(rects)
     }
@@ -29,7 +29,7 @@ struct Builder<'a> {
     sampler: &'a SurfaceSampler<'a>,
     max_error: f64,
     facets: Facets,
-    /// The corners at whole pixel positions that are shared.
+    /// Shared corners, by whole pixel positions.
     numbers: HashMap<(u32, u32), u32>,
     /// Samples at whole pixel positions and half-way between.
     seen: HashMap<(u32, u32), Option<SurfaceSample>>,
@@ -41,7 +41,7 @@ type Corners = [SurfaceSample; 4];
 /// Diagonal that cuts a rectangle, and its error.
 #[derive(Clone, Copy)]
 struct Cut {
-    /// From the top left to the bottom right; otherwise the other diagonal.
+    /// True: from the top left to the bottom right; false: the other diagonal.
     falling: bool,
     error: f64,
     fits: bool,
@@ -73,7 +73,8 @@ impl<'a> Builder<'a> {
             Some((corners, cut)) if cut.fits => self.emit(rect, &corners, cut),
             _ if width == 1 && height == 1 => self.emit_pixel(rect),
             _ => {
-                // Across the longer side; both where they are about as long.
+                // The cut is across the longer side, or across both if they have about the same
+                // length.
                 let columns = if 2 * width > height && width > 1 {
                     vec![(x, width / 2), (x + width / 2, width - width / 2)]
                 } else {
@@ -100,7 +101,7 @@ impl<'a> Builder<'a> {
         Some([self.see(left, top)?, self.see(right, top)?, self.see(right, bottom)?, self.see(left, bottom)?])
     }
 
-    /// The better diagonal, and what it errs.
+    /// Returns the better diagonal, and its error.
     fn cut(&mut self, rect: PixelRect, corners: &Corners) -> Cut {
         let middle = self.see(2 * rect.x + rect.width, 2 * rect.y + rect.height);
         let departs = |a: SurfaceSample, b: SurfaceSample| {
@@ -150,8 +151,8 @@ impl<'a> Builder<'a> {
         self.facets.error = self.facets.error.max(cut.error);
     }
 
-    /// A pixel that shows everywhere what its centre does: the last resort where what is shown
-    /// leaps.
+    /// Adds a pixel that shows the sample of its centre everywhere: the last resort where the map
+    /// jumps.
     fn emit_pixel(&mut self, rect: PixelRect) {
         let Some(sample) = self.see(2 * rect.x + 1, 2 * rect.y + 1) else { return };
         let (x, y) = (f64::from(rect.x), f64::from(rect.y));

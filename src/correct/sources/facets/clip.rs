@@ -10,12 +10,12 @@ pub(super) struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// Everything on the side of `normal` of the plane through `point`.
+    /// Returns the side of the plane through `point` to which `normal` points.
     pub fn through(point: DVec3, normal: DVec3) -> Self {
         Self { normal, offset: normal.dot(point) }
     }
 
-    /// The other side.
+    /// Returns the other side.
     pub fn opposite(&self) -> Self {
         Self { normal: -self.normal, offset: -self.offset }
     }
@@ -25,8 +25,8 @@ impl HalfSpace {
         self.normal.dot(point) - self.offset
     }
 
-    /// The part of a convex polygon that is inside (Sutherland & Hodgman 1974); empty if none is.
-    /// Two polygons with a common side get the very same points on it.
+    /// Returns the part of a convex polygon that is inside (Sutherland & Hodgman 1974); empty if
+    /// there is none. Two polygons with a common side get exactly the same points on it.
     pub fn clip(&self, polygon: &[DVec3]) -> Vec<DVec3> {
         let mut inside = Vec::with_capacity(polygon.len() + 1);
         let after = polygon.iter().cycle().skip(1);

@@ -1,12 +1,12 @@
 //! The dome as a mesh of triangles, as a projector sees it, or flattened to a domemaster.
 //!
 //! The faces of a cube are cut into triangles and inflated to the dome (Bourke & Felinto 2009,
-//! "tessellate, inflate, flatten"). What of that is seen in the output is drawn: for a projector in
-//! perspective (Kooima, Roberts & SubbaRao 2009, "fixed-function fragment correction"), the mesh
-//! being subdivided along the sides of all pictures and of their ramps, so that weights at the
-//! corners can fade there; for a domemaster by the formula of its lens. Each corner lies on the
-//! dome and is exact. Between corners the error is about 0.4 times the square of a cell's angle,
-//! seen from the centre.
+//! "tessellate, inflate, flatten"). The part that the output shows is drawn. A projector draws it
+//! in perspective (Kooima, Roberts & SubbaRao 2009, "fixed-function fragment correction"); the mesh
+//! is subdivided along the sides of all pictures and of their ramps, so that weights at the corners
+//! can fade there. A domemaster draws it by the formula of its lens. Each corner lies on the dome
+//! and is exact. Between corners the error is about 0.4 times the square of a cell's angle, seen
+//! from the centre.
 
 use crate::blend::EdgeWeight;
 use crate::correct::passes::facets::Facets;
@@ -20,14 +20,15 @@ use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// Least distance of triangles from the lens, as a part of the dome's radius: nearer ones would be
-/// all around it.
+/// Least distance of triangles from the lens, as a part of the dome's radius: nearer ones would
+/// surround it.
 const NEAR: f64 = 1e-3;
 /// Approximate number of triangles that are measured.
 const MEASURED: usize = 8192;
 
-/// The triangles of output `index` of `rig` with `density` cells along the edge of the cube;
-/// nothing for outputs that are neither projectors with plain lenses nor equidistant domemasters.
+/// Returns the triangles of output `index` of `rig` with `density` cells along the edge of the
+/// cube; none for outputs that are neither projectors with plain lenses nor equidistant
+/// domemasters.
 pub(in crate::correct) fn dome_facets(rig: &Rig, index: usize, sampler: &SurfaceSampler, density: u32) -> Facets {
     let Some(picture) = Picture::of(rig, &rig.outputs[index]) else { return Facets::default() };
     let cuts = picture.cuts(rig, index);
@@ -39,8 +40,8 @@ pub(in crate::correct) fn dome_facets(rig: &Rig, index: usize, sampler: &Surface
     builder.facets
 }
 
-/// The triangles of a cube whose faces are cut into `cells`² squares and inflated to a sphere of a
-/// radius; the axes are those of the cube.
+/// Returns the triangles of a cube whose faces are cut into `cells`² squares and inflated to a
+/// sphere of a radius; the axes are those of the cube.
 fn inflated_cube(cells: u32, axes: DMat3, radius: f64) -> impl Iterator<Item = [DVec3; 3]> {
     Face::ALL.into_iter().flat_map(move |face| {
         let rotation = axes * face.rotation();
@@ -66,7 +67,7 @@ enum Picture {
 struct Cuts {
     /// Half-spaces outside of which nothing is shown.
     clipped: Vec<HalfSpace>,
-    /// Triangles end here.
+    /// Planes along which triangles are divided.
     split: Vec<HalfSpace>,
 }
 
@@ -91,8 +92,8 @@ impl Picture {
         }
     }
 
-    /// The cube's axes → dome axes: an edge forward in a domemaster, so that the rim of 180° goes
-    /// along diagonals.
+    /// Returns the rotation from the cube's axes to dome axes. In a domemaster an edge of the cube
+    /// points forward, so that the rim of 180° goes along diagonals.
     fn cube(&self, rig: &Rig) -> DMat3 {
         match self {
             Self::Projector { .. } => viewer_rotation(rig),
@@ -152,7 +153,7 @@ impl Picture {
     }
 }
 
-/// The place and the opening of a projector with a plain lens.
+/// Returns the position and the opening of a projector with a plain lens.
 fn pinhole(output: &Output) -> Option<(Pose, Frustum)> {
     match &output.kind {
         OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
@@ -166,7 +167,7 @@ fn pinhole(output: &Output) -> Option<(Pose, Frustum)> {
     }
 }
 
-/// The planes through a lens along the sides of the inner `part` of its picture, inwards.
+/// Returns the planes through a lens along the sides of the inner `part` of its picture, inwards.
 fn sides(pose: &Pose, frustum: &Frustum, part: f64) -> [HalfSpace; 4] {
     let ((x, y), (half_x, half_y)) = (frustum.middle(), frustum.half_size());
     let (left, right) = (x - part * half_x, x + part * half_x);
@@ -213,7 +214,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The number of the corner at a point; `None` if the viewer stands there.
+    /// Returns the number of the corner at a point; `None` if the viewer is at that point.
     fn number(&mut self, point: DVec3) -> Option<u32> {
         let (sampler, picture, facets) = (self.sampler, &self.picture, &mut self.facets);
         *self.numbers.entry(point.to_array().map(f64::to_bits)).or_insert_with(|| {
@@ -223,7 +224,8 @@ impl Builder<'_> {
         })
     }
 
-    /// The greatest error of some triangles, in their middles and those of their sides, pixels.
+    /// Returns the greatest error of some triangles, in their middles and those of their sides,
+    /// pixels.
     fn measured(&self) -> f64 {
         let step = (self.facets.triangles.len() / MEASURED).max(1);
         let (width, height) = self.sampler.size();
@@ -248,7 +250,7 @@ impl Builder<'_> {
     }
 }
 
-/// The pixel position of a place in the output.
+/// Returns the pixel position of a place in the output.
 fn pixel(sampler: &SurfaceSampler, picture: &Picture, place: DVec2) -> DVec2 {
     let (width, height) = (f64::from(sampler.size().0), f64::from(sampler.size().1));
     let half = match picture {

@@ -1,11 +1,10 @@
-//! The pixels that show something, as rectangles: what has no test for rims in its shader is drawn
-//! only there.
+//! Rectangles of the pixels that show something. Shaders without a test for rims draw only there.
 
 use crate::correct::passes::output_pass::Batch;
 use crate::correct::passes::source::Source;
 use crate::geom::rectangle::PixelRect;
 
-/// The batch without the pixels that show nothing.
+/// Returns the batch without the pixels that show nothing.
 pub(in crate::correct) fn only_lit(batch: Batch, source: &Source, size: (u32, u32)) -> Batch {
     if !batch.edge {
         return batch;
@@ -18,11 +17,11 @@ pub(in crate::correct) fn only_lit(batch: Batch, source: &Source, size: (u32, u3
     Batch { rects, edge: false, ..batch }
 }
 
-/// The pixels of `rect` for which `lit` is true, as rectangles: runs, joined where they lie below
-/// each other.
+/// Returns the pixels of `rect` for which `lit` is true, as rectangles: runs, joined where they lie
+/// below each other.
 fn lit_parts(rect: &PixelRect, lit: &impl Fn(u32, u32) -> bool) -> Vec<PixelRect> {
     let mut parts: Vec<PixelRect> = Vec::new();
-    // Where those that end at the row above begin in `parts`.
+    // Indices in `parts` of the rectangles that end at the row above.
     let mut above: Vec<usize> = Vec::new();
     for y in rect.y..rect.y + rect.height {
         let mut here = Vec::new();

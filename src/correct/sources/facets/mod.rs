@@ -1,8 +1,7 @@
-//! Triangles over an output whose corners know what is seen there.
+//! Triangles over an output. Each corner has a direction and a weight.
 //!
-//! Between the corners of a triangle direction and weight are linear over the output, and shaders
-//! have nothing left to compute but the view and its texel. The error falls with the square of the
-//! triangles' size.
+//! Between the corners of a triangle, direction and weight are linear over the output. Shaders only
+//! compute the view and its texel. The error falls with the square of the triangles' size.
 
 mod adaptive;
 mod clip;
