@@ -124,7 +124,7 @@ fn compile(text: &str) -> Vec<Instruction> {
     while let Some(first) = rest.first() {
         let (instruction, behind) = rest.split_at((first >> 16) as usize);
         rest = behind;
-        all.push((Op::from_u32(first & 0xffff).expect("naga writes known ones"), instruction[1..].to_vec()));
+        all.push((Op::from_u32(first & 0xffff).expect("naga writes known opcodes"), instruction[1..].to_vec()));
     }
     all
 }

@@ -1,4 +1,4 @@
-//! Clip-space re-projection: from the program's own clip coordinates to a view's.
+//! Clip-space reprojection: from the program's own clip coordinates to a view's.
 
 use super::Frustum;
 use glam::{DMat3, DMat4, DVec3, DVec4};
@@ -12,7 +12,7 @@ mod tests;
 pub use camera_function::{CameraFunction, Direction};
 pub use classification::{classify, classify_transposed};
 
-/// The part of a program's perspective matrix that re-projection needs:
+/// The part of a program's perspective matrix that reprojection needs:
 /// `P = [A 0 B 0; 0 C D 0; 0 0 E F; 0 0 −1 0]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {

@@ -253,8 +253,8 @@ mod tests {
                 let radius = 0.999 * f64::from(step) / 1_000.0;
                 let point = DVec2::from_angle(0.7) * radius;
                 let (found, exact) = (form.direction(point).normalize(), lens.direction(point).expect("inside"));
-                // At the rim of 360° and of an orthographic half sphere the angle of a pixel has no
-                // bound.
+                // At the rim of 360° and of an orthographic half sphere a pixel can cover any
+                // angle.
                 let pixel = lens.slope(radius).min(1e3) * 2.0 / 4096.0;
                 assert!(found.distance(exact) <= allowed * pixel.max(1e-3), "{lens:?} {radius}: {found} {exact}");
             }

@@ -94,9 +94,10 @@ impl CameraFunction {
         }
     }
 
-    /// Returns the lens of a projection of which `matrix` is the inverse, alone or times a
-    /// similarity. F stays unknown. Returns `None` also for lenses whose E is 0 (reversed depth
-    /// without a far plane), since their inverses have the form of projections.
+    /// Returns the dependence and the lens of a projection of which `matrix` is the inverse, alone
+    /// or times a similarity. F of the lens stays unknown. Returns `None` also for lenses whose E
+    /// is 0 (reversed depth without a far plane), since their inverses have the form of
+    /// projections.
     pub fn of_inverse(matrix: &[f64; 16]) -> Option<(Self, Intrinsics)> {
         let mut best: Option<(Self, Intrinsics)> = None;
         for transposed in [false, true] {

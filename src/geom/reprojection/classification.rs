@@ -7,8 +7,8 @@ use glam::DVec3;
 /// were formed in f32 (measured: ≤ 3e-7). A non-uniform scale of 1 % shows 1.7e-3 or more.
 const SKEW_TOLERANCE: f64 = 2e-6;
 
-/// Least size of F, as a part of the numbers whose difference it is. A smaller F is `None`. The
-/// relative error of F is then below about 1e-3 for a matrix formed in f32.
+/// Least size of F, as a part of the numbers whose difference it is. A smaller F is `None`, so that
+/// the relative error of F is below about 1e-3 for a matrix formed in f32.
 const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 
 /// Classifies `matrix` (column-major, as OpenGL takes it).

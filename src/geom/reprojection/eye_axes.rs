@@ -2,9 +2,9 @@
 //!
 //! A shader that computes a direction from a pixel often takes the inverse of the projection, sets
 //! z to −1, and turns the direction by the inverse of the view matrix. For such a shader, the eye
-//! of a view has to look along the view's axis. T turns the program's eye coordinates to those of
-//! the view. Then the projection is R·P·T⁻¹, which is a bare projection, and the view matrix is
-//! T·V.
+//! of a view has to look along the view's axis. Let T be the turn from the program's eye
+//! coordinates to those of the view. Then the projection is R·P·T⁻¹, which is a bare projection,
+//! and the view matrix is T·V.
 
 use super::Intrinsics;
 use super::camera_function::{CameraFunction, Direction, inverse};

@@ -1,4 +1,4 @@
-//! Tests of matrix classification and of re-projection, among them emulations of an f32 pipeline.
+//! Tests of matrix classification and of reprojection, among them emulations of an f32 pipeline.
 
 use super::*;
 use crate::geom::pose::rotation;

@@ -59,7 +59,7 @@ const MOST_TRIED: usize = 64 * MOST_ON_RAY as usize;
 /// Greatest number of edges that are rims.
 const MOST_RIMS: usize = 2048;
 
-/// Shows a checksum over all bits of the triangles in their place.
+/// Prints a checksum over all bits of the triangles in place of the triangles.
 impl fmt::Debug for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sum = format_args!("{:x}", self.sum());
