@@ -111,11 +111,11 @@ impl Default for CameraAdjustment {
 
 /// Returns the rows for a view with axes `rotation` (viewer → view) and opening `frustum`.
 ///
-/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y =
-/// (cy + D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w =
-/// q/F`), the tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation` are
-/// applied, and the view's own lens with the program's E and F gives `c'`. Depth needs neither F
-/// nor a division: `E·z' + F·w = cz + E·(z' − z)`.
+/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`,
+/// `y = (cy + D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not
+/// 0: `w = q/F`), the tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation`
+/// are applied, and the view's own lens with the program's E and F gives `c'`. Depth needs neither
+/// F nor a division: `E·z' + F·w = cz + E·(z' − z)`.
 ///
 /// Scales appear only as ratios of the two lenses, so a view with [`Intrinsics::frustum`], no
 /// rotation and [`CameraAdjustment::NONE`] has exactly the rows (1,0,0,0), (0,1,0,0), (0,0,1,0).
