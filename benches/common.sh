@@ -1,10 +1,14 @@
 # shellcheck shell=bash
-# What the benchmarks of whole programs share; to be sourced after scripts/common.sh.
+# Functions that the benchmarks of complete programs share. Source this file after scripts/common.sh.
 #
-# Time per frame is that of many frames less that of few, divided by the difference: start and planning cancel out.
-# wall: on an idle machine the time that counts; cpu: of all threads, which other load hardly changes.
+# Time per frame: the time of few frames is subtracted from that of many, and divided by the difference in frames. So
+# start and planning cancel out.
+#
+# wall: elapsed time, which counts on an idle machine. cpu: processor time of all threads, which other load hardly
+# changes.
 
-# Sets `work`, a folder of its own, and an X server with a screen of that many pixels squared.
+# own_display PIXELS: makes a temporary folder, sets `work` to it, and starts an X server with a screen of PIXELS ×
+# PIXELS.
 own_display() {
     local size=$1 number
     work=$(mktemp -d)
@@ -16,7 +20,7 @@ own_display() {
     export DISPLAY=:$number LIBGL_ALWAYS_SOFTWARE=1 vblank_mode=0
 }
 
-# Sets `cupola` to the one that was asked for, or builds it.
+# Sets `cupola` to the command that the user named, or builds it.
 own_cupola() {
     if [ -n "$cupola" ]; then
         cupola=$(realpath "$cupola")
@@ -28,7 +32,7 @@ own_cupola() {
     fi
 }
 
-# Seconds of wall clock and of all threads that a command takes.
+# seconds COMMAND…: prints the seconds of wall clock and of all threads that a command takes.
 seconds() {
     local TIMEFORMAT='%R %U %S'
     { time timeout 300 "$@" >/dev/null 2>>"$work/log"; } 2>&1 | awk '{ print $1, $2 + $3 }'
@@ -44,13 +48,13 @@ measure() {
         'BEGIN { print name "\t" 1000 * (b - a) / n "\t" 1000 * (d - c) / n }' >>"$work/times.tsv"
 }
 
-# median NAME COLUMN: of what was measured; column 2 is wall, 3 is cpu, in milliseconds.
+# median NAME COLUMN: prints the median of the measurements; column 2 is wall, 3 is cpu, in milliseconds.
 median() {
     awk -F '\t' -v name="$1" -v column="$2" '$1 == name { print $column }' "$work/times.tsv" | sort -g |
         awk '{ all[NR] = $1 } END { print NR % 2 ? all[(NR + 1) / 2] : (all[NR / 2] + all[NR / 2 + 1]) / 2 }'
 }
 
-# table NAME…: the medians; names are "SCENE WAY", and the way "plain" of a scene is what others are compared with.
+# table NAME…: prints the medians. Names are "SCENE WAY"; the ways of a scene are compared with its way "plain".
 table() {
     local name
     printf '%-28s %10s %10s %10s %10s\n' "" "wall, ms" "cpu, ms" "wall, x" "cpu, x"

@@ -1,5 +1,4 @@
-//! The paths of the processor that run at a start, in each frame, with each draw or with each
-//! vertex.
+//! Code of the processor that runs at a start, in each frame, for each draw or for each vertex.
 //!
 //! `cargo bench --bench paths [FILTER]`.
 
@@ -23,7 +22,7 @@ fn main() {
     divan::main();
 }
 
-/// Rigs that a plan is timed for.
+/// Rigs whose plans are timed.
 const RIGS: [&str; 4] = ["fisheye", "planetarium-2", "planetarium-6", "idome"];
 const WINDOW: (u32, u32) = (1920, 1080);
 
@@ -41,7 +40,7 @@ fn plan(rig: &Rig) -> Plan {
     correct::build(rig, &request(rig)).expect("a plan")
 }
 
-/// A program's lens and what looks through it.
+/// A session of the library for a preset.
 fn session(name: &str) -> Session {
     Session::new(&rig(name), WINDOW, false, 16384, Extras::default()).expect("a session")
 }
@@ -53,7 +52,7 @@ fn program_matrix() -> [f64; 16] {
 mod start {
     use super::*;
 
-    /// The views alone.
+    /// Plans only the views.
     #[divan::bench(args = RIGS)]
     fn views(bencher: Bencher, name: &str) {
         let rig = rig(name);
@@ -61,7 +60,7 @@ mod start {
         bencher.bench(|| views::plan(black_box(&rig), &request));
     }
 
-    /// All that is planned.
+    /// Plans everything.
     #[divan::bench(args = RIGS)]
     fn plan(bencher: Bencher, name: &str) {
         let rig = rig(name);
@@ -69,14 +68,14 @@ mod start {
         bencher.bench(|| correct::build(black_box(&rig), &request));
     }
 
-    /// The parts of views that no output samples.
+    /// Finds the parts of views that no output samples.
     #[divan::bench(args = RIGS)]
     fn unsampled_areas(bencher: Bencher, name: &str) {
         let plan = super::plan(&rig(name));
         bencher.bench(|| correct::unsampled_areas(black_box(&plan)));
     }
 
-    /// Which parts of outputs sample which parts of views.
+    /// Finds the parts of views that the parts of outputs sample.
     #[divan::bench(args = RIGS)]
     fn footprints(bencher: Bencher, name: &str) {
         let plan = super::plan(&rig(name));
@@ -86,7 +85,7 @@ mod start {
         });
     }
 
-    /// The texts of all shaders, with their constants.
+    /// Writes the texts of all shaders, with their constants.
     #[divan::bench(args = RIGS)]
     fn shaders(bencher: Bencher, name: &str) {
         let plan = super::plan(&rig(name));
@@ -97,7 +96,7 @@ mod start {
         });
     }
 
-    /// Weights of a hundred pixels of each output.
+    /// Computes the weights of a hundred pixels of each output.
     #[divan::bench(args = ["planetarium-2", "planetarium-6"])]
     fn weights(bencher: Bencher, name: &str) {
         let rig = rig(name);
@@ -123,8 +122,8 @@ mod link {
 
     const VERTEX_SHADER: u32 = 0x8B31;
 
-    /// A vertex shader as translators write them: matrices as arrays of vectors, and so many
-    /// statements.
+    /// Returns a vertex shader like those of shader translators: matrices as arrays of vectors, and
+    /// this number of statements.
     fn translated(statements: usize) -> String {
         let mut text = "#version 330\nuniform vec4 vp[4]; uniform vec4 m[64];\nin vec4 v; out vec4 s;\n".to_owned();
         text.push_str("vec4 t0; vec4 t1;\nvoid main() {\n    t0 = v.yyyy * vp[1];\n    t0 = vp[0] * v.xxxx + t0;\n");
@@ -136,7 +135,7 @@ mod link {
         text + "    s = t0 + t1;\n}\n"
     }
 
-    /// What flows into the position.
+    /// Finds the names on which the position depends.
     #[divan::bench(args = [10, 100, 1000])]
     fn position(bencher: Bencher, statements: usize) {
         let sources = HashMap::from([(1, Arc::from(translated(statements)))]);
@@ -148,21 +147,21 @@ mod draw {
     use super::*;
     use cupola::correct::projected::matrices::ReprojectionMatrix;
 
-    /// What a program's matrix is.
+    /// Classifies a program's matrix.
     #[divan::bench]
     fn classify_matrix() -> MatrixClass {
         classify(&black_box(program_matrix()))
     }
 
-    /// A new lens of the program: the rows of every view.
+    /// Computes the rows of every view for a new lens of the program.
     #[divan::bench(args = ["fisheye", "planetarium-6"])]
     fn rows(bencher: Bencher, name: &str) {
         let session = session(name);
-        let MatrixClass::Perspective(lens) = classify(&program_matrix()) else { panic!("it is one") };
+        let MatrixClass::Perspective(lens) = classify(&program_matrix()) else { panic!("a perspective matrix") };
         bencher.bench(|| session.rows(black_box(&lens)).map(|rows| rows.x[0]).sum::<f64>());
     }
 
-    /// Which of five views a box is in, and where.
+    /// Finds which of five views can show a box, and its extent there.
     #[divan::bench]
     fn cull(bencher: Bencher) {
         let rows: [ReprojectionMatrix; 5] = std::array::from_fn(|view| {
@@ -188,7 +187,7 @@ mod draw {
 mod vertex {
     use super::*;
 
-    /// A hundred vertices with normals between Begin and End.
+    /// Records a hundred vertices with normals between Begin and End.
     #[divan::bench]
     fn record(bencher: Bencher) {
         let mut recorder = Recorder::default();

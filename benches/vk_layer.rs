@@ -1,8 +1,8 @@
-//! What the Vulkan layer costs a program of others: `vkcube` without and with it.
+//! Cost of the Vulkan layer for a third-party program: `vkcube` without and with it.
 //!
 //! `cargo bench --bench vk_layer [-- SIZE FRAMES ROUNDS]`, with a display and `vkcube` (Debian:
-//! vulkan-tools). The programs run in turn, round by round, each round begins with another one; the
-//! medians of the ratios are reported. With `VKBASALT` in the environment, the file of vkBasalt's
+//! vulkan-tools). The programs run in turn, round by round, and each round begins with another one.
+//! The medians of the ratios are printed. If the environment variable `VKBASALT` names vkBasalt's
 //! library, that layer runs, too, with its sharpening effect.
 
 use std::path::Path;
@@ -15,7 +15,7 @@ type Failure = Box<dyn std::error::Error>;
 struct Contestant {
     name: &'static str,
     environment: Vec<(&'static str, String)>,
-    /// Elapsed, and processor time of all threads.
+    /// Elapsed time, and processor time of all threads.
     seconds: Vec<(f64, f64)>,
 }
 
@@ -78,7 +78,7 @@ fn contestants(folder: &Path) -> Result<Vec<Contestant>, Failure> {
     Ok(all)
 }
 
-/// Runs the program; elapsed and processor seconds.
+/// Runs the program. Returns elapsed and processor seconds.
 fn run(contestant: &Contestant, size: u32, frames: u32) -> Result<(f64, f64), Failure> {
     let (started, used) = (Instant::now(), children_seconds());
     let status = Command::new("vkcube")
@@ -100,7 +100,7 @@ fn run(contestant: &Contestant, size: u32, frames: u32) -> Result<(f64, f64), Fa
 fn children_seconds() -> f64 {
     // SAFETY: all zeros are a value of this structure.
     let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
-    // SAFETY: the structure is ours.
+    // SAFETY: the pointer is to the local structure above.
     unsafe { libc::getrusage(libc::RUSAGE_CHILDREN, &mut usage) };
     let seconds = |time: libc::timeval| time.tv_sec as f64 + time.tv_usec as f64 * 1e-6;
     seconds(usage.ru_utime) + seconds(usage.ru_stime)

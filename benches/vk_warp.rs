@@ -1,8 +1,8 @@
-//! What correcting costs on Vulkan, in units of drawing one bilinear full-screen quad.
+//! Cost of the correction on Vulkan, in units of drawing one bilinear full-screen quad.
 //!
 //! `cargo bench --bench vk_warp [-- WIDTH HEIGHT ROUNDS]`. All passes are timed in turn, round by
-//! round, so that a busy machine slows all alike; the medians of the ratios are reported. Needs
-//! glslangValidator, for the quad's shader.
+//! round, so that other load slows all of them equally. The medians of the ratios are printed.
+//! Needs glslangValidator, for the quad's shader.
 
 use cupola::backend::vk::ash::vk;
 use cupola::backend::vk::driver::headless::Headless;
@@ -61,13 +61,14 @@ fov = [60.0, 40.0]
 
 type Failure = Box<dyn std::error::Error>;
 
-/// One thing that is timed.
+/// One pass that is timed.
 struct Contestant {
     name: String,
-    /// None: the plain quad.
+    /// `None` for the plain quad.
     backend: Option<VkBackend>,
     surface: Surface,
-    /// Elapsed, and of all threads' processor time, which a busy machine disturbs less.
+    /// Seconds of each round: elapsed, and processor time of all threads, which other load disturbs
+    /// less.
     seconds: Vec<f64>,
     processor: Vec<f64>,
 }
@@ -150,7 +151,7 @@ fn report(contestants: &[Contestant]) {
 /// Processor time of all threads of this process so far.
 fn processor_seconds() -> f64 {
     let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the structure is ours.
+    // SAFETY: the pointer is to the local structure above.
     unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut now) };
     now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9
 }
@@ -160,7 +161,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// What is compared: name, rig and arrangement; the first output is drawn.
+/// Name, rig and arrangement of each pass that is compared; the rig's first output is drawn.
 fn rigs() -> Vec<(String, String, Arrangement)> {
     let dome = |degrees: u32| {
         format!("[dome]\ntilt = 90.0\n[[output]]\nname = \"dome\"\nkind = \"domemaster\"\naperture = {degrees}.0\n")
@@ -185,7 +186,7 @@ fn plan(text: &str, size: (u32, u32)) -> Result<Plan, Failure> {
     Ok(plan)
 }
 
-/// Images for views, of one colour: what is in them makes no difference to the time.
+/// Images for views, of one colour: their content does not change the time.
 fn filled(device: &Headless, arrangement: Arrangement, sizes: &[ImageSize]) -> Result<Surface, Failure> {
     let surface = Surface::new(&device.api, arrangement, sizes, FORMAT, 1)?;
     device.fill(surface.sources(), sizes, [0.3, 0.5, 0.7, 1.0])?;
@@ -219,7 +220,8 @@ struct Quad {
 }
 
 impl Quad {
-    /// Draws `picture`, which it leaves in a layout to be sampled, to `shown`.
+    /// Makes a quad that draws `picture` to `shown`. Changes the layout of `picture` to one for
+    /// sampling.
     fn new(device: &Headless, picture: &SourceImage, shown: &SourceImage) -> Result<Self, Failure> {
         let sampled = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         let api = device.api.device();
@@ -289,7 +291,7 @@ impl Quad {
 
     fn destroy(self, device: &Headless) {
         let api = device.api.device();
-        // SAFETY: all are ours, and nothing is pending.
+        // SAFETY: all were created by `new`, and nothing is pending.
         unsafe {
             api.destroy_pipeline(self.pipeline, None);
             api.destroy_framebuffer(self.framebuffer, None);
@@ -318,7 +320,7 @@ unsafe fn render_pass(
     let colors = [vk::AttachmentReference { attachment: 0, layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL }];
     let subpasses = [vk::SubpassDescription::default().color_attachments(&colors)];
     let info = vk::RenderPassCreateInfo::default().attachments(&attachments).subpasses(&subpasses);
-    // SAFETY: as promised; the structure is complete.
+    // SAFETY: the caller guarantees a live device; the structure is complete.
     unsafe { api.create_render_pass(&info, None) }
 }
 
@@ -331,7 +333,7 @@ unsafe fn pipeline(
 ) -> Result<vk::Pipeline, Failure> {
     let (vertex, fragment) = (compiled(VERTEX, "vert")?, compiled(FRAGMENT, "frag")?);
     let module = |words: &[u32]| {
-        // SAFETY: as promised; glslangValidator gives valid modules.
+        // SAFETY: the caller guarantees a live device; glslangValidator makes valid modules.
         unsafe { api.create_shader_module(&vk::ShaderModuleCreateInfo::default().code(words), None) }
     };
     let (vertex, fragment) = (module(&vertex)?, module(&fragment)?);
@@ -357,8 +359,8 @@ unsafe fn pipeline(
         .dynamic_state(&dynamic)
         .layout(layout)
         .render_pass(pass);
-    // SAFETY: as promised; the structures are complete. A pipeline does not need its modules once
-    // it is made.
+    // SAFETY: the caller guarantees a live device and its objects; the structures are complete. A
+    // pipeline does not need its modules after its creation.
     unsafe {
         let made = api.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
         api.destroy_shader_module(vertex, None);
@@ -367,7 +369,7 @@ unsafe fn pipeline(
     }
 }
 
-/// The words that glslangValidator makes of a shader.
+/// Compiles a shader with glslangValidator; returns its words.
 fn compiled(text: &str, stage: &str) -> Result<Vec<u32>, Failure> {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (source, words) = (directory.join(format!("quad.{stage}")), directory.join(format!("quad-{stage}.spv")));

@@ -1,7 +1,7 @@
-//! What correcting costs, in units of drawing one bilinear full-screen quad.
+//! Cost of the correction, in units of drawing one bilinear full-screen quad.
 //!
 //! `cargo bench --bench warp [-- WIDTH HEIGHT ROUNDS]`. All passes are timed in turn, round by
-//! round, so that a busy machine slows all alike; the medians of the ratios are reported.
+//! round, so that other load slows all of them equally. The medians of the ratios are printed.
 
 use cupola::correct::Plan;
 use cupola::correct::build;
@@ -78,7 +78,8 @@ fn half_masked((width, height): (u32, u32)) -> Result<PathBuf, Failure> {
 /// A window that is already projected.
 const CONTENT: &str = "[content]\nkind = \"domemaster\"\naperture = 180\n";
 
-/// What is compared: name and rig; the first output is drawn. `mask`: of an output that is masked.
+/// Name and rig of each pass that is compared; the rig's first output is drawn. `mask` is the mask
+/// of the masked output.
 fn rigs(mask: &Path) -> Result<Vec<(String, Rig)>, Failure> {
     let projector = |yaw: f64, more: &str| {
         format!(

@@ -32,8 +32,8 @@ impl Types {
         self.passes.push(Pass { name, has_constants: constants.is_some(), members });
     }
 
-    /// Name of the Rust type for `ty`, and the statement that appends `value` of that type to the
-    /// scalars.
+    /// Returns the name of the Rust type for `ty`, and the statement that appends `value` of that
+    /// type to the scalars.
     fn rust(&mut self, module: &Module, ty: Handle<Type>, pass: &str, value: &str) -> (String, String) {
         let floats = |count: usize| (format!("[f32; {count}]"), format!("out.extend({value});"));
         match &module.types[ty].inner {
@@ -52,8 +52,8 @@ impl Types {
         }
     }
 
-    /// Defines the struct for the structure `ty`; its name. Each pass has a structure `Constants`
-    /// of its own.
+    /// Defines the struct for the structure `ty` and returns its name. Each pass has its own
+    /// structure `Constants`.
     fn define(&mut self, module: &Module, ty: Handle<Type>, pass: &str) -> String {
         let (TypeInner::Struct { members, .. }, Some(name)) = (&module.types[ty].inner, &module.types[ty].name) else {
             panic!("shaders: {pass}: constants are a structure with a name");
@@ -75,7 +75,7 @@ impl Types {
         name
     }
 
-    /// The types as Rust source.
+    /// Returns the types as Rust source.
     pub fn source(&self) -> String {
         let mut out: String = self.structs.values().map(String::as_str).collect();
         let mut arms = [const { String::new() }; 5];
@@ -101,7 +101,7 @@ impl Types {
             "/// Values of the constants of a pass.\n#[derive(Clone, Debug, PartialEq)]\npub enum Values {{ {variants} }}\n\
              impl Values {{\n\
              /// Returns the pass.\npub fn pass(&self) -> Pass {{ match self {{ {pass} }} }}\n\
-             /// Returns what every pass with views has; `None` for black.\n\
+             /// Returns the constants that every pass with views has; `None` for black.\n\
              pub fn shared(&self) -> Option<&Shared> {{ match self {{ {shared} }} }}\n\
              /// Returns all scalars in the order of the shader's constant.\n\
              pub fn scalars(&self) -> Vec<f32> {{ let mut out = Vec::new(); match self {{ {scalars} }} out }}\n\

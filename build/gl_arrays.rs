@@ -4,7 +4,7 @@
 use super::gl_attributes::{self, Declaration};
 use std::fmt::Write;
 
-/// First letters of their names.
+/// Beginnings of their names, without `gl`.
 const BEGINNINGS: [&str; 17] = [
     "BindVertexArray",
     "BindVertexBuffer",
@@ -25,8 +25,8 @@ const BEGINNINGS: [&str; 17] = [
     "VertexBuffer",
 ];
 
-/// Those whose arguments tell what is so afterwards: `src/intercept/gl/vertex_arrays/commands.rs`
-/// has a hook for each.
+/// Commands whose arguments give the state after the call. The file
+/// `src/intercept/gl/vertex_input/vertex_array_commands.rs` has a hook for each.
 const NOTED: [&str; 14] = [
     "glBindVertexArray",
     "glBindVertexArrayAPPLE",
@@ -44,7 +44,7 @@ const NOTED: [&str; 14] = [
     "glVertexPointer",
 ];
 
-/// Whether a command changes vertex arrays.
+/// True if a command changes vertex arrays.
 pub fn is_array_state(name: &str) -> bool {
     let Some(rest) = name.strip_prefix("gl") else { return false };
     // Values of attributes are no arrays.
@@ -52,9 +52,9 @@ pub fn is_array_state(name: &str) -> bool {
     !value && BEGINNINGS.iter().any(|beginning| rest.starts_with(beginning))
 }
 
-/// One invocation of the macro `array_commands`: those that are not noted, with the parameter that
-/// names an object or `all`, and the names of the noted ones. `declarations` must hold all commands
-/// that [`is_array_state`] names.
+/// Returns one invocation of the macro `array_commands`: the names of the [`NOTED`] commands, and a
+/// row for each other command, with its parameter that names an object, or `all`. `declarations`
+/// must contain all commands for which [`is_array_state`] is true.
 pub fn generate(declarations: &[Declaration]) -> String {
     let mut rows = String::new();
     for Declaration { name, method, parameters } in declarations.iter().filter(|d| is_array_state(&d.name)) {

@@ -1,9 +1,9 @@
 //! The commands that set vertices and their attributes between `glBegin` and `glEnd`, found by
 //! their names in the registry, so that none is missed.
 //!
-//! `Vertex3fv` is a family, a number of components, their type, and `v` where they come as an
-//! array. What has a family's name but not this form (`VertexPointer`, `ColorMask`, …) is another
-//! kind of command.
+//! A name like `Vertex3fv` consists of a family, a number of components, their type, and `v` if
+//! they come as an array. A command with a family's name but another form (`VertexPointer`,
+//! `ColorMask`, …) is of another kind.
 
 use std::fmt::Write;
 
@@ -44,7 +44,7 @@ struct Form<'a> {
     normalised: bool,
     type_name: &'a str,
     vector: bool,
-    /// Vendor.
+    /// Suffix of the vendor, or nothing.
     suffix: &'a str,
 }
 
@@ -71,7 +71,7 @@ impl<'a> Form<'a> {
         vendor.then_some(Self { family, kind, components, normalised, type_name, vector, suffix })
     }
 
-    /// The name of the command that takes the same components as an array.
+    /// Returns the name of the command that takes the same components as an array.
     fn vector_name(&self) -> String {
         let kind = self.kind.map(String::from).unwrap_or_default();
         let digit = if matches!(self.family, "FogCoord" | "Index" | "EdgeFlag") {
@@ -83,14 +83,14 @@ impl<'a> Form<'a> {
         format!("gl{}{kind}{digit}{normalised}{}v{}", self.family, self.type_name, self.suffix)
     }
 
-    /// Components in the array: packed ones are one number.
+    /// Returns the length of the array; packed components are one number.
     fn length(&self) -> usize {
         if self.kind == Some('P') { 1 } else { self.components }
     }
 
-    /// A variant of `Sets`.
+    /// Returns the variant of `Sets`.
     fn sets(&self) -> &'static str {
-        // Numbers that are the coordinates themselves.
+        // True if the numbers are the coordinates themselves.
         let plain = self.kind.is_none() && !self.normalised && self.type_name != "h";
         match self.family {
             "Vertex" if plain => "Position",
@@ -109,18 +109,19 @@ impl<'a> Form<'a> {
     }
 }
 
-/// Whether this is one of these commands.
+/// True if this is one of these commands.
 pub fn is_attribute(name: &str) -> bool {
     Form::parse(name).is_some()
 }
 
-/// One invocation of the macro `attribute_commands`, with two tables. `declarations` must hold all
-/// commands that [`is_attribute`] names.
+/// Returns one invocation of the macro `attribute_commands`, with two tables. `declarations` must
+/// contain all commands for which [`is_attribute`] is true.
 ///
-/// The first: name, parameters, the command that takes the same components as an array, what is
-/// set, the parameters before the components (a unit, a number), the components. The second: the
-/// commands that take an array, with place and type of the parameters before it, its own place, and
-/// whether its components are the numbers themselves.
+/// A row of the first table has name, parameters, the command that takes the same components as an
+/// array, the attribute that is set, the parameters before the components (a unit, an index), and
+/// the components. The second table has the commands that take an array. A row has position and
+/// type of the parameters before the array, the position of the array, and whether its components
+/// are the numbers themselves.
 pub fn generate(declarations: &[Declaration]) -> String {
     let mut commands = String::new();
     let mut arrays = String::new();

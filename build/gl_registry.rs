@@ -1,4 +1,4 @@
-//! The OpenGL API as the Khronos registry describes it → a typed table of pointers,
+//! Translates the OpenGL API, as the Khronos registry describes it, to a typed table of pointers,
 //! the enums, and the map of aliases (`glDrawArraysEXT` → `glDrawArrays`).
 
 use super::gl_arrays;
@@ -6,7 +6,7 @@ use super::gl_attributes::{self, Declaration};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// Commands outside the core versions that we call ourselves when a driver has them.
+/// Commands outside the core versions that Cupola calls if a driver has them.
 const EXTRA: &[&str] = &[
     "glBindBufferOffsetEXT",
     "glCheckNamedFramebufferStatusEXT",
@@ -66,9 +66,9 @@ const EXTRA: &[&str] = &[
     "glUnmapNamedBufferEXT",
 ];
 
-/// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; the commands
-/// between `glBegin` and `glEnd`; those that change vertex arrays; and all that may change a
-/// picture.
+/// Returns three Rust sources. The first has `Gl` (table and one method per command), constants,
+/// `ALIASES`, and the names of commands outside the core profile and outside OpenGL ES. The second
+/// has the commands between `glBegin` and `glEnd`, the third those that change vertex arrays.
 pub fn generate() -> [String; 3] {
     let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
     let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
@@ -103,8 +103,8 @@ fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
     wanted
 }
 
-/// The version (10 · major + minor) that brought each command to an API's core profile. Commands
-/// that a later version removed are not among them.
+/// Returns the version (10 · major + minor) in which each command came to an API's core profile,
+/// without commands that a later version removed.
 fn core_versions<'a>(root: roxmltree::Node<'a, '_>, api: &str) -> BTreeMap<&'a str, u32> {
     let mut versions = BTreeMap::new();
     let mut removed = BTreeSet::new();
@@ -126,7 +126,7 @@ fn core_versions<'a>(root: roxmltree::Node<'a, '_>, api: &str) -> BTreeMap<&'a s
     versions
 }
 
-/// The method that names a command of the core profile that a driver lacks.
+/// Writes the method that returns a command of the core profile that a driver lacks.
 fn core_commands(root: roxmltree::Node, commands: &[(Declaration, String)], out: &mut String) {
     let (gl, es) = (core_versions(root, "gl"), core_versions(root, "gles2"));
     let checks = |versions: &BTreeMap<&str, u32>| -> String {
@@ -147,8 +147,8 @@ fn core_commands(root: roxmltree::Node, commands: &[(Declaration, String)], out:
     .expect("writing to a String");
 }
 
-/// The commands that an API's versions and extensions have, by their core names. `extensions`: the
-/// word by which the registry says that an extension is of this API.
+/// Returns the commands of an API's versions and extensions, by their core names. `extensions` is
+/// the registry's word for extensions of this API.
 fn commands_of(root: roxmltree::Node, api: &str, extensions: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for part in root.descendants().filter(|n| n.has_tag_name("require") || n.has_tag_name("remove")) {
@@ -177,7 +177,8 @@ fn commands_of(root: roxmltree::Node, api: &str, extensions: &str) -> BTreeSet<S
     found.into_iter().map(|name| core_name(name.to_owned())).collect()
 }
 
-/// The commands that the core profile of OpenGL does not have, and those that OpenGL ES does not.
+/// Writes the commands that the core profile of OpenGL does not have, and those that OpenGL ES does
+/// not have.
 fn outside(root: roxmltree::Node, commands: &[(Declaration, String)], out: &mut String) {
     for (table, api, extensions) in [("OUTSIDE_CORE", "gl", "glcore"), ("OUTSIDE_ES", "gles2", "gles2")] {
         let inside = commands_of(root, api, extensions);
@@ -208,8 +209,8 @@ fn enums(root: roxmltree::Node, out: &mut String) {
     }
 }
 
-/// The commands that are `wanted`, by name and by whether they are aliases, each with what it
-/// answers.
+/// Returns the commands that are `wanted` (by name, and by whether they are aliases), each with the
+/// type of its result.
 fn declarations(root: roxmltree::Node, wanted: impl Fn(&str, bool) -> bool) -> Vec<(Declaration, String)> {
     let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
     let mut found = Vec::new();
@@ -266,7 +267,7 @@ fn table(commands: &[(Declaration, String)], out: &mut String) {
     .expect("writing to a String");
 }
 
-/// Aliases with the names that they stand for.
+/// Returns each alias with the name of the command for which it is an alias.
 fn alias_pairs(root: roxmltree::Node) -> Vec<(String, String)> {
     let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
     let mut pairs = Vec::new();
@@ -295,7 +296,7 @@ fn child_text(node: roxmltree::Node, tag: &str) -> String {
     child.text().unwrap_or_default().trim().to_owned()
 }
 
-/// The C declaration without the declared name.
+/// Returns the C declaration without the declared name.
 fn declaration(node: roxmltree::Node) -> String {
     let mut text = String::new();
     for part in node.children() {

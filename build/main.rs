@@ -1,8 +1,10 @@
-//! Build script: the OpenGL function table from the Khronos registry, and the
-//! correction shaders from WGSL.
+//! Build script: makes the OpenGL function table from the Khronos registry, and the correction
+//! shaders from WGSL.
 //!
-//! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
-//! `src/intercept/gl/immediate/commands.rs`, `src/intercept/gl/vertex_arrays/commands.rs`,
+//! All are written as Rust source to `OUT_DIR` and included by `src/backend/gl/driver/api.rs`,
+//! `src/intercept/gl/compat/vertex_commands.rs`,
+//! `src/intercept/gl/state/compat/vertex_commands.rs`,
+//! `src/intercept/gl/vertex_input/vertex_array_commands.rs`,
 //! `src/correct/shaders/{constants,glsl,spirv}.rs`, `src/intercept/vk/queries/copies.rs` and
 //! `src/intercept/vk/spirv/functions.rs`.
 
@@ -35,14 +37,15 @@ fn main() {
     std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");
     std::fs::write(out.join("queries_spirv.rs"), shaders::queries()).expect("OUT_DIR is writable");
     std::fs::write(out.join("projection_spirv.rs"), projection::generate()).expect("OUT_DIR is writable");
-    // Both libraries stay loaded for good (libEGL unloads its vendors while threads may still hold
-    // our thread-locals), and bind their own names to themselves whatever the program exports.
+    // Both libraries are never unloaded: libEGL unloads its vendors while threads may still have
+    // thread-local variables of Cupola. They bind their own names to themselves, whatever names the
+    // program exports.
     println!("cargo::rustc-link-arg=-Wl,-z,nodelete");
     println!("cargo::rustc-link-arg=-Wl,-Bsymbolic");
-    // The SONAME answers libGLX's request for a vendor called "cupola" when the preload library is
-    // loaded already. Cargo has no flags for a library among the examples alone, so each other kind
-    // of target gets a name of its own after it, and the last one counts. Executables too: libGLX
-    // would take one of that name for the vendor.
+    // By this SONAME libGLX finds the vendor "cupola" if the preload library is already loaded.
+    // Cargo has no flags for a library among the examples alone. So each other kind of target gets
+    // another SONAME after this one, and the last one counts. Executables get one, too: libGLX
+    // would take an executable with this SONAME for the vendor.
     println!("cargo::rustc-link-arg=-Wl,-soname,libGLX_cupola.so.0");
     name_library();
     for kind in ["bins", "tests", "benches"] {
@@ -50,9 +53,9 @@ fn main() {
     }
 }
 
-/// SONAME of `libcupola.so`. Packages set `CUPOLA_SONAME` to a name with the version of the
-/// interface, and get exports of that version. Without it the name is the file's own, as cargo
-/// leaves it: programs that are linked with it find it without further links.
+/// Sets the SONAME of `libcupola.so`. Packages set `CUPOLA_SONAME` to a name with the version of
+/// the interface, and get exports of that version. Without it the SONAME is the name of the file
+/// that cargo writes, so that programs that are linked with it find it without symbolic links.
 fn name_library() {
     println!("cargo::rerun-if-env-changed=CUPOLA_SONAME");
     match std::env::var("CUPOLA_SONAME") {

@@ -1,10 +1,10 @@
-//! The GLSL of `src/correct/projected/projection.rs` and `src/correct/projected/division.rs` →
-//! SPIR-V functions that are put into a Vulkan program's shader, or into a stage of Cupola behind
-//! it.
+//! Compiles the GLSL of `src/correct/projected/projection.rs` and
+//! `src/correct/projected/division.rs` to SPIR-V functions. They are inserted into a Vulkan
+//! program's shader, or into a shader stage of Cupola behind it.
 //!
-//! naga makes a whole module; what one function reaches is kept, in three parts that go to three
-//! places of another module. Which words are ids is written down with them, since ids have to be
-//! numbered anew there.
+//! naga makes a complete module. Only the code that one function needs is kept, in three parts for
+//! three sections of another module. The positions of ids are stored with the parts, since ids get
+//! new numbers there.
 
 #[allow(dead_code, reason = "the library uses the rest")]
 #[path = "../src/correct/projected/division.rs"]
@@ -22,8 +22,8 @@ use spirv::{Decoration, Op};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Rust source with the functions for views, with those that know lenses, too, and with those that
-/// divide.
+/// Returns Rust source with the functions for views, with those for views and lenses, and with
+/// those that divide primitives.
 pub fn generate() -> String {
     let mut out = String::new();
     let fix = |curved: bool| functions(&texts::vulkan_functions(0, 0, curved), "cupola_fix", &[]);
@@ -46,8 +46,8 @@ pub fn generate() -> String {
 /// An instruction: its opcode, and the words after the first.
 type Instruction = (Op, Vec<u32>);
 
-/// What `main`, which calls `root`, needs of a text. The functions `open` are those of the module
-/// into which it is put.
+/// Returns the code of a text that `root` needs, as Rust source. The functions `open` are left out:
+/// the module into which the code is inserted defines them.
 fn functions(text: &str, root: &str, open: &[&str]) -> String {
     let call = if open.is_empty() { "" } else { "cupola_divided();" };
     let main = format!("void main() {{ {call} gl_Position = cupola_fix(position); }}");
@@ -62,8 +62,7 @@ fn functions(text: &str, root: &str, open: &[&str]) -> String {
     let (fix, root) = (named("cupola_fix"), named(root));
     let open: Vec<u32> = open.iter().map(|name| named(name)).collect();
 
-    // What the function needs: the functions that it calls, then their types, constants and
-    // variables.
+    // Needed are the functions that it calls, then their types, constants and variables.
     let mut needed = BTreeSet::from([root, fix]);
     let mut kept = BTreeSet::new();
     let is_new = |needed: &BTreeSet<u32>, kept: &BTreeSet<u32>, function: u32| {
@@ -82,7 +81,7 @@ fn functions(text: &str, root: &str, open: &[&str]) -> String {
             globals.insert(0, instruction);
         }
     }
-    // What this file does not know would be missing in programs.
+    // A declaration that is not kept here would be missing in programs.
     let made_within = kept_bodies.iter().flat_map(|i| result_within(i));
     let made = globals.iter().map(|i| i.1[result(i.0)]).chain(made_within).chain(open.iter().copied());
     let made: BTreeSet<u32> = made.collect();
@@ -93,7 +92,7 @@ fn functions(text: &str, root: &str, open: &[&str]) -> String {
     let given: Vec<&Instruction> = head.iter().filter(decorates).collect();
     let variable = given.iter().find(|i| i.1[1] == Decoration::DescriptorSet as u32).expect("the block has a set").1[0];
 
-    // Shaders of several passes must give equal depths.
+    // Shaders of several passes must compute equal depths.
     let rounded =
         |i: &&&Instruction| matches!(i.0, Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::Dot | Op::VectorTimesScalar);
     let exact = |i: &&Instruction| (Op::Decorate, vec![i.1[1], Decoration::NoContraction as u32]);
@@ -109,7 +108,7 @@ fn functions(text: &str, root: &str, open: &[&str]) -> String {
     )
 }
 
-/// The instructions of a module for a GLSL vertex shader.
+/// Returns the instructions of a module for a GLSL vertex shader.
 fn compile(text: &str) -> Vec<Instruction> {
     let module = glsl::Frontend::default()
         .parse(&glsl::Options::from(naga::ShaderStage::Vertex), text)
@@ -117,19 +116,20 @@ fn compile(text: &str) -> Vec<Instruction> {
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
         .unwrap_or_else(|e| panic!("projection: {}", e.emit_to_string(text)));
-    // Names tell which function is ours. No coordinate adjustment: we own the Y direction.
+    // Names identify the functions. No coordinate adjustment: Cupola sets the direction of y
+    // itself.
     let options = spv::Options { lang_version: (1, 0), flags: spv::WriterFlags::DEBUG, ..Default::default() };
     let words = spv::write_vec(&module, &info, &options, None).unwrap_or_else(|e| panic!("projection: {e}"));
     let (mut all, mut rest) = (Vec::new(), &words[5..]);
     while let Some(first) = rest.first() {
         let (instruction, behind) = rest.split_at((first >> 16) as usize);
         rest = behind;
-        all.push((Op::from_u32(first & 0xffff).expect("naga writes known ones"), instruction[1..].to_vec()));
+        all.push((Op::from_u32(first & 0xffff).expect("naga writes known opcodes"), instruction[1..].to_vec()));
     }
     all
 }
 
-/// A literal string in words.
+/// Returns a literal string as words.
 fn words_of(text: &str) -> Vec<u32> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize((text.len() / 4 + 1) * 4, 0);
@@ -140,18 +140,18 @@ fn is_type(op: Op) -> bool {
     (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&(op as u32))
 }
 
-/// Whether it declares a type, a constant or a variable.
+/// True if it declares a type, a constant or a variable.
 fn is_global(op: Op) -> bool {
     let constant = matches!(op, Op::Constant | Op::ConstantTrue | Op::ConstantFalse | Op::ConstantNull);
     is_type(op) || constant || matches!(op, Op::ConstantComposite | Op::Variable)
 }
 
-/// The operand of a declaration that is its result.
+/// Returns the index of a declaration's result among its operands.
 fn result(op: Op) -> usize {
     usize::from(!is_type(op))
 }
 
-/// The id that an instruction of a function makes, if it makes one.
+/// Returns the id that an instruction of a function defines, if it defines one.
 fn result_within((op, operands): &Instruction) -> Option<u32> {
     match op {
         Op::Label => Some(operands[0]),
@@ -161,7 +161,7 @@ fn result_within((op, operands): &Instruction) -> Option<u32> {
     }
 }
 
-/// Which operands of an instruction are ids.
+/// Returns the indices of the operands that are ids.
 fn ids((op, operands): &Instruction) -> Vec<usize> {
     let count = operands.len();
     let but = |literals: &[usize]| (0..count).filter(|i| !literals.contains(i)).collect();
@@ -173,7 +173,7 @@ fn ids((op, operands): &Instruction) -> Vec<usize> {
         Op::CompositeExtract => vec![0, 1, 2],
         Op::VectorShuffle => vec![0, 1, 2, 3],
         Op::ExtInst => but(&[3]),
-        // Without the operands that say how memory is accessed.
+        // Only without operands for memory access.
         Op::Load if count == 3 => but(&[]),
         Op::Store if count == 2 => but(&[]),
         Op::TypeVoid
@@ -202,7 +202,7 @@ fn all_ids(instruction: &Instruction) -> Vec<u32> {
     ids(instruction).into_iter().map(|i| instruction.1[i]).collect()
 }
 
-/// Instructions as Rust source: their words, and which of them are ids.
+/// Returns instructions as Rust source: their words, and the positions of ids among the words.
 fn part(instructions: Vec<&Instruction>) -> String {
     let (mut words, mut places) = (Vec::new(), Vec::new());
     for instruction in instructions {

@@ -1,7 +1,7 @@
-//! WGSL → GLSL 330 / ESSL 300 (and, by `spirv.rs`, SPIR-V), at build time, so that nothing that
-//! compiles shaders from source is linked into the injected library.
+//! Translates WGSL to GLSL 330 and ESSL 300 (and, in `spirv.rs`, to SPIR-V) at build time. So no
+//! shader translator is linked into the injected library.
 //!
-//! Of each text the uniform block is cut out: at run time its values are put in as a constant
+//! The uniform block is cut out of each text. At run time its values are inserted as a constant
 //! (see `src/correct/shaders/glsl.rs`).
 
 use crate::constants::Types;
@@ -10,7 +10,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ScalarKind, ShaderStage, TypeInner};
 use std::fmt::Write;
 
-/// Name, sources, fragment entry points.
+/// Name, sources and fragment entry points of each pass.
 const PASSES: &[(&str, &[&str], &[&str])] = &[
     ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
     ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
@@ -25,17 +25,17 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
 /// Name and source of the arrangements of the views' pictures. OpenGL has only the first.
 const ARRANGEMENTS: [(&str, &str); 3] = [("Atlas", "atlas.wgsl"), ("Layers", "layers.wgsl"), ("Images", "images.wgsl")];
 
-/// Whether pictures are content, and the source that says where they show a direction.
+/// Kinds of pictures: true for content; and the source with the position of a direction in them.
 const CONTENTS: [(bool, &str); 2] = [(false, "views.wgsl"), (true, "content.wgsl")];
 
-/// Rust source with the generated shader texts, with the SPIR-V modules, and with the types of
-/// constants.
+/// Returns Rust source with the generated shader texts, with the SPIR-V modules, and with the types
+/// of constants.
 pub fn generate() -> [String; 3] {
     let mut types = Types::default();
     let mut out = String::from("static PASSES: &[PassText] = &[\n");
     let mut modules = String::from("static MODULES: &[PassModules] = &[\n");
     for (name, files, entries) in PASSES {
-        // What shows nothing looks at no picture.
+        // The black pass samples no picture.
         let with_pictures = files.len() > 1;
         let ways = ARRANGEMENTS.iter().flat_map(|arrangement| CONTENTS.map(|content| (*arrangement, content)));
         for ((arrangement, file), (content, place)) in ways {
@@ -56,7 +56,7 @@ pub fn generate() -> [String; 3] {
                     types.add(name, &module, &members);
                 }
             }
-            // The map is that of the first.
+            // The map is the same for all arrangements; only the first one gets it.
             let entries: Vec<&str> = entries.iter().copied().filter(|entry| first || *entry == "present").collect();
             crate::spirv::pass((name, content), arrangement, &entries, &module, &mut modules);
         }
@@ -66,7 +66,7 @@ pub fn generate() -> [String; 3] {
     [out, modules, types.source()]
 }
 
-/// Rust source with the compute shader that gives counts of queries their factors, as SPIR-V.
+/// Returns Rust source with the compute shader that scales counts of queries, as SPIR-V.
 pub fn queries() -> String {
     let source = read("queries.wgsl");
     let module = naga::front::wgsl::parse_str(&source)
@@ -78,7 +78,8 @@ fn read(file: &str) -> String {
     std::fs::read_to_string(format!("shaders/{file}")).unwrap_or_else(|e| panic!("shaders/{file}: {e}"))
 }
 
-/// Appends the texts of one pass; path and number of scalars of each member of its constants.
+/// Appends the texts of one pass. Returns path and number of scalars of each member of its
+/// constants.
 fn pass(
     (name, content): (&str, bool),
     entries: &[&str],
@@ -114,7 +115,7 @@ fn pass(
     members
 }
 
-/// The text and its combined samplers: uniform name and texture name.
+/// Returns the text of an entry point, and its combined samplers: uniform name and texture name.
 fn emit(
     module: &Module,
     info: &ModuleInfo,
@@ -122,7 +123,7 @@ fn emit(
     entry: &str,
     version: glsl::Version,
 ) -> (String, Vec<(String, String)>) {
-    // No coordinate adjustment: we own the Y direction.
+    // No coordinate adjustment: Cupola sets the direction of y itself.
     let options = glsl::Options { version, writer_flags: glsl::WriterFlags::empty(), ..Default::default() };
     let pipeline = glsl::PipelineOptions { shader_stage: stage, entry_point: entry.to_owned(), multiview: None };
     let mut text = String::new();
@@ -130,8 +131,9 @@ fn emit(
     let mut writer = glsl::Writer::new(&mut text, module, info, &options, &pipeline, policies)
         .unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
     let reflection = writer.write().unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
-    // Our rectangles are flat, so that both are the same, and this one spares a division in each
-    // pixel. WGSL can say it (`linear`), but then naga refuses ESSL 300, which cannot.
+    // The rectangles are flat, so both interpolations are equal, and `noperspective` saves a
+    // division in each pixel. WGSL has a word for it (`linear`), but with this word naga refuses
+    // ESSL 300, which has none.
     if !version.is_es() {
         text = text.replace("smooth in ", "noperspective in ").replace("smooth out ", "noperspective out ");
     }
@@ -146,7 +148,8 @@ fn emit(
     (text, samplers)
 }
 
-/// The text before the uniform block, the constant's type and name, the text after the block.
+/// Returns the text before the uniform block, the type and name of the constant, and the text after
+/// the block.
 fn cut(text: &str) -> (String, String, String) {
     let Some(start) = text.find("layout(std140) uniform ") else {
         return (text.to_owned(), String::new(), String::new());

@@ -1,8 +1,8 @@
 //! WGSL → SPIR-V for Vulkan, at build time.
 //!
 //! The uniform block of a pass becomes a private variable with a constant initialiser. Each of its
-//! scalars is built as a marker, a number that nothing else in the module has; the places of the
-//! markers are written down, and the values are put in there at run time (see
+//! scalars is a marker: a number that occurs nowhere else in the module. The positions of the
+//! markers are stored, and the values are inserted there at run time (see
 //! `src/correct/shaders/spirv.rs`).
 
 use naga::back::spv;
@@ -10,11 +10,11 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, ArraySize, Expression, Handle, Literal, Module, ScalarKind, Span, Type, TypeInner};
 use std::fmt::Write;
 
-/// Bits of the first marker of either kind: odd numbers that no shader contains.
+/// Bits of the first marker of either kind: unusual numbers that no shader contains.
 const FLOAT_MARKER: u32 = 0x7134_5000;
 const UINT_MARKER: u32 = 0x9a34_5000;
 
-/// SPIR-V's instructions that define a 32-bit constant, in one word: length 4, opcode 43.
+/// First word of SPIR-V's instruction that defines a 32-bit constant: length 4, opcode 43.
 const OP_CONSTANT: u32 = 4 << 16 | 43;
 
 /// Opcodes of other instructions.
@@ -40,11 +40,11 @@ pub fn pass((name, content): (&str, bool), arrangement: &str, entries: &[&str], 
     out.push_str("]},\n");
 }
 
-/// A module for compute shaders, whose buffers are declared as those of Vulkan 1.0 are, as Rust
-/// source.
+/// Returns a module with a compute shader as Rust source. Its buffers are declared as in Vulkan
+/// 1.0.
 pub fn compute(entry: &str, module: &Module) -> String {
-    // What naga writes needs an extension there: a storage class of its own in the place of the
-    // uniforms' with a decoration.
+    // naga's declarations need an extension in Vulkan 1.0: they have the storage class
+    // StorageBuffer, in place of Uniform with the decoration BufferBlock.
     const STORAGE_BUFFER: u32 = 12;
     const UNIFORM: u32 = 2;
     const BLOCK: u32 = 2;
@@ -69,8 +69,8 @@ pub fn compute(entry: &str, module: &Module) -> String {
     format!("static WORDS: &[u32] = &{words:?};")
 }
 
-/// The words of one entry point, and for each scalar of the constants its place and whether it is
-/// unsigned.
+/// Returns the words of one entry point, and for each scalar of the constants its position and
+/// whether it is unsigned.
 fn emit(module: &Module, entry: &str) -> (Vec<u32>, Vec<(usize, bool)>) {
     let mut module = module.clone();
     module.entry_points.retain(|point| point.name == entry);
@@ -80,7 +80,7 @@ fn emit(module: &Module, entry: &str) -> (Vec<u32>, Vec<(usize, bool)>) {
     let info = Validator::new(ValidationFlags::all(), Capabilities::default())
         .validate(&module)
         .unwrap_or_else(|e| panic!("shaders: {entry} as SPIR-V: {e:?}"));
-    // No coordinate adjustment: we own the Y direction.
+    // No coordinate adjustment: Cupola sets the direction of y itself.
     let options = spv::Options { lang_version: (1, 0), flags: spv::WriterFlags::empty(), ..Default::default() };
     let words = spv::write_vec(&module, &info, &options, None).unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
     let slots = if module.global_variables.iter().any(|(_, v)| v.space == AddressSpace::Private) {
@@ -91,7 +91,7 @@ fn emit(module: &Module, entry: &str) -> (Vec<u32>, Vec<(usize, bool)>) {
     (words, slots)
 }
 
-/// Makes the uniform `constants`, if there is one, a private variable whose initialiser has a
+/// Turns the uniform `constants`, if there is one, into a private variable whose initialiser has a
 /// marker for each scalar.
 fn fill_constants(module: &mut Module, markers: &mut Vec<(u32, bool)>) {
     let found = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("constants"));
@@ -103,7 +103,7 @@ fn fill_constants(module: &mut Module, markers: &mut Vec<(u32, bool)>) {
     variable.init = Some(initialiser);
 }
 
-/// A constant of type `ty` made of new markers, in the order of a GLSL constructor.
+/// Returns a constant of type `ty` made of new markers, in the order of a GLSL constructor.
 fn marked(module: &mut Module, ty: Handle<Type>, markers: &mut Vec<(u32, bool)>) -> Handle<Expression> {
     let number = markers.len() as u32;
     let parts: Vec<Handle<Expression>> = match module.types[ty].inner.clone() {
@@ -135,7 +135,7 @@ fn anonymous(module: &mut Module, inner: TypeInner) -> Handle<Type> {
     module.types.insert(Type { name: None, inner }, Span::UNDEFINED)
 }
 
-/// Where the value of the one constant with these bits is.
+/// Returns the position of the value of the constant with these bits, which must be the only one.
 fn place(words: &[u32], bits: u32, entry: &str) -> usize {
     let mut found = None;
     let mut at = 5;

@@ -1,13 +1,14 @@
 # shellcheck shell=bash
-# A headless Chromium that is driven by its WebDriver; to be sourced after common.sh. Needs the packages below.
+# Functions for a headless Chromium, controlled by its WebDriver. Source this file after common.sh. Needs the packages
+# below.
 
 # shellcheck disable=SC2034 # used by the scripts that source this file
 browser_packages=(chromium chromium-driver curl jq)
 
-# start_browser FOLDER WIDTH HEIGHT: starts one whose pages have this size. It ends with stop_browser.
+# start_browser FOLDER WIDTH HEIGHT: starts a browser whose pages have this size. stop_browser ends it.
 start_browser() {
     local folder=$1 port=0 answer
-    # The driver says which port it has taken.
+    # The driver prints the port that it has chosen.
     chromedriver --port=0 >"$folder/driver.txt" 2>&1 &
     browser_driver=$!
     for _ in {1..100}; do
@@ -17,12 +18,13 @@ start_browser() {
     done
     [ -n "$port" ] || fail "chromedriver did not start: $(cat "$folder/driver.txt")"
     browser=http://127.0.0.1:$port
-    # Chromium's sandbox refuses root, as which this may run; the page is our own. WebGL by software.
+    # Chromium's sandbox refuses to run as root, and this may run as root; the page is trusted. WebGL is drawn in
+    # software.
     answer=$(driver POST session "$(jq --null-input --arg size "$2,$3" '{ capabilities: { alwaysMatch: { "goog:chromeOptions": { args: [
         "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
         "--ignore-gpu-blocklist", "--window-size=" + $size ] }, timeouts: { script: 3600000 } } } }')")
     browser=$browser/session/$(jq --raw-output .sessionId <<<"$answer")
-    # The window has bars of its own.
+    # The window contains bars beside the page.
     answer=$(driver POST execute/sync '{ "script": "return outerHeight - innerHeight", "args": [] }')
     driver POST window/rect "{ \"width\": $2, \"height\": $(($3 + answer)) }" >/dev/null
 }
@@ -45,7 +47,7 @@ driver() {
 
 # open_page ADDRESS
 open_page() {
-    # A change behind # alone does not load a page anew.
+    # If only the part behind # changes, the browser does not load the page again.
     driver POST url '{ "url": "about:blank" }' >/dev/null
     driver POST url "$(jq --null-input --arg url "$1" '{ url: $url }')" >/dev/null
 }
@@ -60,12 +62,12 @@ in_page() {
         jq 'if has("failed") then error(.failed) else .value end'
 }
 
-# click SELECTOR: a click of the pointer in the middle of an element.
+# click SELECTOR: clicks in the middle of an element.
 click() {
     click_at "$1" 0.5
 }
 
-# click_at SELECTOR PART: the same at a part of its width.
+# click_at SELECTOR PART: clicks at a part of the element's width.
 click_at() {
     local element offset
     element=$(driver POST element "$(jq --null-input --arg value "$1" '{ using: "css selector", value: $value }')" | jq '.[]')

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Functions that the scripts share; to be sourced. Sets the working directory to the project's.
+# Functions that the scripts share. Source this file: it changes to the project's folder.
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
 
@@ -24,26 +24,26 @@ find_missing_packages() {
     done
 }
 
-# announce MINUTES GIGABYTES PACKAGE…: prints what the whole script takes on a machine that has nothing yet: processor
-# time, disk below target/, and packages.
+# announce MINUTES GIGABYTES PACKAGE…: prints what the complete script needs on a machine where nothing is built yet:
+# processor time, disk space in target/, and packages.
 announce() {
     local minutes=$1 gigabytes=$2 missing free
     shift 2
     find_missing_packages "$@"
-    printf 'Takes about %s processor minutes where nothing is built yet (%s cores here), and %s GB of disk.\n' \
+    printf 'Takes about %s processor minutes if nothing is built yet (this machine has %s cores), and %s GB of disk.\n' \
         "$minutes" "$(nproc)" "$gigabytes"
     if [ ${#missing[@]} -eq 0 ]; then
         printf 'Debian packages: all %s are installed.\n' $#
     else
-        printf 'Debian packages to install: %s of %s, with what they depend on: %s\n' ${#missing[@]} $# "${missing[*]}"
+        printf 'Debian packages to install: %s of %s, and their dependencies: %s\n' ${#missing[@]} $# "${missing[*]}"
     fi
     free=$(df --output=avail --block-size=1G . | tail -n 1)
     if [ "$free" -lt "$gigabytes" ]; then
-        printf 'Warning: only %s GB of disk are free here.\n' "${free// /}"
+        printf 'Warning: only %s GB of this disk are free.\n' "${free// /}"
     fi
 }
 
-# Installs those of the named Debian packages that are missing. Touches neither network nor system when none is.
+# Installs those of the named Debian packages that are missing. If none is missing, uses neither network nor apt.
 need_packages() {
     local missing
     find_missing_packages "$@"
@@ -61,7 +61,7 @@ need_packages() {
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "${missing[@]}"
 }
 
-# Checks for a Rust toolchain; it is not Debian's, whose Rust is too old.
+# Checks for a Rust toolchain. It does not install Debian's, which is too old.
 need_cargo() {
     if ! command -v cargo >/dev/null && [ -x "$HOME/.cargo/bin/cargo" ]; then
         PATH="$HOME/.cargo/bin:$PATH"
@@ -69,8 +69,8 @@ need_cargo() {
     command -v cargo >/dev/null || fail "cargo is missing; install Rust from https://rustup.rs"
 }
 
-# start_x_server FOLDER: starts a private X server, which ends with the script, and sets DISPLAY. The server is told to
-# choose its display's number itself and writes it to a pipe in the folder.
+# start_x_server FOLDER: starts a private X server, which ends with the script, and sets DISPLAY. The server chooses the
+# number of its display itself and writes it to a pipe in the folder.
 start_x_server() {
     local number pipe=$1/display.$$
     mkfifo "$pipe"
@@ -113,7 +113,8 @@ elapsed() {
     printf '%02d:%02d' $((SECONDS / 60)) $((SECONDS % 60))
 }
 
-# Prints the processor time of what the script ran, in minutes; FILE is for a moment's use. A subshell has not run it.
+# processor_minutes FILE: prints the processor time of all that the script ran. FILE is temporary: `times` is not called
+# in a subshell, because a subshell has only its own times.
 processor_minutes() {
     times >"$1"
     awk 'NR == 2 { split($1, own, "[ms]"); split($2, kernel, "[ms]")

@@ -19,7 +19,7 @@ impl Digest {
         Self(xxhash_rust::xxh3::xxh3_128(bytes))
     }
 
-    /// Returns the sum of what `write` writes.
+    /// Returns the sum of the bytes that `write` writes.
     pub fn of_written(write: impl FnOnce(&mut dyn std::io::Write) -> Option<()>) -> Option<Self> {
         let mut writer = std::io::BufWriter::with_capacity(BLOCK, Sum(Xxh3::new()));
         write(&mut writer)?;
@@ -45,7 +45,7 @@ impl std::io::Write for Sum {
     }
 }
 
-/// Sum of all bits of numbers. It replaces large data in texts for people and in keys.
+/// Sum of all bits of numbers. It replaces large data in messages and in keys.
 impl FromIterator<f64> for Digest {
     fn from_iter<T: IntoIterator<Item = f64>>(numbers: T) -> Self {
         let mut sum = Xxh3::new();

@@ -1,4 +1,4 @@
-//! Errors, with a message for people and a number for C.
+//! Errors, with a message for the user and a number for C.
 
 use std::fmt;
 
@@ -28,12 +28,12 @@ pub enum ErrorKind {
 pub struct Error {
     /// The class of the error.
     pub kind: ErrorKind,
-    /// The whole message, for people: what happened, where (file, key, line), and what is expected.
+    /// Message for the user: what happened, where (file, key, line), and what is expected.
     pub message: String,
 }
 
 impl Error {
-    /// An error of `kind` that says `message`.
+    /// Makes an error of `kind` with `message`.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
         Self { kind, message: message.into() }
     }

@@ -1,4 +1,4 @@
-//! Cupola puts existing OpenGL programs on domes.
+//! Cupola puts existing OpenGL and Vulkan programs on domes.
 //!
 //! Data flow: a [`rig`] describes dome, viewer and outputs. [`views`] computes the directions that
 //! the outputs sample, and the fewest, tightest perspective views that show them, packed into one
@@ -7,7 +7,7 @@
 //! [`backend`] runs: each output pixel is traced to the dome and to the viewer ([`warp`] does so
 //! exactly), sampled once, weighted ([`blend`]) and presented.
 //!
-//! Most programs need the command `cupola` and no line of code. To use the library:
+//! Most programs need only the command `cupola`, and no code. To use the library:
 //!
 //! ```
 //! use cupola::{rig, views};

@@ -3,11 +3,11 @@
 //! The standard library marks a lock whose holder panicked. Cupola catches panics before they reach
 //! the program and goes on, so the mark is of no use. It is ignored here, in one place.
 //!
-//! The locks themselves are the standard library's, a word and a futex. They allocate nothing, and
-//! in a child process those are free that no other thread of its parent held. `parking_lot` has a
-//! table of waiting threads for the process: it allocates when a thread waits, and a child that is
-//! forked while another thread changes the table waits for ever. Programs with Cupola do fork. No
-//! lock of either kind may be taken in a signal handler.
+//! The locks themselves are those of the standard library: a word and a futex. They allocate
+//! nothing. In a forked child process, a lock is free unless another thread of the parent held it.
+//! `parking_lot` has a table of waiting threads for the whole process. It allocates when a thread
+//! waits, and a child that is forked while another thread changes the table waits for ever.
+//! Programs with Cupola do fork. No lock of either kind may be taken in a signal handler.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
@@ -32,10 +32,10 @@ impl<T: ?Sized> Lock<T> for Mutex<T> {
 
 /// Locking of an [`RwLock`] that ignores panics.
 pub trait SharedLock<T: ?Sized> {
-    /// Waits until no thread writes, and reads.
+    /// Waits until no thread writes, and locks for reading.
     fn reading(&self) -> RwLockReadGuard<'_, T>;
 
-    /// Waits until no other thread reads or writes, and writes.
+    /// Waits until no other thread reads or writes, and locks for writing.
     fn writing(&self) -> RwLockWriteGuard<'_, T>;
 }
 

@@ -68,7 +68,7 @@ impl Log for Logger {
     }
 
     fn log(&self, record: &Record) {
-        // A message about the receiver's own calls would never end, and the thread may be ending.
+        // A message from within a receiver would never end. The thread may be ending, too.
         if !self.enabled(record.metadata()) || RECEIVING.try_with(Cell::get).unwrap_or(true) {
             return;
         }

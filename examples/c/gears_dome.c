@@ -18,7 +18,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Cupola: says what went wrong, if anything did. */
+/* Cupola: prints the error, if there is one. */
 static int good(cupola_status status)
 {
     char detail[512];
@@ -29,7 +29,7 @@ static int good(cupola_status status)
     return 0;
 }
 
-/* Cupola: what draws a view needs to know. */
+/* Cupola: data for the drawing of a view. */
 typedef struct {
     const scene *gears;
     double seconds;
@@ -56,7 +56,7 @@ int main(int argc, char **argv)
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     GLFWwindow *window = glfwCreateWindow(640, 640, "gears", NULL, NULL);
     if (window == NULL) {
-        fprintf(stderr, "there is no OpenGL 3.3 window to be had\n");
+        fprintf(stderr, "a window with OpenGL 3.3 cannot be opened\n");
         glfwTerminate();
         return 1;
     }
@@ -79,7 +79,7 @@ int main(int argc, char **argv)
         int width, height;
         glfwGetFramebufferSize(window, &width, &height);
 
-        /* Cupola: in place of the camera, the viewport and the call of scene_draw. */
+        /* Cupola: replaces the camera, the viewport and the call of scene_draw. */
         moment now = {&gears, glfwGetTime()};
         if (width > 0 && height > 0 && !(good(cupola_gl_resize(dome, (uint32_t)width, (uint32_t)height)) &&
                                          good(cupola_gl_draw_frame(dome, 1.0, 100.0, draw, &now, 0, 0, 0)))) {

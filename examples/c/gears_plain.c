@@ -1,5 +1,5 @@
 /*
- * Three gears that turn, with GLFW and a core profile, as many programs are written: one perspective,
+ * Three gears that turn, with GLFW and a core profile, drawn in the usual way: one perspective,
  * one shader, one loop. `gears_dome.c` is the same program with Cupola; compare the two to see what
  * a program has to add.
  *
@@ -29,7 +29,7 @@ int main(int argc, char **argv)
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     GLFWwindow *window = glfwCreateWindow(640, 640, "gears", NULL, NULL);
     if (window == NULL) {
-        fprintf(stderr, "there is no OpenGL 3.3 window to be had\n");
+        fprintf(stderr, "a window with OpenGL 3.3 cannot be opened\n");
         glfwTerminate();
         return 1;
     }

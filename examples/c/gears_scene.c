@@ -32,7 +32,7 @@ static const char fragment_source[] =
     "    result = vec4(colour * (0.2 + 0.8 * light), 1.0);\n"
     "}\n";
 
-/* What each gear is and where. Lengths are in the world's units; the eye is at the origin. */
+/* Properties and positions of the gears. Lengths are in the world's units; the eye is at the origin. */
 static const struct {
     float place[3], tilt, radius, speed, colour[3];
     int teeth;
@@ -42,7 +42,7 @@ static const struct {
     {{0.0f, 5.0f, -3.0f}, 1.1f, 4.0f, 0.5f, {0.2f, 0.2f, 1.0f}, 24},
 };
 
-/* Grows as triangles are added; memory that runs out ends in no vertices at all. */
+/* Grows as triangles are added. If memory runs out, it has no vertices. */
 typedef struct {
     float *values;
     size_t count, room;
@@ -204,7 +204,7 @@ void scene_draw(const scene *s, double seconds, const float view[16], const floa
         float angle = (float)fmod(seconds * 0.1 * gears[i].speed, 1.0) * TURN;
         float c = cosf(angle), n = sinf(angle), ct = cosf(gears[i].tilt), st = sinf(gears[i].tilt);
         const float *p = gears[i].place;
-        /* Turned about its own axis, then tilted about x, then moved to its place. */
+        /* Turned about its own axis, then tilted about x, then moved to its position. */
         const float model[16] = {c,    n * ct, n * st, 0.0f, -n,   c * ct, c * st, 0.0f,
                                  0.0f, -st,    ct,     0.0f, p[0], p[1],   p[2],   1.0f};
         float modelview[16];

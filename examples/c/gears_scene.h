@@ -12,7 +12,8 @@ typedef struct {
     GLint projection, modelview, colour;
 } scene;
 
-/* On the current context, which has to be OpenGL 3.3 or later. False, with a message, where that fails. */
+/* Creates the scene on the current context, which must have OpenGL 3.3 or later. Prints a message and returns false if
+ * that fails. */
 bool scene_create(scene *s);
 
 /* The camera: world to eye axes, column-major. */
@@ -21,7 +22,7 @@ void scene_camera(float view[16]);
 /* A symmetric perspective, column-major; the vertical field of view is in degrees. */
 void scene_perspective(float projection[16], float field_of_view, float aspect);
 
-/* Clears the bound framebuffer's viewport and draws the gears as they stand after `seconds`. */
+/* Clears the bound framebuffer's viewport and draws the gears in their positions after `seconds`. */
 void scene_draw(const scene *s, double seconds, const float view[16], const float projection[16]);
 
 void scene_destroy(scene *s);

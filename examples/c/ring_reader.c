@@ -3,7 +3,7 @@
  *
  * cupola run --publish -- program &  ring_reader /dev/shm/cupola-$(id -u) last.ppm
  *
- * All that is known of the file is in cupola_ring.h. Builds as C99 and as C++. */
+ * The layout of the file is defined in cupola_ring.h. Builds as C99 and as C++. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -27,7 +27,7 @@ typedef struct {
     uint64_t *words;
     uint64_t count;                         /* words of the file */
     uint64_t slots, slot_words, first_slot; /* from the header, checked */
-    int entry;                              /* this reader's place */
+    int entry;                              /* this reader's entry */
 } ring;
 
 typedef struct {
@@ -54,7 +54,7 @@ static void *low_half(uint64_t *word)
     return (char *)word + (is_little ? 0 : 4);
 }
 
-/* Waits while the low half of a word is `value`, for a tenth of a second at most. */
+/* Waits while the low half of a word is `value`, at most for a tenth of a second. */
 static void wait_for(uint64_t *word, uint64_t value)
 {
     const struct timespec limit = {0, 100000000};
@@ -66,14 +66,14 @@ static uint64_t *reader_word(const ring *r, int entry, int word)
     return r->words + CUPOLA_RING_FIRST_READER + entry * CUPOLA_RING_READER_WORDS + word;
 }
 
-/* The writer may wait for this. */
+/* Wakes the writer, which may wait for readers. */
 static void tell_taken(const ring *r)
 {
     __atomic_fetch_add(r->words + CUPOLA_RING_HEADER_TAKEN, 1, __ATOMIC_RELEASE);
     syscall(SYS_futex, low_half(r->words + CUPOLA_RING_HEADER_TAKEN), FUTEX_WAKE, INT_MAX);
 }
 
-/* Asks for the lock on the first byte of a word. */
+/* Runs a lock command on the first byte of a word. */
 static int lock_of(const ring *r, int command, const uint64_t *word, struct flock *range)
 {
     memset(range, 0, sizeof *range);
@@ -96,7 +96,7 @@ static int writer_lives(const ring *r)
     return lock_of(r, F_OFD_GETLK, r->words + CUPOLA_RING_HEADER_WRITER_LOCK, &range) && range.l_type != F_UNLCK;
 }
 
-/* Reads the shape of the file; 0 if it is not one of published frames. */
+/* Reads the layout of the file; 0 if it is not a file of published frames. */
 static int check(ring *r)
 {
     const uint64_t least = CUPOLA_RING_FIRST_READER + CUPOLA_RING_READERS * CUPOLA_RING_READER_WORDS;
@@ -119,7 +119,7 @@ static void close_ring(ring *r)
     r->words = NULL;
 }
 
-/* Opens a file. `before`: this reader's place in the file of that name before, or -1. */
+/* Opens a file. `before`: this reader's entry in the earlier file of that name, or -1. */
 static int open_ring(ring *r, const char *path, int before)
 {
     struct stat status;
@@ -156,7 +156,7 @@ static int open_ring(ring *r, const char *path, int before)
         store(state, CUPOLA_RING_ACTIVE);
         __atomic_thread_fence(__ATOMIC_SEQ_CST);
         for (;;) {
-            /* The writer may move it on at the same time, and only on. */
+            /* The writer may move the cursor at the same time, but only forward. */
             uint64_t known = load(cursor), published = load(r->words + CUPOLA_RING_HEADER_PUBLISHED);
             if (known >= published ||
                 __atomic_compare_exchange_n(cursor, &known, published, 0, __ATOMIC_ACQ_REL, __ATOMIC_RELAXED))
@@ -169,7 +169,7 @@ static int open_ring(ring *r, const char *path, int before)
     return 0;
 }
 
-/* Copies the first picture of frame `number`. 1: it is whole; 0: the writer was faster; -1: the file is damaged. */
+/* Copies the first picture of frame `number`. 1: done; 0: the writer has overwritten it; -1: the file is damaged. */
 static int copy(const ring *r, uint64_t number, frame *f)
 {
     const uint64_t *slot = r->words + r->first_slot + number % r->slots * r->slot_words;
@@ -191,7 +191,7 @@ static int copy(const ring *r, uint64_t number, frame *f)
             free(f->pixels);
             f->pixels = (unsigned char *)malloc((size_t)f->room);
             if (!f->pixels) {
-                fprintf(stderr, "ring_reader: there is no memory for a picture\n");
+                fprintf(stderr, "ring_reader: not enough memory for a picture\n");
                 exit(1);
             }
         }
@@ -256,10 +256,10 @@ int main(int argc, char **argv)
         return 2;
     }
     memset(&f, 0, sizeof f);
-    /* The program may start later: a minute is enough. */
+    /* The program may start up to a minute later. */
     for (attempt = 0; !open_ring(&r, argv[1], -1); attempt++) {
         if (attempt == 12000) {
-            fprintf(stderr, "ring_reader: %s: no published frames\n", argv[1]);
+            fprintf(stderr, "ring_reader: %s has no published frames\n", argv[1]);
             return 1;
         }
         nanosleep(&moment, NULL);

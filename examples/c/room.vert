@@ -1,5 +1,5 @@
 #version 450
-/* A wall's point, and its colour: the point itself. Compiled twice, with and without MULTIVIEW. */
+/* A point of a wall; its position is also its colour. Compiled twice, with and without MULTIVIEW. */
 #ifdef MULTIVIEW
 #extension GL_EXT_multiview : require
 layout(set = 0, binding = 0) uniform Cameras { mat4 cameras[6]; };

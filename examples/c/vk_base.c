@@ -10,7 +10,7 @@
 bool base_good(VkResult result, const char *what)
 {
     if (result != VK_SUCCESS)
-        fprintf(stderr, "%s fails: VkResult %d\n", what, (int)result);
+        fprintf(stderr, "Vulkan call failed (%s): VkResult %d\n", what, (int)result);
     return result == VK_SUCCESS;
 }
 
@@ -20,7 +20,7 @@ static bool open_device(base *b, bool multiview)
     VkQueueFamilyProperties family[16];
     VkResult found = vkEnumeratePhysicalDevices(b->instance, &count, &b->physical_device);
     if ((found != VK_SUCCESS && found != VK_INCOMPLETE) || count == 0) {
-        fprintf(stderr, "there is no Vulkan device\n");
+        fprintf(stderr, "no Vulkan device was found\n");
         return false;
     }
     vkGetPhysicalDeviceQueueFamilyProperties(b->physical_device, &families, family);
@@ -140,7 +140,7 @@ VkRenderPass base_make_render_pass(base *b, VkFormat format, VkImageLayout layou
                                     .pColorAttachments = &reference};
     const VkPipelineStageFlags writes = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     const VkAccessFlags write = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-    /* After what was there before, and before what comes after. */
+    /* The pass runs after earlier writes and before later uses. */
     VkSubpassDependency order[] = {
         {VK_SUBPASS_EXTERNAL, 0, writes, writes, 0, write, 0},
         {0, VK_SUBPASS_EXTERNAL, writes, writes | b->after_stages, write, write | b->after_access, 0},
@@ -224,11 +224,11 @@ static bool make_swapchain(base *b)
     return true;
 }
 
-/* What is shown. */
+/* Opens the program's picture. */
 static bool open_picture(base *b)
 {
     if (b->window != NULL) {
-        b->shown_layout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR; /* and the semaphore orders what comes after */
+        b->shown_layout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR; /* a semaphore orders later uses */
         return make_swapchain(b);
     }
     b->shown_layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
@@ -250,7 +250,7 @@ bool base_open(base *b, bool window, uint32_t width, uint32_t height, bool multi
     VkInstanceCreateInfo instance = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
     if (window) {
         if (!glfwInit() || !glfwVulkanSupported()) {
-            fprintf(stderr, "GLFW cannot open windows for Vulkan here\n");
+            fprintf(stderr, "GLFW cannot open windows for Vulkan on this system\n");
             return false;
         }
         glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
@@ -326,7 +326,7 @@ bool base_end(base *b)
                                     .pSwapchains = &b->swapchain,
                                     .pImageIndices = &b->image};
         VkResult shown = vkQueuePresentKHR(b->queue, &present);
-        /* Another size is found out at the next acquire. */
+        /* The next acquire handles another size. */
         if (shown != VK_SUBOPTIMAL_KHR && shown != VK_ERROR_OUT_OF_DATE_KHR && !base_good(shown, "to present"))
             return false;
     }

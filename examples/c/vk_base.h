@@ -1,4 +1,4 @@
-/* What a Vulkan program needs whatever it draws: a device, a window or a picture off screen, and frames. */
+/* Parts that every Vulkan program needs: a device, a window or a picture off screen, and frames. */
 #ifndef VK_BASE_H
 #define VK_BASE_H
 
@@ -8,7 +8,7 @@
 
 enum { FRAMES_IN_FLIGHT = 2, MOST_IMAGES = 8 };
 
-/* An image of the program's own. */
+/* An image that the program creates. */
 typedef struct {
     VkImage image;
     VkDeviceMemory memory;
@@ -23,7 +23,7 @@ typedef struct {
     VkQueue queue;
     VkCommandPool pool;
 
-    /* What is shown: a swapchain's images, or one image off screen. */
+    /* The program's picture: a swapchain's images, or one image off screen. */
     struct GLFWwindow *window; /* NULL: off screen */
     VkSurfaceKHR surface;
     VkSwapchainKHR swapchain;
@@ -32,25 +32,26 @@ typedef struct {
     VkImage images[MOST_IMAGES];
     VkImageView views[MOST_IMAGES];
     base_image picture;         /* off screen */
-    VkImageLayout shown_layout; /* in which an image has to be left */
+    VkImageLayout shown_layout; /* layout of an image after drawing */
     VkPipelineStageFlags after_stages;
     VkAccessFlags after_access;
 
-    /* Frames on their way. */
+    /* Frames in flight. */
     VkCommandBuffer commands[FRAMES_IN_FLIGHT];
     VkFence done[FRAMES_IN_FLIGHT];
     VkSemaphore acquired[FRAMES_IN_FLIGHT], drawn[MOST_IMAGES];
     uint32_t frame, image;
 } base;
 
-/* The format of what is shown. */
+/* Format of the program's picture. */
 #define BASE_FORMAT VK_FORMAT_B8G8R8A8_UNORM
 
-/* Opens a device, with multiview if asked for, and a window or a picture off screen. False, with words, where that fails. */
+/* Opens a device, with multiview on request, and a window or a picture off screen. Prints a message and returns false
+ * if that fails. */
 bool base_open(base *b, bool window, uint32_t width, uint32_t height, bool multiview);
 
-/* Waits for a frame's turn and an image, and begins the command buffer `commands[frame]`. Where the window has another
- * size now, `*changed` says so: the images are other ones. False: the program should end. */
+/* Waits for a free frame and an image, and begins the command buffer `commands[frame]`. `*changed` is true if the
+ * window has another size now: then the images are new ones. False: the program should end. */
 bool base_begin(base *b, bool *changed);
 
 /* Ends the command buffer, submits it, and presents the image. */
@@ -68,18 +69,18 @@ bool base_make_view(base *b, VkImage image, VkFormat format, uint32_t first, uin
 bool base_make_buffer(base *b, VkBufferUsageFlags usage, const void *data, VkDeviceSize size, VkBuffer *buffer,
                       VkDeviceMemory *memory);
 
-/* A render pass that clears and keeps one colour; `view_mask`: of which layers at once (multiview), or 0. */
+/* Makes a render pass that clears and stores one colour. `view_mask`: layers drawn at once (multiview), or 0. */
 VkRenderPass base_make_render_pass(base *b, VkFormat format, VkImageLayout layout_after, uint32_t view_mask);
 VkFramebuffer base_make_framebuffer(base *b, VkRenderPass pass, VkImageView view, uint32_t width, uint32_t height);
 
 /* Writes the picture off screen as a binary PPM. */
 bool base_save(base *b, const char *path);
 
-/* Waits until the device has nothing left to do. */
+/* Waits until the device is idle. */
 void base_finish(base *b);
 void base_close(base *b);
 
-/* Says what failed. */
+/* Returns true for success; otherwise prints what failed. */
 bool base_good(VkResult result, const char *what);
 
 #endif

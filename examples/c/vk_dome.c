@@ -2,11 +2,12 @@
  * The room of `vk_plain.c` on a dome. What Cupola adds is marked.
  *
  * Build: make -C examples/c CUPOLA=../../target/release vk_dome
- * Run:   vk_dome [--rig RIG] [--views atlas|layers|images] [--own-images] [--one-by-one] [what vk_plain takes]
+ * Run:   vk_dome [--rig RIG] [--views atlas|layers|images] [--own-images] [--one-by-one] [options of vk_plain]
  *
- * --views says how the views lie in memory: as tiles of one image, each drawn after the other with a viewport of its own
- * (the simplest); as layers of one image, all drawn at once by multiview; or as an image each. --one-by-one: layers are
- * drawn one after another, without multiview. --own-images: the program makes these images, not Cupola.
+ * --views gives the layout of the views in memory. atlas: tiles of one image, drawn one after another, each with its
+ * own viewport (the simplest). layers: layers of one image, all drawn at once by multiview. images: one image for each
+ * view. --one-by-one: layers are drawn one after another, without multiview. --own-images: the program makes these
+ * images, not Cupola.
  */
 #include "vk_base.h"
 #include "vk_options.h"
@@ -20,7 +21,7 @@
 
 enum { MOST_VIEWS = 32 };
 
-/* Cupola: the dome, its views, and where they are drawn. */
+/* Cupola: the dome, its views, and the images to which they are drawn. */
 typedef struct {
     cupola_vk *cupola;
     uint32_t arrangement, view_count, image_count;
@@ -28,12 +29,12 @@ typedef struct {
     cupola_vk_view views[MOST_VIEWS];
     matrix cameras[MOST_VIEWS];
     cupola_vk_source sources[FRAMES_IN_FLIGHT][MOST_VIEWS];
-    VkImageView layers[FRAMES_IN_FLIGHT][MOST_VIEWS]; /* where they are drawn one by one */
+    VkImageView layers[FRAMES_IN_FLIGHT][MOST_VIEWS]; /* for views that are drawn one by one */
     VkFramebuffer framebuffers[FRAMES_IN_FLIGHT][MOST_VIEWS];
     base_image own[FRAMES_IN_FLIGHT][MOST_VIEWS];
 } dome;
 
-/* Cupola: says what went wrong, if anything did. */
+/* Cupola: prints the error, if there is one. */
 static bool good(cupola_status status)
 {
     char detail[512];
@@ -69,7 +70,7 @@ static bool open_dome(base *b, const options *o, dome *d)
     return opened;
 }
 
-/* Cupola: an image of the program's own for views. */
+/* Cupola: makes an image of the program for views. */
 static bool make_source(base *b, dome *d, uint32_t frame, uint32_t index, cupola_vk_source *source)
 {
     uint32_t width, height, layers;
@@ -90,13 +91,14 @@ static bool make_source(base *b, dome *d, uint32_t frame, uint32_t index, cupola
     return true;
 }
 
-/* Cupola: in how many render passes the views are drawn. */
+/* Cupola: returns the number of render passes in which the views are drawn. */
 static uint32_t pass_count(const dome *d)
 {
     return d->arrangement == CUPOLA_VK_LAYERS && !d->at_once ? d->view_count : d->image_count;
 }
 
-/* Cupola: asks for the views, and has them drawn to images that are corrected into those of the window. */
+/* Cupola: gets the views, prepares the images to which they are drawn, and names the images of the window as targets of
+ * the correction. */
 static bool connect(base *b, const options *o, VkRenderPass pass, dome *d)
 {
     const matrix view = matrix_camera(o->yaw, o->pitch);
@@ -163,7 +165,7 @@ static void disconnect(base *b, dome *d)
     }
 }
 
-/* As in the plain program, but for each view, and then the correction. */
+/* Draws as the plain program does, but for each view; then records the correction. */
 static bool draw(base *b, VkRenderPass pass, const room *scene, const dome *d)
 {
     VkCommandBuffer commands = b->commands[b->frame];
@@ -203,7 +205,7 @@ int main(int argc, char **argv)
     VkRenderPass pass = VK_NULL_HANDLE;
     bool going = open_dome(&b, &o, &d) && good(cupola_vk_view_count(d.cupola, &d.view_count)), changed;
     if (going && at_once && d.view_count > ROOM_MOST_VIEWS) {
-        fprintf(stderr, "%u views are more than are drawn at once here\n", (unsigned)d.view_count);
+        fprintf(stderr, "%u views are more than this example can draw at once\n", (unsigned)d.view_count);
         going = false;
     }
     if (going) {

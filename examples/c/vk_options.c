@@ -34,9 +34,9 @@ bool options_read(int argc, char **argv, options *found)
             found->one_by_one = true;
         else {
             fprintf(stderr,
-                    "%s is not an option; there are --window, --frames N, --size WxH, --yaw DEGREES, --pitch DEGREES, "
-                    "--fov DEGREES, --picture FILE, and of vk_dome --rig RIG, --views atlas|layers|images, --own-images, "
-                    "--one-by-one\n",
+                    "%s is not an option; the options are --window, --frames N, --size WxH, --yaw DEGREES, "
+                    "--pitch DEGREES, --fov DEGREES, --picture FILE, and for vk_dome --rig RIG, "
+                    "--views atlas|layers|images, --own-images, --one-by-one\n",
                     name);
             return false;
         }

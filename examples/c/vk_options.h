@@ -1,4 +1,4 @@
-/* What both Vulkan examples can be told on the command line. */
+/* Command line options of both Vulkan examples. */
 #ifndef VK_OPTIONS_H
 #define VK_OPTIONS_H
 
@@ -9,7 +9,7 @@ typedef struct {
     int frames;          /* 0: until the window is closed */
     int width, height;   /* pixels */
     double yaw, pitch;   /* of the camera, degrees */
-    double fov;          /* of the plain program, degrees */
+    double fov;          /* vertical field of view of the plain program, degrees */
     const char *picture; /* file for the last picture off screen */
     /* vk_dome only. */
     const char *rig;       /* a preset or a file */
@@ -18,7 +18,7 @@ typedef struct {
     bool one_by_one;       /* layers are drawn one after another, without multiview */
 } options;
 
-/* False, with words, where there is something that is not an option. */
+/* Reads the options. Prints a message and returns false if an argument is not an option. */
 bool options_read(int argc, char **argv, options *found);
 
 #endif

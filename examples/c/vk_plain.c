@@ -1,5 +1,5 @@
 /*
- * A room, seen from its middle, with Vulkan, as many programs are written: one perspective, one render pass, one loop.
+ * A room around the camera, drawn with Vulkan in the usual way: one perspective, one render pass, one loop.
  * `vk_dome.c` is the same program with Cupola; compare the two to see what a program has to add.
  *
  * Build: make -C examples/c vk_plain

@@ -10,8 +10,9 @@
 #include <string.h>
 
 /*
- * Each wall of the cube [-1, 1]^3 is made of tiles, two triangles each. Small ones, because Mesa's lavapipe (22.3 at least)
- * draws triangles that it has to clip into the wrong one of several views: so only the views' borders suffer.
+ * Each wall of the cube [-1, 1]^3 is made of tiles, two triangles each. The tiles are small, because Mesa's lavapipe
+ * (at least 22.3) draws clipped triangles into the wrong one of several views. With small tiles only the views'
+ * borders suffer.
  */
 enum { TILES = 16, CORNERS = 6 * TILES * TILES * 6 };
 
@@ -36,7 +37,7 @@ static VkShaderModule module_of(base *b, const uint32_t *words, size_t size)
     return module;
 }
 
-/* The uniform buffer with the cameras of all views. */
+/* Makes the uniform buffer with the cameras of all views. */
 static bool make_cameras(base *b, uint32_t view_count, const matrix cameras[], room *made)
 {
     VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1};

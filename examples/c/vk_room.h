@@ -1,10 +1,10 @@
-/* The scene of the Vulkan examples: a room around the camera whose walls have the colours of their places. */
+/* The scene of the Vulkan examples: a room around the camera whose walls are coloured by position. */
 #ifndef VK_ROOM_H
 #define VK_ROOM_H
 
 #include "vk_base.h"
 
-/* Column by column, as shaders take them. */
+/* Column-major, as in shaders. */
 typedef struct {
     float m[16];
 } matrix;
@@ -24,12 +24,12 @@ typedef struct {
     VkDescriptorSet set;
 } room;
 
-/* Makes the room for a render pass; `view_count` > 0: for a pass that draws so many layers at once (multiview), each seen
- * by a camera of its own. */
+/* Makes the room for a render pass. `view_count` > 0: the pass draws this number of layers at once (multiview), each
+ * with its own camera. */
 bool room_open(base *b, VkRenderPass pass, uint32_t view_count, const matrix cameras[], room *made);
 void room_close(base *b, room *r);
 
-/* Draws it through `camera` (world -> clip space); with several cameras that were given before, NULL. */
+/* Draws the room with `camera` (world -> clip space). NULL: with the cameras that were given to room_open. */
 void room_draw(const room *r, VkCommandBuffer commands, const matrix *camera);
 
 /* Sets viewport and scissor. */

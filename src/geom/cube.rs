@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// A face of the cube, named for where the viewer looks to see it.
+/// Face of the cube, named by the direction in which the viewer sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Face {
     /// −z.
@@ -35,9 +35,9 @@ impl Face {
         }
     }
 
-    /// Axes of the viewer → axes of the face, whose −z goes through its middle. The side faces
-    /// are upright; the front is at the bottom of the upper face and at the top of the lower one.
-    /// All entries are exactly 0, 1 or −1.
+    /// Returns the rotation from the axes of the viewer to those of the face. The −z axis of the
+    /// face goes through its middle. The side faces are upright. The front is at the bottom of the
+    /// upper face and at the top of the lower face. All entries are exactly 0, 1 or −1.
     pub fn rotation(self) -> DMat3 {
         let (right, up) = match self {
             Self::Front => (DVec3::X, DVec3::Y),
@@ -52,9 +52,9 @@ impl Face {
         DMat3::from_cols(right, up, back).transpose()
     }
 
-    /// The face that a direction (any length, viewer axes) meets. Ties go to front or back before
-    /// right or left before up or down: the same direction always has the same face. The zero
-    /// vector is in front.
+    /// Returns the face that a direction (any length, viewer axes) meets. A direction between faces
+    /// always gets the same face: front and back come before right and left, and these come before
+    /// up and down. The zero vector gets the front.
     pub fn of(direction: DVec3) -> Self {
         let size = direction.abs();
         if size.z >= size.x && size.z >= size.y {

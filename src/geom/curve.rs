@@ -1,19 +1,19 @@
 //! Measured curves.
 
-/// A rising curve through the origin and measured nodes: a piecewise cubic with a continuous first
-/// derivative that rises wherever the nodes do (Fritsch and Carlson, *Monotone piecewise cubic
-/// interpolation*, 1980; the slopes are the harmonic means of their neighbours', which is within
-/// their bound).
+/// Rising curve through the origin and measured nodes. It is a piecewise cubic with a continuous
+/// first derivative, and it rises everywhere (Fritsch and Carlson, *Monotone piecewise cubic
+/// interpolation*, 1980). The slope at an inner node is the harmonic mean of the slopes of the two
+/// chords beside it, which is within the bound of that paper.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Curve {
-    /// Abscissa, ordinate and slope; the origin first.
+    /// Abscissa, ordinate and slope of each node. The first node is the origin.
     nodes: Vec<[f64; 3]>,
 }
 
 impl Curve {
-    /// The curve through (0, 0) and `points`, at least one; `None` unless both numbers of each
-    /// point are finite and greater than those of the point before. A point (0, 0) may be given,
-    /// too.
+    /// Returns the curve through (0, 0) and `points`, which may begin with (0, 0). Returns `None`
+    /// if there is no other point, or unless both numbers of each point are finite and greater than
+    /// those of the point before.
     pub fn new(points: &[[f64; 2]]) -> Option<Self> {
         let given = points.strip_prefix(&[[0.0, 0.0]]).unwrap_or(points);
         let mut nodes = vec![[0.0; 3]];
@@ -29,7 +29,7 @@ impl Curve {
         let (first, last) = (*chords.first()?, *chords.last()?);
         for (index, node) in nodes.iter_mut().enumerate() {
             let before = index.checked_sub(1).and_then(|index| chords.get(index));
-            // A lens is symmetric: through the origin the curve is straight.
+            // A lens is symmetric about its axis: at the origin the curve is straight.
             node[2] = match (before, chords.get(index)) {
                 (Some(a), Some(b)) => 2.0 * a * b / (a + b),
                 (None, _) => first,
@@ -39,12 +39,12 @@ impl Curve {
         Some(Self { nodes })
     }
 
-    /// The last node's abscissa.
+    /// Returns the abscissa of the last node.
     pub fn end(&self) -> f64 {
         self.nodes.last().map_or(0.0, |node| node[0])
     }
 
-    /// Value and slope; beyond the nodes straight on.
+    /// Returns value and slope at `x`. Beyond the last node the curve continues as a straight line.
     pub fn at(&self, x: f64) -> (f64, f64) {
         let next = self.nodes.partition_point(|node| node[0] < x);
         let Some(&[x1, y1, slope1]) = self.nodes.get(next) else {
@@ -56,7 +56,7 @@ impl Curve {
         };
         let (width, t) = (x1 - x0, (x - x0) / (x1 - x0));
         let chord = (y1 - y0) / width;
-        // Hermite's cubic in powers of t.
+        // Hermite cubic in powers of t.
         let (b, c) = (3.0 * chord - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * chord);
         (y0 + width * t * (slope0 + t * (b + t * c)), slope0 + t * (2.0 * b + t * 3.0 * c))
     }

@@ -24,7 +24,8 @@ pub struct Division {
     pub pixels: DVec2,
     /// Greatest distance in pixels of a point of a primitive from its exact place, > 0.
     pub max_error: f64,
-    /// Greatest number of parts of a primitive. Parts that are not fine enough then are counted.
+    /// Greatest number of parts of a primitive. Parts that are still too coarse at this limit are
+    /// counted in [`Outcome::coarse`].
     pub most: usize,
 }
 
@@ -65,8 +66,8 @@ impl Division {
         (WIDTH_SQUARED * self.max_error / pixels_per_radian).sqrt().min(WIDEST)
     }
 
-    /// True if the edge between two vertices, as the viewer sees them in lens axes, is too
-    /// straight.
+    /// True if the edge between two vertices, from the viewer in lens axes, must be cut: as a
+    /// straight line it deviates too far from the curve in the picture.
     pub fn cuts(&self, a: DVec3, b: DVec3) -> bool {
         let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
         let sum = a + b;
@@ -106,8 +107,8 @@ impl Division {
         if from + to > 0.0 { from / (from + to) } else { 0.5 }
     }
 
-    /// Divides a triangle; `emit` gets the weights of the corners at each part's corners, in the
-    /// triangle's own order.
+    /// Divides a triangle. `emit` gets the weights of the triangle's corners at each corner of a
+    /// part. The corners of a part have the same orientation as those of the triangle.
     pub fn triangle(&self, corners: [DVec3; 3], emit: &mut dyn FnMut([Weights; 3])) -> Outcome {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         let whole = std::array::from_fn(|i| Corner { at: corners[i], weights: axes[i] });
@@ -127,7 +128,7 @@ impl Division {
         outcome
     }
 
-    /// Divides a line likewise: `emit` gets the weights of the second end at each part's ends.
+    /// Divides a line. `emit` gets the weight of the line's second end at both ends of a part.
     pub fn line(&self, ends: [DVec3; 2], emit: &mut dyn FnMut([f64; 2])) -> Outcome {
         let mut outcome = Outcome::default();
         let mut waiting = vec![([0.0, 1.0], 0)];
@@ -146,14 +147,15 @@ impl Division {
         outcome
     }
 
-    /// True if a part may show in the picture, if none of its edges needs to be cut.
+    /// True if a part may be visible in the picture, provided that none of its edges needs to be
+    /// cut.
     fn is_near(&self, corners: &[DVec3]) -> bool {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut seen = false;
         for corner in corners {
             match self.map.place(*corner) {
                 Place::At(at) => (low, high, seen) = (low.min(at), high.max(at), true),
-                // Somewhere on the way to infinity.
+                // The corner counts as a point at infinity in this direction.
                 Place::Beyond(to) => {
                     let far = to * f64::INFINITY;
                     let side = |part: f64, far: f64| if part == 0.0 { 0.0 } else { far };
@@ -165,8 +167,8 @@ impl Division {
         seen && low.max_element() <= OUTSIDE && high.min_element() >= -OUTSIDE
     }
 
-    /// Divides a triangle at all its edges that are too wide. Returns the triangle itself if it has
-    /// none.
+    /// Divides a triangle at all its edges that must be cut. Returns the triangle itself if there
+    /// are none.
     fn parts(&self, triangle: &[Corner; 3]) -> Vec<[Corner; 3]> {
         let cut = |i: usize| self.cuts(triangle[i].at, triangle[(i + 1) % 3].at);
         let cuts = [cut(0), cut(1), cut(2)];

@@ -22,7 +22,7 @@ impl Frustum {
         [self.left, self.right, self.bottom, self.top].iter().all(|side| side.is_finite())
     }
 
-    /// No opening: the axis alone.
+    /// Frustum without width and height: only the axis is inside.
     pub const POINT: Self = Self { left: 0.0, right: 0.0, bottom: 0.0, top: 0.0 };
 
     /// Width at unit distance.
@@ -42,14 +42,14 @@ impl Frustum {
         Self { left: -x, right: x, bottom: -y, top: y }
     }
 
-    /// A frustum from the signed angles of its sides to the axis, radians in −π/2…π/2 (exclusive),
-    /// positive to the right and up: `from_angles(-a, a, -b, b)` is symmetric.
+    /// Returns the frustum whose sides have these signed angles to the axis, radians in −π/2…π/2
+    /// (exclusive), positive to the right and up: `from_angles(-a, a, -b, b)` is symmetric.
     pub fn from_angles(left: f64, right: f64, bottom: f64, top: f64) -> Self {
         Self { left: left.tan(), right: right.tan(), bottom: bottom.tan(), top: top.tan() }
     }
 
-    /// The frustum after a lens shift, given as a part of the picture's width and height,
-    /// positive to the right and up. The size at unit distance stays.
+    /// Returns the frustum after a lens shift. The shift is a part of the picture's width and
+    /// height, positive to the right and up. The size at unit distance does not change.
     pub fn shifted(&self, shift_x: f64, shift_y: f64) -> Self {
         let (x, y) = (shift_x * self.width(), shift_y * self.height());
         Self { left: self.left + x, right: self.right + x, bottom: self.bottom + y, top: self.top + y }
@@ -65,13 +65,14 @@ impl Frustum {
         }
     }
 
-    /// True if the direction `(tan_x, tan_y, −1)` is inside; the sides belong to it, NaN does not.
+    /// True if the direction `(tan_x, tan_y, −1)` is inside. A direction on a side is inside, NaN
+    /// is not.
     pub fn contains(&self, tan_x: f64, tan_y: f64) -> bool {
         tan_x >= self.left && tan_x <= self.right && tan_y >= self.bottom && tan_y <= self.top
     }
 
-    /// Returns half the width and height at unit distance: the reciprocals of the A and C of a projection
-    /// matrix.
+    /// Returns half the width and half the height at unit distance: the reciprocals of A and C of a
+    /// projection matrix.
     pub fn half_size(&self) -> (f64, f64) {
         (0.5 * (self.right - self.left), 0.5 * (self.top - self.bottom))
     }
@@ -81,8 +82,9 @@ impl Frustum {
         (0.5 * (self.left + self.right), 0.5 * (self.bottom + self.top))
     }
 
-    /// Takes `(x, y, 1)`, with x and y in −1…1 across the picture (left to right, bottom to top),
-    /// to the direction (tangents, −1) in the frustum's own axes. The inverse of [`Self::picture`].
+    /// Returns the matrix that maps `(x, y, 1)`, with x and y in −1…1 across the picture (left to
+    /// right, bottom to top), to the direction (tangents, −1) in the frustum's own axes. It is the
+    /// inverse of [`Self::picture`].
     pub fn rays(&self) -> DMat3 {
         let ((half_x, half_y), (middle_x, middle_y)) = (self.half_size(), self.middle());
         DMat3::from_cols(
@@ -92,8 +94,8 @@ impl Frustum {
         )
     }
 
-    /// Takes a direction in the frustum's own axes to homogeneous picture coordinates `(x, y, w)`:
-    /// x/w and y/w are −1…1 across the picture, and w > 0 is in front.
+    /// Returns the matrix that maps a direction in the frustum's own axes to homogeneous picture
+    /// coordinates `(x, y, w)`: x/w and y/w are −1…1 across the picture, and w > 0 is in front.
     pub fn picture(&self) -> DMat3 {
         let ((half_x, half_y), (middle_x, middle_y)) = (self.half_size(), self.middle());
         DMat3::from_cols(
@@ -103,8 +105,8 @@ impl Frustum {
         )
     }
 
-    /// OpenGL's projection matrix (as `glFrustum` makes it, NDC depth −1…1) with 0 < `near` <
-    /// `far`; an infinite `far` is allowed.
+    /// Returns OpenGL's projection matrix (as of `glFrustum`, NDC depth −1…1) with 0 < `near` <
+    /// `far`. `far` may be infinite.
     pub fn projection_matrix(&self, near: f64, far: f64) -> DMat4 {
         let ((half_x, half_y), (middle_x, middle_y)) = (self.half_size(), self.middle());
         let (e, f) = if far.is_infinite() {

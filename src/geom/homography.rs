@@ -1,13 +1,14 @@
-//! Keystone: what a plane does to a picture.
+//! Homographies (projective maps of the plane), for keystone correction.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// The homography that takes the corners (−1, −1), (1, −1), (1, 1), (−1, 1) of a picture to
-/// `corners`, in this order: `(x, y, 1)` → homogeneous, with a positive last component everywhere
-/// in the picture. `None` unless the corners are those of a convex quadrilateral,
-/// counter-clockwise.
+/// Returns the homography that maps the corners (−1, −1), (1, −1), (1, 1), (−1, 1) of a picture to
+/// `corners`, in this order. It maps `(x, y, 1)` to homogeneous coordinates whose last component is
+/// positive everywhere in the picture. Returns `None` unless `corners` are those of a convex
+/// quadrilateral, counter-clockwise.
 ///
-/// The closed form of Heckbert (*Fundamentals of Texture Mapping and Image Warping*, 1989, §2.2.3).
+/// Uses the closed form of Heckbert (*Fundamentals of Texture Mapping and Image Warping*, 1989,
+/// §2.2.3).
 pub fn from_corners(corners: [DVec2; 4]) -> Option<DMat3> {
     let convex = (0..4).all(|i| {
         let (a, b, c) = (corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]);
@@ -25,7 +26,8 @@ pub fn from_corners(corners: [DVec2; 4]) -> Option<DMat3> {
     Some(of_unit_square * to_unit_square)
 }
 
-/// A point under a homography; `None` where it goes to infinity or beyond.
+/// Maps a point by a homography. Returns `None` if the last component of the result is not
+/// positive: then the point goes to infinity or beyond.
 pub fn apply(homography: &DMat3, point: DVec2) -> Option<DVec2> {
     let image = *homography * point.extend(1.0);
     (image.z > 0.0).then(|| image.truncate() / image.z)

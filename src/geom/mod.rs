@@ -1,4 +1,4 @@
-//! Pure geometry in f64: poses, frusta, lenses, screens, cubes, clip-space re-projection.
+//! Pure geometry in f64: poses, frusta, lenses, screens, cubes, clip-space reprojection.
 //! Knows nothing of files, rigs or graphics APIs.
 
 pub mod cube;

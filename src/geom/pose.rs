@@ -11,15 +11,16 @@ pub struct Pose {
     pub rotation: DMat3,
 }
 
-/// The rotation (local → parent) of something turned by `yaw` (right-positive), then `pitch`
-/// (up-positive), then `roll` (clockwise-positive as seen by the viewer), all in radians.
+/// Returns the rotation (local → parent) of an object that is turned by `yaw` (right-positive),
+/// then `pitch` (up-positive), then `roll` (clockwise-positive as seen by the viewer), all in
+/// radians.
 pub fn rotation(yaw: f64, pitch: f64, roll: f64) -> DMat3 {
     DMat3::from_rotation_y(-yaw) * DMat3::from_rotation_x(pitch) * DMat3::from_rotation_z(-roll)
 }
 
-/// Yaw, pitch and roll (radians) of a rotation: the inverse of [`rotation`], with yaw and roll in
-/// −π…π and pitch in −π/2…π/2. Straight up and down, where yaw and roll turn about the same axis,
-/// yaw is 0.
+/// Returns yaw, pitch and roll (radians) of a rotation: the inverse of [`rotation`]. Yaw and roll
+/// are in −π…π, pitch in −π/2…π/2. Straight up and straight down, yaw and roll turn about the same
+/// axis; then yaw is 0.
 pub fn angles(rotation: &DMat3) -> [f64; 3] {
     let forward = -rotation.z_axis;
     let level = forward.x.hypot(forward.z);
@@ -35,24 +36,24 @@ impl Pose {
         Self { position, rotation: rotation(yaw, pitch, roll) }
     }
 
-    /// A point of the posed frame in the parent frame.
+    /// Converts a point of the posed frame to the parent frame.
     pub fn point_to_parent(&self, local: DVec3) -> DVec3 {
         self.rotation * local + self.position
     }
 
-    /// A point of the parent frame in the posed frame.
+    /// Converts a point of the parent frame to the posed frame.
     pub fn point_to_local(&self, parent: DVec3) -> DVec3 {
         self.rotation.transpose() * (parent - self.position)
     }
 
-    /// A direction (or difference of points) of the posed frame in the parent frame; lengths are
-    /// kept.
+    /// Converts a direction (or difference of points) of the posed frame to the parent frame.
+    /// Lengths do not change.
     pub fn direction_to_parent(&self, local: DVec3) -> DVec3 {
         self.rotation * local
     }
 
-    /// A direction (or difference of points) of the parent frame in the posed frame; lengths are
-    /// kept.
+    /// Converts a direction (or difference of points) of the parent frame to the posed frame.
+    /// Lengths do not change.
     pub fn direction_to_local(&self, parent: DVec3) -> DVec3 {
         self.rotation.transpose() * parent
     }

@@ -1,18 +1,19 @@
-//! The exact closed form of a pinhole ray that meets a sphere, another quadric or a plane and is
-//! seen by a perspective view.
+//! Exact closed form of the point at which a pinhole's ray meets a sphere, another quadric or a
+//! plane, as a perspective view sees it.
 
 use super::{Quadric, Sphere};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// `s(x, y) = Q(x, y) + L(x, y)·√D(x, y)`: coefficients over the monomials in the order `[x², y²,
+/// Coefficients of `s(x, y) = Q(x, y) + L(x, y)·√D(x, y)` over the monomials in the order `[x², y²,
 /// xy, x, y, 1]` (Q and D) and `[x, y, 1]` (L). `s` is an affine function of the point that the ray
-/// meets, homogeneous, with positive scale; the ray meets the surface iff `D ≥ 0`.
+/// meets, homogeneous, with positive scale. The line of the ray meets the surface iff `D ≥ 0`.
 ///
-/// Derivation: with the surface's [`Quadric::product`] as the dot, the line `o + t·d` meets it at
-/// `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = level·a − |o × d|²`, the latter weighted by
-/// products of two weights. Scaled by `a > 0`, the far hit of a sphere is `d × (o × d) + d·√D`, and
-/// others' alike; with `d` linear in the pixel, its first term is quadratic. All cancellations
-/// between large numbers happen here, in f64, before the coefficients are rounded.
+/// Derivation: the dot product is the surface's [`Quadric::product`]. The line `o + t·d` meets the
+/// surface at `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = level·a − |o × d|²`. In `|o × d|²`
+/// the weight of each square is the product of two weights. Scaled by `a > 0`, the far hit of a
+/// sphere is `d × (o × d) + d·√D`; other quadrics have the same form with weights. `d` is linear in
+/// the pixel, so the first term is quadratic. All cancellations between large numbers happen here,
+/// in f64, before the coefficients are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct QuadraticForm {
     /// The quadratic part, a row per component of `s`.
@@ -21,8 +22,8 @@ pub struct QuadraticForm {
     pub l: [[f64; 3]; 3],
     /// The discriminant.
     pub d: [f64; 6],
-    /// The function's value at the pinhole: `Q = offset·a − L·b`. 0 for a plane, where nothing is
-    /// quadratic.
+    /// Value of the affine function at the pinhole: `Q = offset·a − L·b`. It is 0 for a plane,
+    /// where nothing is quadratic.
     pub offset: DVec3,
 }
 
@@ -36,19 +37,19 @@ impl LinearVector {
         Self([rays.x_axis, rays.y_axis, rays.z_axis])
     }
 
-    /// The row of component `index` over `[x, y, 1]`.
+    /// Coefficients of component `index` over `[x, y, 1]`.
     fn row(&self, index: usize) -> [f64; 3] {
         [self.0[0][index], self.0[1][index], self.0[2][index]]
     }
 
-    /// `Σ weights·u²` over `[x², y², xy, x, y, 1]`.
+    /// Coefficients of `Σ weights·u²` over `[x², y², xy, x, y, 1]`.
     fn square(&self, weights: DVec3) -> [f64; 6] {
         let dot = |i: usize, j: usize| (weights * self.0[i]).dot(self.0[j]);
         [dot(0, 0), dot(1, 1), 2.0 * dot(0, 1), 2.0 * dot(0, 2), 2.0 * dot(1, 2), dot(2, 2)]
     }
 }
 
-/// The product of two linear functions over `[x², y², xy, x, y, 1]`.
+/// Coefficients of the product of two linear functions over `[x², y², xy, x, y, 1]`.
 pub(crate) fn product(u: [f64; 3], v: [f64; 3]) -> [f64; 6] {
     [
         u[0] * v[0],
@@ -75,20 +76,20 @@ pub(crate) fn linear_at(c: &[f64; 3], x: f64, y: f64) -> f64 {
     c[0] * x + (c[1] * y + c[2])
 }
 
-/// `d·d` of a pinhole's rays, a quadratic polynomial, with the surface's product.
+/// Quadratic polynomial `d·d` of a pinhole's rays, with the surface's product.
 pub(crate) fn squared(rays: DMat3, quadric: &Quadric) -> [f64; 6] {
     LinearVector::of(rays).square(quadric.weights)
 }
 
 impl QuadraticForm {
-    /// The form of a pinhole at `origin` whose pixel `(x, y)` sends the ray `rays·(x, y, 1)`, both
-    /// in the surface's axes, for the point where the ray leaves the inside of `quadric` (of a
-    /// sphere the **far** hit), taken through `map`: to an eye's axes, or to homogeneous picture
-    /// coordinates, such as [`super::Frustum::picture`] after a lens's axes.
+    /// Returns the form for the point at which a ray leaves the inside of `quadric` (of a sphere
+    /// the **far** hit). The pinhole is at `origin`, and its pixel `(x, y)` sends the ray `rays·(x,
+    /// y, 1)`, both in the surface's axes. `map` converts the point to an eye's axes, or to
+    /// homogeneous picture coordinates, such as [`super::Frustum::picture`] after a lens's axes.
     ///
-    /// The form does not tell rays that meet the surface from rays whose backward extension meets
-    /// it: [`super::PinholeRays::looks_at_it`] must hold, and of a double cone half of the rays
-    /// from inside have a negative scale.
+    /// The form does not distinguish rays that meet the surface from rays whose backward extension
+    /// meets it, so [`super::PinholeRays::looks_at_it`] must hold. In a double cone half of the
+    /// rays from inside have a negative scale.
     pub fn on(origin: DVec3, rays: DMat3, quadric: &Quadric, map: DAffine3) -> Self {
         let direction = LinearVector::of(rays);
         let moment = LinearVector(direction.0.map(|column| origin.cross(column)));
@@ -108,9 +109,11 @@ impl QuadraticForm {
         form
     }
 
-    /// The same for the plane z = 0, which is lit from either side: linear in the pixel, `D = 1`.
+    /// Returns the form for the plane z = 0, which is lit from either side. It is linear in the
+    /// pixel, and `D = 1`.
     pub fn on_plane(origin: DVec3, rays: DMat3, map: DAffine3) -> Self {
-        // Times the ray's part towards the plane, the point is o·towards + d·|o.z|.
+        // Multiplied by `towards`, the ray's component towards the plane, the point is o·towards +
+        // d·|o.z|.
         let at_origin = map.transform_point3(origin);
         let column = |ray: DVec3| at_origin * (-origin.z.signum() * ray.z) + map.matrix3 * ray * origin.z.abs();
         let linear = LinearVector([column(rays.x_axis), column(rays.y_axis), column(rays.z_axis)]);
@@ -118,14 +121,14 @@ impl QuadraticForm {
         Self { q: [[0.0; 6]; 3], l: [0, 1, 2].map(|i| linear.row(i)), d, offset: DVec3::ZERO }
     }
 
-    /// [`Self::on`] a sphere anywhere, seen from `eye` and turned by `target` (world axes → the
-    /// axes wanted).
+    /// [`Self::on`] for a sphere at any position, seen from `eye`. `target` rotates world axes to
+    /// the axes of the result.
     pub fn new(origin: DVec3, rays: DMat3, sphere: &Sphere, eye: DVec3, target: DMat3) -> Self {
         let map = DAffine3 { matrix3: target, translation: target * (sphere.center - eye) };
         Self::on(origin - sphere.center, rays, &Quadric::from(sphere), map)
     }
 
-    /// The form after another linear map of its value: `matrix · s`.
+    /// Returns the form after another linear map of its value: `matrix · s`.
     pub fn transformed(&self, matrix: DMat3) -> Self {
         if matrix == DMat3::IDENTITY {
             return *self;
@@ -142,7 +145,7 @@ impl QuadraticForm {
         Self { q: rows.map(|r| r.0), l: rows.map(|r| r.1), d: self.d, offset: matrix * self.offset }
     }
 
-    /// D at a pixel: ≥ 0 where the ray's line meets the surface.
+    /// Value of D at a pixel: ≥ 0 where the ray's line meets the surface.
     pub fn discriminant(&self, x: f64, y: f64) -> f64 {
         quadratic_at(&self.d, x, y)
     }
@@ -165,8 +168,8 @@ mod tests {
     use crate::geom::{Frustum, Pose};
     use crate::testing::random::Random;
 
-    /// A pinhole somewhere, aimed at a random point near the centre, with an opening that the
-    /// sphere fills.
+    /// A pinhole at `distance` from the centre, aimed at a random point near it. The sphere fills
+    /// its picture.
     fn pinhole(random: &mut Random, distance: f64) -> (DVec3, DMat3) {
         let origin = random.direction() * distance;
         let aim = random.direction() * 0.3 - origin;
@@ -220,7 +223,7 @@ mod tests {
         assert!(a.distance(b) < 1e-13);
         let expected = picture * view * plain.evaluate(0.3, -0.9).unwrap_or_default();
         assert!(a.distance(expected) < 1e-13);
-        // Negative control: an eye elsewhere is not the same.
+        // Negative control: an eye at another position gives another result.
         let other = QuadraticForm::new(pose.position, rays, &sphere, DVec3::ZERO, picture * view);
         assert!(other.evaluate(0.3, -0.9).unwrap_or_default().distance(b) > 1e-2);
     }

@@ -1,6 +1,6 @@
 //! Rectangles of pixels.
 
-/// A rectangle of an output in pixels, from the top left.
+/// Rectangle of an output in pixels; the origin is at the top left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PixelRect {
     /// Left edge.
@@ -14,7 +14,7 @@ pub struct PixelRect {
 }
 
 impl PixelRect {
-    /// By its upper left corner and its size.
+    /// Makes a rectangle from its upper left corner and its size.
     pub const fn new(x: u32, y: u32, width: u32, height: u32) -> Self {
         Self { x, y, width, height }
     }
@@ -24,27 +24,27 @@ impl PixelRect {
         (self.width, self.height)
     }
 
-    /// True if both have a pixel in common.
+    /// True if both rectangles have a pixel in common.
     pub fn meets(self, other: Self) -> bool {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
 }
 
-/// A block of pixels of an output by its edges, counted from the top left.
+/// Block of pixels of an output, given by its edges; the origin is at the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelSpan {
     /// First column.
     pub left: u32,
     /// First row.
     pub top: u32,
-    /// First column beyond it.
+    /// First column to the right of the block.
     pub right: u32,
-    /// First row beyond it.
+    /// First row below the block.
     pub bottom: u32,
 }
 
 impl PixelSpan {
-    /// By its edges, the latter two excluded.
+    /// Makes a block from its edges; `right` and `bottom` are excluded.
     pub const fn new(left: u32, top: u32, right: u32, bottom: u32) -> Self {
         Self { left, top, right, bottom }
     }
@@ -55,7 +55,7 @@ impl PixelSpan {
     }
 }
 
-/// A rectangle of pixels or texels with its origin at the lower left, as OpenGL has them.
+/// Rectangle of pixels or texels with its origin at the lower left, as in OpenGL.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct LowerLeftRect {
@@ -70,17 +70,17 @@ pub struct LowerLeftRect {
 }
 
 impl LowerLeftRect {
-    /// By its lower left corner and its size.
+    /// Makes a rectangle from its lower left corner and its size.
     pub const fn new(x: i32, y: i32, width: i32, height: i32) -> Self {
         Self { x, y, width, height }
     }
 
-    /// All of a picture of this size.
+    /// Rectangle of a whole picture of this size.
     pub const fn of_size((width, height): (u32, u32)) -> Self {
         Self::new(0, 0, width as i32, height as i32)
     }
 
-    /// The same, moved; at the ends of the numbers it stops.
+    /// Returns the rectangle moved by `x` and `y`; positions saturate at the limits of `i32`.
     pub const fn moved(self, x: i32, y: i32) -> Self {
         Self { x: self.x.saturating_add(x), y: self.y.saturating_add(y), ..self }
     }
@@ -100,12 +100,12 @@ impl LowerLeftRect {
         [self.x, self.y, self.x + self.width, self.y + self.height]
     }
 
-    /// x, y, width and height, as OpenGL answers questions.
+    /// x, y, width and height, in the order in which OpenGL returns them.
     pub const fn to_array(self) -> [i32; 4] {
         [self.x, self.y, self.width, self.height]
     }
 
-    /// True if all of `other` lies in it.
+    /// True if all of `other` lies in this rectangle.
     pub fn contains(self, other: Self) -> bool {
         let holds = |start: i32, length: i32, other_start: i32, other_length: i32| {
             let end = |start: i32, length: i32| i64::from(start) + i64::from(length);
@@ -114,17 +114,18 @@ impl LowerLeftRect {
         holds(self.x, self.width, other.x, other.width) && holds(self.y, self.height, other.y, other.height)
     }
 
-    /// True if both have a pixel in common.
+    /// True if both rectangles have a pixel in common.
     pub fn meets(self, other: Self) -> bool {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
 
-    /// True if it has more than half of the pixels of a picture of this size.
+    /// True if the rectangle has more than half of the pixels of a picture of this size.
     pub fn is_most_of(self, (width, height): (u32, u32)) -> bool {
         2 * i64::from(self.width) * i64::from(self.height) > i64::from(width) * i64::from(height)
     }
 
-    /// A rectangle of a window, moved to the window's `tile` and cut at its borders.
+    /// Returns this rectangle of a window, moved to the window's `tile` and cut at the tile's
+    /// borders.
     pub fn moved_into(self, tile: Self) -> Self {
         let (left, bottom) = (self.x.max(0), self.y.max(0));
         let right = self.x.saturating_add(self.width).min(tile.width);
@@ -133,7 +134,7 @@ impl LowerLeftRect {
     }
 }
 
-/// A rectangle of pixels or texels with its origin at the upper left, as Vulkan has them.
+/// Rectangle of pixels or texels with its origin at the upper left, as in Vulkan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UpperLeftRect {
     /// Left edge.
@@ -147,12 +148,12 @@ pub struct UpperLeftRect {
 }
 
 impl UpperLeftRect {
-    /// By its upper left corner and its size.
+    /// Makes a rectangle from its upper left corner and its size.
     pub const fn new(x: i32, y: i32, width: i32, height: i32) -> Self {
         Self { x, y, width, height }
     }
 
-    /// True if both have a pixel in common.
+    /// True if both rectangles have a pixel in common.
     pub fn meets(self, other: Self) -> bool {
         meet((self.x, self.width), (other.x, other.width)) && meet((self.y, self.height), (other.y, other.height))
     }
@@ -170,7 +171,7 @@ fn meet<T: Into<i64>>((start, length): (T, T), (other, other_length): (T, T)) ->
     start < other + other_length.into() && other < start + length.into()
 }
 
-/// True if no two of these rectangles have a pixel in common. `meets` tells it of two.
+/// True if no two of these rectangles have a pixel in common. `meets` tests two of them.
 pub fn apart<R: Copy>(rectangles: &[R], meets: impl Fn(R, R) -> bool) -> bool {
     (1..=rectangles.len()).all(|next| {
         let (earlier, one) = (&rectangles[..next - 1], rectangles[next - 1]);

@@ -1,4 +1,4 @@
-//! Clip-space re-projection: from the program's own clip coordinates to a view's.
+//! Clip-space reprojection: from the program's own clip coordinates to a view's.
 
 use super::Frustum;
 use glam::{DMat3, DMat4, DVec3, DVec4};
@@ -12,7 +12,7 @@ mod tests;
 pub use camera_function::{CameraFunction, Direction};
 pub use classification::{classify, classify_transposed};
 
-/// The part of a program's perspective matrix that re-projection needs:
+/// The part of a program's perspective matrix that reprojection needs:
 /// `P = [A 0 B 0; 0 C D 0; 0 0 E F; 0 0 −1 0]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {
@@ -26,14 +26,14 @@ pub struct Intrinsics {
     pub d: f64,
     /// Depth scale.
     pub e: f64,
-    /// Depth offset, where known; from a model-view-projection matrix it often is not.
+    /// Depth offset; `None` if unknown, as often for a model-view-projection matrix.
     pub f: Option<f64>,
 }
 
 /// Adaptation of a program's camera to the dome (`[camera]` of a rig).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraAdjustment {
-    /// Factor on the tangents of every direction; > 1 enlarges what the program shows.
+    /// Factor on the tangents of every direction; > 1 enlarges the program's picture.
     pub zoom: f64,
     /// Motion of the eye along the camera axes, in the program's own units.
     pub shift: DVec3,
@@ -51,18 +51,18 @@ pub enum MatrixClass {
     /// A perspective projection times an affine matrix that is not a similarity: only E and F of
     /// the lens are known, as in [`Intrinsics`].
     Stretched {
-        /// E, with the same error as that of a perspective.
+        /// E, with the same error as that of a perspective projection.
         e: f64,
-        /// F, where it is not lost.
+        /// F; `None` if it is lost in rounding.
         f: Option<f64>,
     },
-    /// Neither (singular, not finite, or with an oblique near plane).
+    /// None of these (singular, not finite, or with an oblique near plane).
     Other,
 }
 
-/// The rows that take a program's clip coordinates to a view's, in ratio form
-/// (`x' = rx·(cx, cy, cw) + rx[3]·q` and so on for y and w, `q = cz + E·cw`,
-/// `z' = depth[0]·(q − E·w') + depth[1]·w'`; `z' = w'` where `cz = cw`).
+/// Rows that convert a program's clip coordinates to those of a view, in ratio form: `x' = rx·(cx,
+/// cy, cw) + rx[3]·q`, and likewise for y and w, with `q = cz + E·cw`. Depth is `z' = depth[0]·(q −
+/// E·w') + depth[1]·w'`, but `z' = w'` where `cz = cw`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipRows {
     /// Row for x'.
@@ -73,11 +73,11 @@ pub struct ClipRows {
     pub w: [f64; 4],
     /// E of the program's matrix.
     pub e: f64,
-    /// The picture is no perspective: (x', y', −w') is the direction in the axes of its lens, in
-    /// the program's units.
+    /// True if the picture is no perspective one. Then (x', y', −w') is the direction in the axes
+    /// of its lens, in the program's units.
     pub curved: bool,
-    /// Depth of the view from the program's depth measured along the view's axis: factor and offset
-    /// in normalised device coordinates; (1, 0) = the program's own planes.
+    /// Factor and offset, in normalised device coordinates, from the program's depth as measured
+    /// along the view's axis to the depth of the view. (1, 0) = the program's own planes.
     pub depth: [f64; 2],
 }
 
@@ -99,7 +99,7 @@ impl Intrinsics {
 }
 
 impl CameraAdjustment {
-    /// The program's camera as it is.
+    /// No adjustment.
     pub const NONE: Self = Self { zoom: 1.0, shift: DVec3::ZERO, rotation: DMat3::IDENTITY };
 }
 
@@ -109,13 +109,13 @@ impl Default for CameraAdjustment {
     }
 }
 
-/// The rows for a view with axes `rotation` (viewer → view) and opening `frustum`.
+/// Returns the rows for a view with axes `rotation` (viewer → view) and opening `frustum`.
 ///
-/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y =
-/// (cy + D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w =
-/// q/F`), the tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation` are
-/// applied, and the view's own lens with the program's E and F gives `c'`. Depth needs neither F
-/// nor a division: `E·z' + F·w = cz + E·(z' − z)`.
+/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`,
+/// `y = (cy + D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not
+/// 0: `w = q/F`), the tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation`
+/// are applied, and the view's own lens with the program's E and F gives `c'`. Depth needs neither
+/// F nor a division: `E·z' + F·w = cz + E·(z' − z)`.
 ///
 /// Scales appear only as ratios of the two lenses, so a view with [`Intrinsics::frustum`], no
 /// rotation and [`CameraAdjustment::NONE`] has exactly the rows (1,0,0,0), (0,1,0,0), (0,0,1,0).
@@ -130,8 +130,9 @@ pub fn clip_rows(p: &Intrinsics, camera: &CameraAdjustment, rotation: DMat3, fru
     };
     let rows = turned.transpose();
     let [right, up, back] = [rows.x_axis, rows.y_axis, rows.z_axis];
-    // A component of the turned eye position, plus `middle` times its z component, as a row over
-    // (cx, cy, cw, q), over the half size of the view: `own` enters as a ratio to it.
+    // Row over (cx, cy, cw, q) of a component of the turned eye position plus `middle` times its z
+    // component, divided by the half size of the view. The program's half size enters as a ratio to
+    // it.
     let row = |axis: DVec3, shift: f64, middle: f64, half: f64| {
         let mixed = axis + middle * back;
         // In this order the two middles cancel exactly where they are equal.
@@ -160,18 +161,18 @@ pub fn clip_rows(p: &Intrinsics, camera: &CameraAdjustment, rotation: DMat3, fru
     }
 }
 
-/// A moved eye brings the near plane no nearer than this part of the program's distance.
+/// Least distance of the near plane after a motion of the eye, as a part of the program's distance.
 const LEAST_NEAR: f64 = 0.05;
 
-/// Zero without its sign; every other number as it is.
+/// Replaces −0 by 0; other numbers do not change.
 fn positive_zero(x: f64) -> f64 {
     x + 0.0
 }
 
 impl ClipRows {
-    /// From a place of the view (−1…1 to the right and up, 1) to its direction (to the right, up,
-    /// ahead) in the camera's axes of a program with lens `p`. A motion of the eye is left out: what
-    /// lies there is far away.
+    /// Returns the matrix from a position in the view (−1…1 to the right and up, 1) to its
+    /// direction (to the right, up, ahead) in the camera's axes of a program with lens `p`. A
+    /// motion of the eye is ignored: the direction is used for far objects only.
     pub fn directions(&self, p: &Intrinsics) -> DMat3 {
         let row = |row: &[f64; 4]| DVec3::new(row[0], row[1], row[2]);
         let to_view = DMat3::from_cols(row(&self.x), row(&self.y), row(&self.w)).transpose();
@@ -179,19 +180,20 @@ impl ClipRows {
         eye * to_view.inverse()
     }
 
-    /// The same rows for a view that is `frustum` wide, with planes so far apart that nothing which
-    /// the program's own planes let through is lost.
+    /// Returns the same rows for a view with the opening `frustum`. Its near and far planes are so
+    /// far apart that the view shows all that the program's own planes let through.
     ///
-    /// Many programs fit their near and far planes tightly around what they draw. A view that is
-    /// turned measures depth along its own axis: what lies at the near distance straight ahead of
-    /// the program is nearer by the cosine of the angle to the view's axis. So the view's near
-    /// plane is the program's times the cosine of the view's corner, the far plane the program's
-    /// times the secant of the lens's corner (√3, a cube's, at least). Both follow from E alone:
-    /// depth in normalised device coordinates is `−E + F/d` with `F/near = E − 1`, `F/far = E + 1`
-    /// in OpenGL's default clip range (for a range of 0…1 the planes come out wider still); E ≥ 0
-    /// is a reversed depth, from 1 to 0 where E < 1, from 1 to −1 else. The view's depth is the
-    /// image of that under `depth[0]·z + depth[1]`, exactly the depth of a lens with the wider
-    /// planes.
+    /// Many programs fit their near and far planes tightly around their scene. A turned view
+    /// measures depth along its own axis. A point at the near distance straight ahead of the
+    /// program is nearer in the view, by the cosine of the angle between both axes. So the view's
+    /// near plane is the program's times the cosine of the view's corner. The far plane is the
+    /// program's times the secant of the lens's corner, at least √3 (that of a cube).
+    ///
+    /// Both follow from E alone. Depth in normalised device coordinates is `−E + F/d`, with `F/near
+    /// = E − 1` and `F/far = E + 1` in OpenGL's default clip range; for a range of 0…1 the planes
+    /// come out wider still. E ≥ 0 is a reversed depth: from 1 to 0 if E < 1, else from 1 to −1.
+    /// The view's depth is `depth[0]·z + depth[1]` of this depth z, which is exactly the depth of a
+    /// lens with the wider planes.
     pub fn widened(self, p: &Intrinsics, camera: &CameraAdjustment, frustum: &Frustum) -> Self {
         let corner = |f: &Frustum, zoom: f64| {
             let (x, y) = (f.left.abs().max(f.right.abs()), f.bottom.abs().max(f.top.abs()));
@@ -204,7 +206,7 @@ impl ClipRows {
         };
         let mut near = 1.0 / corner(frustum, 1.0);
         if let (Some(f), true) = (p.f, camera.shift != DVec3::ZERO) {
-            // The eye may have come this much nearer to everything.
+            // The moved eye may be nearer to everything by the length of the shift.
             let distance = f / (at_near + p.e);
             near *= ((distance - camera.shift.length()) / distance).clamp(LEAST_NEAR, 1.0);
         }
@@ -218,15 +220,15 @@ impl ClipRows {
         Self { depth: [scale, at_near - scale * nearest], ..self }
     }
 
-    /// The normalised depth in the program's own picture of what has `depth` in the view;
-    /// `farther`: how many times as far it is along the view's axis as along the program's (w'/w).
-    /// Holds where the eye is not moved.
+    /// Converts a normalised depth in the view to that in the program's own picture. `farther` is
+    /// the distance along the view's axis divided by that along the program's (w'/w). Valid only if
+    /// the eye is not moved.
     pub fn own_depth(&self, depth: f64, farther: f64) -> f64 {
         ((depth - self.depth[1]) / self.depth[0] + self.e) * farther - self.e
     }
 
-    /// The same as one 4×4 matrix (column-major) to be multiplied from the left to the program's
-    /// projection. It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
+    /// Returns the rows as one 4×4 matrix (column-major), to be multiplied from the left to the
+    /// program's projection. It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
     pub fn matrix(&self) -> [f64; 16] {
         let e = self.e;
         let linear = |r: &[f64; 4]| [r[0], r[1], r[3], r[2] + e * r[3]];

@@ -13,18 +13,18 @@ pub struct Sphere {
 
 impl Sphere {
     /// Returns the point at which the ray from `origin` along `direction` (any length but 0) leaves
-    /// the sphere: from inside the only hit, from outside the far one. `None` where the ray misses,
-    /// where the sphere lies behind it, and for a direction that is zero or not finite.
+    /// the sphere. From inside this is the only hit, from outside the far one. Returns `None` if
+    /// the ray misses, if the sphere lies behind it, or if the direction is zero or not finite.
     ///
-    /// The foot of the perpendicular from the centre is found from `o × d`, not from the difference
-    /// of large squares (Haines, Günther, Akenine-Möller, *Ray Tracing Gems* ch. 7), so the error
-    /// relative to the radius is about 1e-16 times (1 + distance of the origin / radius).
+    /// The foot of the perpendicular from the centre is computed from `o × d`, not from the
+    /// difference of large squares (Haines, Günther, Akenine-Möller, *Ray Tracing Gems* ch. 7), so
+    /// the error relative to the radius is about 1e-16 times (1 + distance of the origin / radius).
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         self.hit(origin, direction, 1.0)
     }
 
-    /// Returns the point at which the ray enters the sphere; `None` also from inside, where it
-    /// never does. Accuracy and other cases as for [`Self::far_hit`].
+    /// Returns the point at which the ray enters the sphere. From inside the result is `None`,
+    /// since the ray never enters. Accuracy and other cases are as for [`Self::far_hit`].
     pub fn near_hit(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         if origin.distance_squared(self.center) <= self.radius * self.radius {
             return None;
@@ -37,13 +37,13 @@ impl Sphere {
         point.distance_squared(self.center) <= self.radius * self.radius
     }
 
-    /// The hit on the side of the foot point that `sign` says (1 = far, −1 = near).
+    /// Returns the hit on one side of the foot point. `sign`: 1 = far, −1 = near.
     fn hit(&self, origin: DVec3, direction: DVec3, sign: f64) -> Option<DVec3> {
         let scale = direction.abs().max_element();
         if !(scale > 0.0 && scale.is_finite()) {
             return None;
         }
-        // Scaled first: lengths may neither overflow nor underflow.
+        // Scaled first, so that lengths neither overflow nor underflow.
         let unit = (direction / scale).normalize();
         let from_center = origin - self.center;
         if from_center.length_squared() > self.radius * self.radius && from_center.dot(unit) >= 0.0 {
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn from_far_away_the_hit_is_the_far_one_and_exact() {
-        // A hit is chosen first, then the ray through it, so that the answer is known.
+        // A hit is chosen first, then the ray through it, so that the expected result is known.
         let mut random = Random::new(2);
         let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
         for distance in [2.0, 1e2, 1e4, 1e6] {
@@ -88,8 +88,8 @@ mod tests {
                 let origin = random.direction() * distance;
                 let target = random.direction();
                 let path = target - origin;
-                // Behind the silhouette as seen from the origin: the far side. Grazing rays are
-                // left out.
+                // If positive, the target is on the far side, behind the silhouette as seen from
+                // the origin. Grazing rays are left out.
                 let steep = target.dot(path.normalize());
                 if steep.abs() < 0.05 {
                     continue;

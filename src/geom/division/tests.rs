@@ -42,8 +42,8 @@ fn at(corners: [DVec3; 3], weights: Weights) -> DVec3 {
     corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
 }
 
-/// The greatest error in pixels of any point of the divided triangles that is in the picture, and
-/// how many parts there are.
+/// Returns the greatest error, in pixels, of the points of divided triangles that are in the
+/// picture, and the number of parts.
 fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
     let division = division(map, max_error);
     let mut random = Random::new(seed);
@@ -55,7 +55,8 @@ fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
         assert_eq!(outcome.parts, parts.len());
         all += outcome.parts;
         if outcome.coarse > 0 {
-            // It passes so near to the viewer that it would have to be cut for ever; it is counted.
+            // The triangle passes so near to the viewer that no number of cuts suffices; it is only
+            // counted.
             coarse += 1;
             continue;
         }
@@ -69,7 +70,7 @@ fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
                 let weights = DVec3::new(u, v, 1.0 - u - v);
                 let Place::At(exact) = map.place(at(own, weights)) else { continue };
                 let Some(drawn) = drawn(&map, own, weights) else { continue };
-                // Outside the picture, or the circle of a fisheye, nothing is seen.
+                // Points outside the picture, or outside the circle of a fisheye, are not visible.
                 let inside = match map.lens {
                     PictureLens::Fisheye { .. } => exact.length() < 1.0,
                     PictureLens::Pinhole(_) => exact.abs().max_element() < 1.0,
@@ -91,7 +92,7 @@ fn the_error_follows_the_bound() {
         for max_error in [4.0, 1.0, 0.25] {
             let (worst, all) = worst(map, max_error, 1);
             assert!(worst <= max_error, "{name}: {worst:.3} pixels instead of {max_error}");
-            assert!(worst > 0.2 * max_error, "{name}: {worst:.3} pixels: more is divided than {max_error} needs");
+            assert!(worst > 0.2 * max_error, "{name}: {worst:.3} pixels: more parts than {max_error} needs");
             // A quarter of the error takes about twice as many cuts in both directions.
             assert!(before == 0 || all < 6 * before, "{name}: {all} parts after {before}");
             before = all;
@@ -99,7 +100,7 @@ fn the_error_follows_the_bound() {
     }
 }
 
-/// Negative control: what is not divided misses by far.
+/// Negative control: a triangle that is not divided has a large error.
 #[test]
 fn a_triangle_that_is_not_divided_is_wrong() {
     let division = Division { most: 1, ..division(fisheye(PI), 0.5) };
@@ -130,7 +131,8 @@ fn neighbours_have_no_gap() {
             places
         };
         let (one, other) = (along([a, b, c], 2), along([b, a, d], 2));
-        // Parts that are nowhere near the picture are left out, each with its own neighbours.
+        // Parts far from the picture are not emitted; which ones differs between the triangles. So
+        // only points in the picture are compared.
         let shown = |places: Vec<[f64; 3]>| -> Vec<DVec3> {
             let near = |at: &DVec3| matches!(division.map.place(*at), Place::At(at) if at.abs().max_element() < 1.0);
             places.into_iter().map(DVec3::from_array).filter(near).collect()
@@ -158,10 +160,10 @@ fn areas_and_orders_are_kept() {
 fn what_lies_behind_costs_nothing() {
     let division = division(fisheye(PI), 0.5);
     let behind = [DVec3::new(-0.3, -0.2, 1.0), DVec3::new(0.3, -0.2, 1.0), DVec3::new(0.0, 0.4, 1.0)];
-    let outcome = division.triangle(behind, &mut |_| panic!("nothing of it is seen"));
+    let outcome = division.triangle(behind, &mut |_| panic!("nothing of it is visible"));
     assert_eq!(outcome, Outcome::default());
-    // Around the antipode of a lens that sees everything, what is drawn is divided down to the ring
-    // that is given up.
+    // A fisheye of 360° shows the antipode of its axis as a whole circle. Triangles around the
+    // antipode are divided down to the ring that the map leaves out.
     let whole = Division { map: fisheye(2.0 * PI), most: 100_000, ..division };
     let mut longest = 0.0f64;
     whole.triangle(behind, &mut |part| {
@@ -170,7 +172,7 @@ fn what_lies_behind_costs_nothing() {
             longest = longest.max(a.distance(b)).max(b.distance(c)).max(c.distance(a));
         }
     });
-    assert!(longest > 0.0 && longest < 0.7, "a part reaches over {longest} of half the picture");
+    assert!(longest > 0.0 && longest < 0.7, "longest side of a part: {longest} of half the picture");
 }
 
 #[test]

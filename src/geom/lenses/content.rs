@@ -1,21 +1,21 @@
-//! A picture of directions in a part of a window: what a program shows that projects by itself.
+//! Picture of directions in a part of a window, for programs that project the scene themselves.
 
 use crate::geom::lenses::panorama::Panorama;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Kind of map that a picture is.
+/// Projection of a content picture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum ContentPicture {
     /// Directions around the dome's centre. A fisheye's circle touches all four sides.
     Directions(Panorama),
-    /// A plane before the viewer, who sees its sides under these tangents to the right and upwards.
+    /// A plane in front of the viewer.
     Flat {
-        /// Half its width and height at distance 1.
+        /// Half its width and height at distance 1: tangents to the right and upwards.
         half: DVec2,
     },
 }
 
-/// A rectangle, parts of a window's width and height from the bottom left.
+/// Rectangle of a window, in parts of the window's width and height from the bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Region {
     /// Lower left corner.
@@ -24,19 +24,19 @@ pub struct Region {
     pub size: DVec2,
 }
 
-/// The map from directions to places of a window.
+/// Map from directions to positions in a window.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ContentMap {
-    /// Kind of map that the picture is.
+    /// Projection of the picture.
     pub picture: ContentPicture,
-    /// Viewer axes → the picture's: x right, y up, −z its middle.
+    /// Viewer axes → picture axes: x right, y up, −z through the middle.
     pub rotation: DMat3,
-    /// Place of the picture in the window.
+    /// Rectangle of the picture in the window.
     pub region: Region,
 }
 
 impl ContentPicture {
-    /// Width over height of a picture with square pixels; `None` if every shape will do.
+    /// Width divided by height of a picture with square pixels; `None` if any ratio is possible.
     pub fn aspect(&self) -> Option<f64> {
         match self {
             Self::Directions(Panorama::Fisheye(_)) => Some(1.0),
@@ -47,7 +47,7 @@ impl ContentPicture {
         }
     }
 
-    /// Returns the place of a direction (any length, picture axes) in the picture, −1…1 from the
+    /// Returns the position of a direction (any length, picture axes) in the picture, −1…1 from the
     /// left and from the bottom; `None` if the picture does not show it.
     pub fn place(&self, direction: DVec3) -> Option<DVec2> {
         match self {
@@ -60,22 +60,22 @@ impl ContentPicture {
     }
 }
 
-/// Part of a pixel by which a border that is a whole one may miss it.
+/// Tolerance, in pixels, for a border that is at a whole pixel except for rounding.
 const ROUNDING: f64 = 1e-6;
 
 impl Region {
     /// The whole window.
     pub const WHOLE: Self = Self { origin: DVec2::ZERO, size: DVec2::ONE };
 
-    /// The largest centred rectangle that is `aspect` times as wide as high, in a window that is
-    /// `window` times as wide as high.
+    /// Returns the largest centred rectangle with the ratio `aspect` of width to height, in a
+    /// window with the ratio `window`.
     pub fn fitting(aspect: f64, window: f64) -> Self {
         let size = DVec2::new((aspect / window).min(1.0), (window / aspect).min(1.0));
         Self { origin: 0.5 * (1.0 - size), size }
     }
 
     /// Returns the nearest rectangle of whole pixels, at least one, in a window of this size in
-    /// pixels. Of two it is the left or upper one, as players choose.
+    /// pixels. If two are equally near, it is the left or upper one, as in media players.
     pub fn of_whole_pixels(&self, window: DVec2) -> Self {
         let size = (self.size * window).round().max(DVec2::ONE);
         let corner = self.origin * window;
@@ -83,22 +83,23 @@ impl Region {
         Self { origin: origin.clamp(DVec2::ZERO, window - size) / window, size: size / window }
     }
 
-    /// The part of this rectangle that `part` is of the whole.
+    /// Returns the rectangle whose position and size in this rectangle are those of `part` in the
+    /// whole window.
     pub fn part(&self, part: &Self) -> Self {
         Self { origin: self.origin + part.origin * self.size, size: self.size * part.size }
     }
 }
 
 impl ContentMap {
-    /// Returns the place of a direction (any length, viewer axes) in the window, as parts of its
+    /// Returns the position of a direction (any length, viewer axes) in the window, as parts of its
     /// width and height from the bottom left; `None` if the window does not show it.
     pub fn place(&self, direction: DVec3) -> Option<DVec2> {
         let place = self.picture.place(self.rotation * direction)?;
         Some(self.region.origin + (0.5 + 0.5 * place) * self.region.size)
     }
 
-    /// True if all directions within `reach` radians of one of `directions` are in the picture;
-    /// `false` where that is not clear.
+    /// True if all directions within `reach` radians of any of `directions` are in the picture.
+    /// Also false if this is not certain.
     pub fn surely_shows(&self, directions: &[DVec3], reach: f64) -> bool {
         let ContentPicture::Directions(panorama) = &self.picture else { return false };
         let Some(half) = panorama.half_of_cap() else { return false };

@@ -51,8 +51,8 @@ pub struct FisheyePolynomials {
     pub sine: Vec<f64>,
     /// Coefficients of C, the constant first.
     pub cosine: Vec<f64>,
-    /// Greatest distance of the fitted vector from the exact unit vector over the whole disc, i.e.
-    /// radians.
+    /// Greatest distance of the fitted vector from the exact unit vector over the whole disc; that
+    /// is an angle in radians.
     pub residual: f64,
 }
 
@@ -76,7 +76,7 @@ pub struct RadialForm {
     pub sine: Vec<f64>,
     /// Coefficients of C, the constant first.
     pub cosine: Vec<f64>,
-    /// Number that is subtracted under the root.
+    /// Factor of s under the root.
     pub squeeze: f64,
     /// Factor of the root in the part across the axis.
     pub sine_root: f64,
@@ -84,11 +84,11 @@ pub struct RadialForm {
     pub cosine_root: f64,
 }
 
-/// Most coefficients of each of [`RadialForm`]'s polynomials.
+/// Greatest number of coefficients of each polynomial of [`RadialForm`].
 pub const MOST_COEFFICIENTS: usize = 8;
 
 impl RadialForm {
-    /// The form of a lens; `None` where no polynomials of [`MOST_COEFFICIENTS`] come within
+    /// Returns the form of a lens; `None` if no polynomials of [`MOST_COEFFICIENTS`] come within
     /// [`FISHEYE_RESIDUAL_PIXELS`].
     pub fn of(lens: &FisheyeLens) -> Option<Self> {
         let polynomials = |sine, cosine| Self { sine, cosine, squeeze: 0.0, sine_root: 0.0, cosine_root: 0.0 };
@@ -108,7 +108,7 @@ impl RadialForm {
                 Some(Self { squeeze: rim * rim, cosine_root: 1.0, ..polynomials(vec![rim], vec![0.0]) })
             }
             Projection::Equidistant | Projection::Polynomial(_) | Projection::Measured(_) => {
-                // The narrowest pixel decides what is allowed.
+                // The narrowest pixel decides the allowed error.
                 let pixel = samples(1.0).map(|s| lens.slope(s.sqrt())).fold(f64::INFINITY, f64::min) * 2.0 / 4096.0;
                 let allowed = 0.5 * FISHEYE_RESIDUAL_PIXELS * pixel;
                 let angle = |s: f64| lens.angle(s.sqrt());
@@ -126,7 +126,8 @@ impl RadialForm {
         }
     }
 
-    /// The direction at a point of the unit disc, as the shader computes it, any length.
+    /// Returns the direction, of any length, at a point of the unit disc, as the shader computes
+    /// it.
     pub fn direction(&self, point: DVec2) -> DVec3 {
         let s = point.length_squared();
         let root = (1.0 - self.squeeze * s).max(0.0).sqrt();
@@ -140,7 +141,7 @@ impl RadialForm {
 pub fn sine_cosine_polynomials(aperture: f64) -> FisheyePolynomials {
     let limit = 0.5 * aperture;
     let end = limit * limit;
-    // Each of the two takes at most half of what is allowed.
+    // Each of the two polynomials gets half of the allowed error.
     let allowed = 0.5 * FISHEYE_RESIDUAL_PIXELS * aperture / 4096.0;
     let sine = fit(end, allowed, sine_quotient, |s| s.sqrt());
     let cosine = fit(end, allowed, |s| s.sqrt().cos(), |_| 1.0);
@@ -159,13 +160,13 @@ fn sine_quotient(s: f64) -> f64 {
     if root > 0.0 { root.sin() / root } else { 1.0 }
 }
 
-/// Angles at which a fit over 0…`end` is judged, dense enough that no extremum of the error is
-/// missed between them.
+/// Values of s at which a fit over 0…`end` is checked, dense enough that no extremum of the error
+/// is missed between them.
 fn samples(end: f64) -> impl Iterator<Item = f64> {
     (0..=2000).map(move |i| end * f64::from(i) / 2000.0)
 }
 
-/// The lowest degree whose error, times `weight`, stays within `allowed`.
+/// Returns the polynomial of lowest degree whose error, times `weight`, stays within `allowed`.
 fn fit(end: f64, allowed: f64, function: impl Fn(f64) -> f64, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     // Degree 12 reaches the rounding of f64 for the widest aperture.
     for degree in 1..12 {
@@ -178,7 +179,8 @@ fn fit(end: f64, allowed: f64, function: impl Fn(f64) -> f64, weight: impl Fn(f6
     interpolate(end, 12, &function)
 }
 
-/// The polynomial (in powers of s) that agrees with `function` at the Chebyshev nodes of 0…`end`.
+/// Returns the polynomial (in powers of s) that agrees with `function` at the Chebyshev nodes of
+/// 0…`end`.
 fn interpolate(end: f64, degree: usize, function: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = degree + 1;
     let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / count as f64;
@@ -246,17 +248,18 @@ mod tests {
             let lens = FisheyeLens { projection, aperture };
             let form = RadialForm::of(&lens).expect("has one");
             for step in 0..=1_000 {
-                // Up to the rim but for a thousandth: there the roots are lost in rounding.
+                // The outermost thousandth is left out: near the rim the roots are lost in
+                // rounding.
                 let radius = 0.999 * f64::from(step) / 1_000.0;
                 let point = DVec2::from_angle(0.7) * radius;
                 let (found, exact) = (form.direction(point).normalize(), lens.direction(point).expect("inside"));
-                // At the rim of 360° and of an orthographic half sphere a pixel has no definite
+                // At the rim of 360° and of an orthographic half sphere a pixel can cover any
                 // angle.
                 let pixel = lens.slope(radius).min(1e3) * 2.0 / 4096.0;
                 assert!(found.distance(exact) <= allowed * pixel.max(1e-3), "{lens:?} {radius}: {found} {exact}");
             }
         }
-        // What has no exact form is fitted as closely, or left to a table.
+        // Lenses without an exact form are fitted as closely, or have no form (they use a table).
         let curve = Projection::Measured(Arc::new(curve));
         for projection in [curve, Projection::Polynomial([1.0, -0.05, 0.002, 0.0]), Projection::Equidistant] {
             let lens = FisheyeLens { projection, aperture: 3.0 };
@@ -331,7 +334,7 @@ mod tests {
                 let exact = lens.direction(x, 0.0).unwrap_or_default();
                 assert!(v.distance(exact) <= fitted.residual * 1.01 + 1e-16);
             }
-            // Negative control: the polynomials of a narrower lens do not serve a wider one.
+            // Negative control: the polynomials of a narrower lens are wrong for a wider one.
             if aperture > 1.0 {
                 let narrow = sine_cosine_polynomials(0.6 * aperture);
                 let s = 0.25 * aperture * aperture;

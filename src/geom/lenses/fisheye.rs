@@ -11,12 +11,12 @@ use std::sync::Arc;
 pub struct FisheyeLens {
     /// Radius as a function of the angle.
     pub projection: Projection,
-    /// Whole opening angle, radians; the circle's rim lies at half of it.
+    /// Full opening angle, radians. The rim of the circle is at half of it.
     pub aperture: f64,
 }
 
-/// Growth of the radius in a fisheye's picture with the angle θ from its axis (scale apart: the rim
-/// has radius 1).
+/// Radius in a fisheye's picture as a function of the angle θ from its axis. The scale is free: the
+/// rim has radius 1.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Projection {
     /// θ.
@@ -27,17 +27,18 @@ pub enum Projection {
     Stereographic,
     /// sin θ.
     Orthographic,
-    /// f₁θ + f₃θ³ + f₅θ⁵ + f₇θ⁷, growing over the whole aperture.
+    /// f₁θ + f₃θ³ + f₅θ⁵ + f₇θ⁷, increasing over the whole aperture.
     Polynomial([f64; 4]),
     /// A measured curve of radius over angle, from its first node to its last.
     Measured(Arc<Curve>),
 }
 
-/// Steps of an iteration that doubles its digits, with room to spare, and of one that only halves.
+/// Number of steps of the search for an angle, enough for bisection alone. Newton's method, which
+/// doubles the digits in each step, needs far fewer.
 const STEPS: usize = 60;
 
 impl Projection {
-    /// The greatest aperture that the projection has a picture for, radians.
+    /// Returns the greatest aperture for which the projection has a picture, radians.
     pub fn widest(&self) -> f64 {
         match self {
             Self::Orthographic => PI,
@@ -48,7 +49,7 @@ impl Projection {
         }
     }
 
-    /// The radius at an angle, in the projection's own scale, and its derivative.
+    /// Returns the radius at an angle, in the projection's own scale, and its derivative.
     fn radius(&self, angle: f64) -> (f64, f64) {
         let half = 0.5 * angle;
         match self {
@@ -65,7 +66,7 @@ impl Projection {
         }
     }
 
-    /// The angle at a radius in the projection's own scale; `limit` is the greatest angle.
+    /// Returns the angle at a radius in the projection's own scale; `limit` is the greatest angle.
     fn angle(&self, radius: f64, limit: f64) -> f64 {
         match self {
             Self::Equidistant => radius,
@@ -73,7 +74,8 @@ impl Projection {
             Self::Stereographic => 2.0 * radius.atan(),
             Self::Orthographic => radius.min(1.0).asin(),
             Self::Polynomial(_) | Self::Measured(_) => {
-                // Newton's method within a bracket that halves where it would leave it.
+                // Newton's method within a bracket. A step that would leave the bracket halves it
+                // instead.
                 let (mut low, mut high) = (0.0, limit);
                 let mut angle = 0.5 * limit;
                 for _ in 0..STEPS {
@@ -104,23 +106,23 @@ impl FisheyeLens {
         (0..SAMPLES).all(|i| slope(i) > 0.0)
     }
 
-    /// The radius at an angle from the axis, radians, in the projection's own scale.
+    /// Returns the radius at an angle from the axis, radians, in the projection's own scale.
     pub fn radius(&self, angle: f64) -> f64 {
         self.projection.radius(angle).0
     }
 
-    /// The angle from the axis at a radius (1 = rim), radians.
+    /// Returns the angle from the axis, radians, at a radius (1 = rim).
     pub fn angle(&self, radius: f64) -> f64 {
         let limit = 0.5 * self.aperture;
         self.projection.angle(radius * self.projection.radius(limit).0, limit)
     }
 
-    /// Slope of the angle there, radians per radius of the circle.
+    /// Returns the derivative of the angle at a radius (1 = rim), radians per radius of the circle.
     pub fn slope(&self, radius: f64) -> f64 {
         self.projection.radius(0.5 * self.aperture).0 / self.projection.radius(self.angle(radius)).1
     }
 
-    /// The unit ray at a point of the unit disc; `None` outside of it and for NaN.
+    /// Returns the unit ray of a point of the unit disc; `None` outside the disc and for NaN.
     pub fn direction(&self, point: DVec2) -> Option<DVec3> {
         let radius = point.length();
         if radius.is_nan() || radius > 1.0 {
@@ -131,8 +133,8 @@ impl FisheyeLens {
         Some(across.extend(-cosine))
     }
 
-    /// The point of the unit disc that shows a direction of any length; `None` beyond the aperture.
-    /// The antipode of the axis is put on the right.
+    /// Returns the point of the unit disc that shows a direction of any length; `None` beyond the
+    /// aperture. The antipode of the axis gets the rightmost point.
     pub fn point(&self, direction: DVec3) -> Option<DVec2> {
         let across = direction.truncate();
         let angle = across.length().atan2(-direction.z);

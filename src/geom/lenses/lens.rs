@@ -1,8 +1,8 @@
-//! Lenses: pinholes, perhaps with Brown–Conrady distortion and keystone, and fisheyes.
+//! Lenses: pinholes, optionally with Brown–Conrady distortion and keystone, and fisheyes.
 //!
-//! Pictures are measured in −1…1 from left to right and from bottom to top, rays in lens axes (x
-//! right, y up, −z ahead). Both directions are f64; where one of them has no closed form it is
-//! iterated to rounding, and a point at which the iteration does not arrive has no ray.
+//! Positions in a picture are −1…1 from left to right and from bottom to top. Rays are in lens axes
+//! (x right, y up, −z ahead). Both conversions are computed in f64. A conversion without a closed
+//! form is iterated down to rounding; a point at which the iteration does not converge has no ray.
 
 use crate::geom::{FisheyeLens, Frustum, homography};
 use glam::{DMat3, DVec2, DVec3};
@@ -12,29 +12,30 @@ use glam::{DMat3, DVec2, DVec3};
 pub enum Lens {
     /// A pinhole, perhaps distorted.
     Pinhole {
-        /// The opening of the picture as it is projected, tangents.
+        /// Opening of the projected picture, tangents.
         frustum: Frustum,
         /// Distortion of tangents by the lens.
         distortion: Distortion,
-        /// Distortion that the projector applies before the lens: picture as it is sent, `(x, y,
-        /// 1)`, → picture as it fills the opening, homogeneous ([`homography::from_corners`]).
+        /// Distortion that the projector applies before the lens: the picture that it receives,
+        /// `(x, y, 1)`, → the picture that fills the opening, homogeneous
+        /// ([`homography::from_corners`]).
         keystone: DMat3,
     },
     /// A fisheye.
     Fisheye {
         /// The lens.
         lens: FisheyeLens,
-        /// Place of its circle in the picture.
+        /// Position and size of its circle in the picture.
         circle: Circle,
     },
 }
 
-/// Place of a fisheye's circle in a picture.
+/// Position and size of a fisheye's circle in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum Circle {
-    /// As large as it fits, in the middle.
+    /// The largest that fits, in the middle.
     Inscribed,
-    /// Anywhere, of any size; an ellipse for a lens that squeezes (anamorphic).
+    /// At any position, of any size; an ellipse for an anamorphic lens.
     Placed {
         /// Its centre, picture coordinates (−1…1).
         center: DVec2,
@@ -44,7 +45,7 @@ pub enum Circle {
 }
 
 impl Circle {
-    /// Picture coordinates → units of the circle's radius.
+    /// Converts picture coordinates to units of the circle's radius.
     pub fn to_disc(&self, picture: DVec2, aspect: f64) -> DVec2 {
         let (center, half) = self.placed(aspect);
         (picture - center) / half
@@ -65,8 +66,8 @@ impl Circle {
 }
 
 /// Radial and tangential distortion of a pinhole's tangents after Brown (1966) and Conrady (1919):
-/// `(x, y)·(1 + k₁r² + k₂r⁴ + k₃r⁶) + (2p₁xy + p₂(r² + 2x²), p₁(r² + 2y²) + 2p₂xy)` is where the
-/// ray `(x, y, −1)` appears.
+/// `(x, y)·(1 + k₁r² + k₂r⁴ + k₃r⁶) + (2p₁xy + p₂(r² + 2x²), p₁(r² + 2y²) + 2p₂xy)` is the point at
+/// which the ray `(x, y, −1)` appears.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Distortion {
     /// k₁, k₂, k₃.
@@ -75,19 +76,19 @@ pub struct Distortion {
     pub tangential: [f64; 2],
 }
 
-/// Steps of an iteration that doubles its digits, with room to spare.
+/// Greatest number of steps of Newton's method, which doubles the digits in each step.
 const NEWTON_STEPS: usize = 30;
 /// Tolerance of the search for an undistorted tangent: greatest distance of its image from the
 /// point asked for.
 const ARRIVED: f64 = 1e-13;
 
 impl Distortion {
-    /// No distortion.
+    /// True if there is no distortion.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Returns the place of the ray `(x, y, −1)`, and the derivatives by x and by y.
+    /// Returns the point at which the ray `(x, y, −1)` appears, and the derivatives by x and by y.
     pub fn apply(&self, tangent: DVec2) -> (DVec2, [DVec2; 2]) {
         let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
         let DVec2 { x, y } = tangent;
@@ -101,8 +102,9 @@ impl Distortion {
         (tangent * radial + bent, [by_x, by_y])
     }
 
-    /// The tangent whose image is `image`, to 1e-13; `None` where Newton's method does not arrive,
-    /// or arrives where the picture is folded over (the derivative's determinant is not positive).
+    /// Returns the tangent whose image is `image`, to 1e-13. `None` if Newton's method does not
+    /// converge, or converges where the picture is folded over (the derivative's determinant is not
+    /// positive).
     pub fn undo(&self, image: DVec2) -> Option<DVec2> {
         let allowed = ARRIVED * image.abs().max_element().max(1.0);
         let mut tangent = image;
@@ -128,8 +130,8 @@ impl Lens {
         Self::Pinhole { frustum, distortion: Distortion::default(), keystone: DMat3::IDENTITY }
     }
 
-    /// The rays of an ideal pinhole, with keystone or without: `(x, y, 1)` → ray in lens axes;
-    /// `None` for other lenses.
+    /// Returns the rays of an ideal pinhole, with keystone or without: `(x, y, 1)` → ray in lens
+    /// axes; `None` for other lenses.
     pub fn linear_rays(&self) -> Option<DMat3> {
         match self {
             Self::Pinhole { frustum, distortion, keystone } if distortion.is_none() => Some(frustum.rays() * *keystone),
@@ -137,8 +139,8 @@ impl Lens {
         }
     }
 
-    /// The ray (any length) of a point of a picture whose width is `aspect` times its height;
-    /// `None` where there is none.
+    /// Returns the ray (any length) of a point of a picture whose width is `aspect` times its
+    /// height; `None` if the point has no ray.
     pub fn ray(&self, picture: DVec2, aspect: f64) -> Option<DVec3> {
         match self {
             Self::Pinhole { frustum, distortion, keystone } => {
@@ -149,14 +151,14 @@ impl Lens {
         }
     }
 
-    /// Returns the place of a ray of any length in the picture, perhaps outside −1…1: the inverse
-    /// of [`Self::ray`].
+    /// Returns the position of a ray of any length in the picture, possibly outside −1…1: the
+    /// inverse of [`Self::ray`].
     pub fn picture(&self, ray: DVec3, aspect: f64) -> Option<DVec2> {
         match self {
             Self::Pinhole { frustum, distortion, keystone } => {
                 let tangent = ray.truncate() / -ray.z;
                 let image = distortion.apply(tangent).0;
-                // Beyond the fold of the distortion another ray has this place.
+                // Beyond the fold of the distortion this position belongs to another ray.
                 let own = distortion.is_none() || distortion.undo(image).is_some_and(|t| t.distance(tangent) < 1e-9);
                 let at = frustum.picture() * image.extend(-1.0);
                 if ray.z < 0.0 && own { homography::apply(&keystone.inverse(), at.truncate() / at.z) } else { None }

@@ -1,10 +1,10 @@
-//! Lenses: from a direction to a place in a picture and back.
+//! Lenses: conversion of a direction to a position in a picture, and back.
 //!
-//! `projection` has the formulas of fisheye lenses; `lens` is any lens of a projector or of the
-//! program, `optics` such a lens in its place, perhaps before a mirror, `panorama` a picture of all
-//! directions, `content` one in a part of a window. `pinhole_rays` are the rays of a pinhole before
-//! a screen with a formula. For shaders: `fisheye` has polynomials of the ideal fisheye,
-//! `picture_map` the way from a vertex to a picture.
+//! `fisheye` has the formulas of fisheye lenses. `lens` is any lens of a projector or of the
+//! program. `optics` is such a lens with its position and direction, and optionally a mirror.
+//! `panorama` is a picture of all directions, `content` one in a part of a window. `pinhole_rays`
+//! are the rays of a pinhole in front of a screen with a formula. For shaders, `equidistant` has
+//! polynomials of fisheyes, and `picture_map` converts a vertex to a position in a picture.
 
 pub mod content;
 pub mod equidistant;

@@ -1,26 +1,26 @@
-//! A projector with any lens, perhaps before a convex spherical mirror.
+//! A projector with any lens, optionally in front of a convex spherical mirror.
 
 use crate::geom::{Lens, Pose, Sphere};
 use glam::{DVec2, DVec3};
 
-/// Optics of a projector: its lens, and perhaps a mirror.
+/// Optics of a projector: its lens, and optionally a mirror.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Optics {
     /// Position and orientation of the lens, in dome axes.
     pub pose: Pose,
     /// The lens.
     pub lens: Lens,
-    /// The outside of a sphere that reflects the light; rays that miss it light nothing.
+    /// Sphere whose outside reflects the light. Rays that miss it light nothing.
     pub mirror: Option<Sphere>,
 }
 
-/// Halvings of an angle: down to the rounding of f64.
+/// Number of halvings of an angle, down to the rounding of f64.
 const HALVINGS: usize = 60;
 
 impl Optics {
-    /// Returns the point from which the light of a point of the picture (−1…1 both ways; its width
-    /// is `aspect` times its height) sets out for the screen, and its direction (any length);
-    /// `None` where the lens has no ray or the mirror is missed.
+    /// Returns the start and the direction (any length) of the ray from the projector to the screen
+    /// for a point of the picture (−1…1 both ways; its width is `aspect` times its height). `None`
+    /// if the lens has no ray or the ray misses the mirror.
     pub fn ray(&self, picture: DVec2, aspect: f64) -> Option<(DVec3, DVec3)> {
         let direction = self.pose.direction_to_parent(self.lens.ray(picture, aspect)?);
         let Some(mirror) = self.mirror else { return Some((self.pose.position, direction)) };
@@ -29,8 +29,8 @@ impl Optics {
         Some((point, direction - normal * (2.0 * direction.dot(normal))))
     }
 
-    /// Returns the place in the picture (perhaps outside −1…1) of a point that the light may reach:
-    /// the inverse of following [`Self::ray`]. `None` where no light goes there.
+    /// Returns the position in the picture (possibly outside −1…1) of a point in space: the inverse
+    /// of following [`Self::ray`]. `None` if no light goes there.
     pub fn picture(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
         let aim = match &self.mirror {
             Some(mirror) => self.reflection(mirror, point)?,
@@ -39,7 +39,7 @@ impl Optics {
         self.lens.picture(self.pose.direction_to_local(aim - self.pose.position), aspect)
     }
 
-    /// The point of the mirror that reflects light to `point`: the problem of Alhazen.
+    /// Returns the point of the mirror that reflects light to `point` (Alhazen's problem).
     ///
     /// It lies in the plane of lens, mirror centre and point, at an angle φ from the lens. The
     /// angle of incidence grows and the angle of reflection falls with φ, so halving finds where
@@ -60,7 +60,7 @@ impl Optics {
             if slant(a, middle) < slant(b, opening - middle) { low = middle } else { high = middle }
         }
         let angle = 0.5 * (low + high);
-        // Seen from behind the mirror's outline there is no reflection.
+        // Behind the mirror's outline there is no reflection.
         let lit = slant(a, angle) < std::f64::consts::FRAC_PI_2;
         lit.then(|| mirror.center + (axis * angle.cos() + across * angle.sin()) * mirror.radius)
     }
@@ -94,7 +94,7 @@ mod tests {
             assert!((incoming.dot(normal) + outgoing.dot(normal)).abs() < 1e-13, "equal angles");
             assert!(incoming.cross(outgoing).dot(normal).abs() < 1e-13, "in one plane");
             let Some(hit) = dome.far_hit(point, direction) else { panic!("inside the dome") };
-            // Grazing light is ill-conditioned: the square root of rounding.
+            // Grazing light is ill-conditioned: the error is the square root of rounding.
             if outgoing.dot(normal) > 0.02 {
                 let back = optics.picture(hit, 1.5).expect("lit");
                 assert!(back.distance(picture) < 1e-10, "{picture} {back}");

@@ -16,9 +16,9 @@ pub enum Panorama {
     Equirectangular(Span),
     /// Longitude across in equal steps; heights as on the wall of a cylinder.
     Cylindrical(Span),
-    /// The six faces of a cube, side by side: right, left, up, down, front, back. Each is what a
-    /// viewer sees who turns there by the shortest way from the front (to the back by way of the
-    /// right).
+    /// The six faces of a cube, side by side: right, left, up, down, front, back. Each face is the
+    /// picture of a viewer who turns to it by the shortest way from the front (to the back by way
+    /// of the right).
     CubeStrip,
 }
 
@@ -57,8 +57,8 @@ impl Span {
 }
 
 impl Panorama {
-    /// The unit direction at a point of a picture (−1…1 both ways) whose width is `aspect` times
-    /// its height; `None` where nothing is shown.
+    /// Returns the unit direction at a point of a picture (−1…1 both ways) whose width is `aspect`
+    /// times its height; `None` if nothing is shown there.
     pub fn direction(&self, picture: DVec2, aspect: f64) -> Option<DVec3> {
         if !(picture.abs().cmple(DVec2::ONE).all() && aspect > 0.0) {
             return None;
@@ -86,8 +86,8 @@ impl Panorama {
         }
     }
 
-    /// Returns the place of a direction of any length; `None` where the picture does not show it. A
-    /// direction at which a picture is torn is put on one of the sides.
+    /// Returns the position of a direction of any length; `None` if the picture does not show it. A
+    /// direction on a seam of the picture gets a position on one of the sides.
     pub fn picture(&self, direction: DVec3, aspect: f64) -> Option<DVec2> {
         match self {
             Self::Fisheye(lens) => Some(Circle::Inscribed.to_picture(lens.point(direction)?, aspect)),
@@ -113,8 +113,8 @@ impl Panorama {
         }
     }
 
-    /// The nominal angle of a pixel of a picture of `size` pixels, radians: of its width or its
-    /// height, whichever is less.
+    /// Returns the nominal angle of a pixel of a picture of `size` pixels, radians: of its width or
+    /// its height, whichever is less.
     pub fn pixel(&self, size: (u32, u32)) -> f64 {
         let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
         match self {
@@ -126,8 +126,9 @@ impl Panorama {
         }
     }
 
-    /// Half the opening, radians, of a cone around the middle in which all directions are shown;
-    /// infinite where all are, `None` where there is no simple one.
+    /// Returns half the opening, radians, of a cone around the middle whose directions are all in
+    /// the picture. Infinite if the picture shows all directions, `None` if there is no simple
+    /// cone.
     pub fn half_of_cap(&self) -> Option<f64> {
         let is_whole = |span: &Span| span.width >= TAU && span.top >= FRAC_PI_2 && span.bottom <= -FRAC_PI_2;
         match self {
@@ -148,7 +149,8 @@ fn longitude(direction: DVec3, span: &Span) -> f64 {
     direction.x.atan2(-direction.z) / (0.5 * span.width)
 }
 
-/// A place in the picture, its sides included however they are rounded.
+/// Returns a position if it is in the picture. The sides belong to the picture, also after
+/// rounding.
 fn within(picture: DVec2) -> Option<DVec2> {
     const ROUNDING: f64 = 1e-12;
     let inside = picture.abs().cmple(DVec2::splat(1.0 + ROUNDING)).all();
@@ -199,7 +201,7 @@ mod tests {
             assert!((panorama.pixel((1920, 640)) / expected - 1.0).abs() < 1e-12, "{panorama:?}");
         }
         let [_, equirectangular, ..] = all();
-        // Side by side in the middle.
+        // Two neighbouring pixels in the middle.
         let at = |x: f64| equirectangular.direction(DVec2::new(x, 0.0), 3.0).expect("shown");
         let apart = at(0.0).cross(at(2.0 / 1920.0)).length().asin();
         assert!((apart / equirectangular.pixel((1920, 640)) - 1.0).abs() < 1e-6, "{apart}");

@@ -1,10 +1,10 @@
 //! Place of a vertex in an output's picture: the inverse of an output's map, for programs whose
-//! vertices are projected straight to the output.
+//! vertices are projected directly to the output.
 //!
-//! After Kooima, Roberts & SubbaRao (2008), figure 3: the vertex as the viewer sees it lies behind
-//! a point of the dome, and that point lies somewhere in the picture of the projector (or of the
-//! fisheye at the dome's centre) that lights it. No arc cosine is taken: near the axis and near its
-//! antipode it would lose half of the digits.
+//! After Kooima, Roberts & SubbaRao (2008), figure 3: the line from the viewer to the vertex meets
+//! the dome in a point. The place is the position of this point in the picture of the projector (or
+//! of the fisheye at the dome's centre) that lights it. No arc cosine is used: near the axis and
+//! near its antipode it would lose half of the digits.
 
 use crate::geom::Frustum;
 use glam::{DVec2, DVec3};
@@ -26,12 +26,12 @@ pub struct PictureMap {
 pub enum PictureLens {
     /// An equidistant fisheye.
     Fisheye {
-        /// Whole opening angle, radians, 0 < aperture ≤ 2π.
+        /// Full opening angle, radians, 0 < aperture ≤ 2π.
         aperture: f64,
         /// Half the width and height of its circle in the picture.
         circle: DVec2,
-        /// Width and height of the picture in pixels; near the antipode of the axis they say what
-        /// is too small to see.
+        /// Width and height of the picture in pixels. They give the size of the ring around the
+        /// antipode of the axis that is left out.
         pixels: DVec2,
     },
     /// A pinhole with this opening.
@@ -41,19 +41,19 @@ pub enum PictureLens {
 /// Place of a vertex in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// At this point of the picture, which reaches from −1 to 1; finite.
+    /// At this finite point; the picture reaches from −1 to 1.
     At(DVec2),
-    /// Nowhere near the picture (behind a pinhole, around the antipode of a fisheye's axis): at
+    /// Not near the picture (behind a pinhole, around the antipode of a fisheye's axis): at
     /// infinity in this direction, of any length.
     Beyond(DVec2),
 }
 
-/// Directions with less than this part of their length along a pinhole's axis are beyond its
-/// picture: 87° off it.
+/// Least component along a pinhole's axis, as a part of the length. Directions with less (87° off
+/// the axis) are beyond its picture.
 pub const LEAST_AHEAD: f64 = 0.05;
 
-/// Pixels of a fisheye's rim that are given up where it shows the antipode of its axis as a whole
-/// circle.
+/// Width, in pixels, of the ring that is left out where a fisheye shows the antipode of its axis as
+/// a whole circle.
 const GIVEN_UP: f64 = 1.0;
 
 impl PictureMap {
@@ -68,8 +68,8 @@ impl PictureMap {
         lens && self.viewer.is_finite() && self.position.is_finite()
     }
 
-    /// The direction from the lens, lens axes, any length, to the point of the dome in which the
-    /// viewer sees a vertex in `direction` (lens axes, any length but 0).
+    /// Returns the direction from the lens (lens axes, any length) to the point of the dome where
+    /// the viewer sees a vertex in `direction` (lens axes, any length but 0).
     pub fn from_lens(&self, direction: DVec3) -> DVec3 {
         let unit = direction.normalize_or_zero();
         let along = self.viewer.dot(unit);
@@ -85,7 +85,7 @@ impl PictureMap {
             PictureLens::Fisheye { aperture, circle, .. } => {
                 let across = ray.truncate();
                 let sine = across.length();
-                // A zero with its sign would lie behind.
+                // Subtraction instead of negation: −0 would make the angle π.
                 let angle = sine.atan2(0.0 - ray.z);
                 if angle > self.limit() {
                     // The antipode itself has no direction.
@@ -95,7 +95,7 @@ impl PictureMap {
                 Place::At(across * (2.0 * part / aperture) * circle)
             }
             PictureLens::Pinhole(frustum) => {
-                // Also where there is no direction: a vertex at the eye, which is at the lens.
+                // True also for the zero vector: a vertex at the viewer, who is at the lens.
                 if -ray.z <= LEAST_AHEAD * ray.length() {
                     return Place::Beyond(ray.truncate().try_normalize().unwrap_or(DVec2::X));
                 }
@@ -105,8 +105,8 @@ impl PictureMap {
         }
     }
 
-    /// The place, −1…1, at which the picture shows what the viewer sees in `direction`; `None`
-    /// where that is outside of it.
+    /// Returns the position (−1…1) at which the picture shows what the viewer sees in `direction`;
+    /// `None` if it is outside the picture.
     pub fn shown(&self, direction: DVec3) -> Option<DVec2> {
         let Place::At(at) = self.place(direction) else { return None };
         let inside = match self.lens {
@@ -116,8 +116,9 @@ impl PictureMap {
         inside.then_some(at)
     }
 
-    /// The angle from the axis, radians, from which on directions are beyond the picture: for a
-    /// fisheye half-way from its rim to the antipode of the axis, and a pixel from that at most.
+    /// Returns the angle from the axis, radians, beyond which directions are beyond the picture.
+    /// For a fisheye it is half-way from the rim to the antipode of the axis, but at least a pixel
+    /// from the antipode.
     pub fn limit(&self) -> f64 {
         match self.lens {
             PictureLens::Fisheye { aperture, circle, pixels } => {
@@ -140,7 +141,7 @@ mod tests {
         PictureLens::Fisheye { aperture, circle: DVec2::ONE, pixels: DVec2::splat(pixels) }
     }
 
-    /// Against the map of the correction, which goes the other way: pixel, ray, dome, viewer.
+    /// Compares with the map of the correction, which goes the other way: pixel, ray, dome, viewer.
     #[test]
     fn it_is_the_inverse_of_a_projector_s_closed_form() {
         let mut random = Random::new(21);
@@ -199,14 +200,14 @@ mod tests {
         assert_eq!(hemisphere.place(DVec3::ZERO), Place::At(DVec2::ZERO));
         assert_eq!(hemisphere.place(DVec3::Z), Place::Beyond(DVec2::X));
         assert!(matches!(hemisphere.place(DVec3::new(0.0, -0.1, 1.0)), Place::Beyond(at) if at.y < 0.0));
-        // Of all directions a ring of a pixel is given up.
+        // A fisheye of all directions leaves out a ring of one pixel.
         let whole = PictureMap { lens: square(2.0 * PI, 1024.0), ..hemisphere };
         assert!((PI - whole.limit() - PI / 512.0).abs() < 1e-12);
         let pinhole = PictureMap { lens: PictureLens::Pinhole(Frustum::symmetric(1.0, 1.0)), ..hemisphere };
         assert!(matches!(pinhole.place(DVec3::new(1.0, 0.0, 0.2)), Place::Beyond(at) if at == DVec2::X));
         assert!(matches!(pinhole.place(DVec3::new(1.0, 0.0, -0.2)), Place::At(_)));
         let at_the_eye = PictureMap { position: DVec3::NEG_Z, viewer: DVec3::NEG_Z, ..pinhole };
-        assert_eq!(at_the_eye.place(DVec3::ZERO), Place::Beyond(DVec2::X), "no number is none");
+        assert_eq!(at_the_eye.place(DVec3::ZERO), Place::Beyond(DVec2::X), "the zero vector has no place");
     }
 
     /// Single-pass spherical projection as it was published in 2014: two arc cosines, in 32 bits.
@@ -219,7 +220,7 @@ mod tests {
         [theta * azimuth.cos(), theta * azimuth.sin()].map(|part| part / std::f32::consts::FRAC_PI_2)
     }
 
-    /// Place of a direction as our shaders compute it, in 32 bits.
+    /// Place of a direction as Cupola's shaders compute it, in 32 bits.
     fn ours(v: [f32; 3]) -> [f32; 2] {
         let [x, y, z] = v;
         let h = (x * x + y * y).sqrt();
@@ -236,7 +237,8 @@ mod tests {
         [x * part, y * part]
     }
 
-    /// Greatest error in pixels of a picture 1080 wide, and how many results are no numbers.
+    /// Returns the greatest error, in pixels of a picture 1080 wide, and the number of results that
+    /// are not finite.
     fn judged(project: fn([f32; 3]) -> [f32; 2], directions: &[[f32; 3]]) -> (f64, usize) {
         let lens = Fisheye { aperture: PI };
         let (mut worst, mut none) = (0.0f64, 0);
@@ -267,14 +269,14 @@ mod tests {
         directions.push([0.0, 0.0, 1.0]);
         let directions: Vec<[f32; 3]> = directions.into_iter().map(|v| v.map(|part| part as f32)).collect();
         let (worst, none) = judged(recipe, &directions);
-        assert!(none > directions.len() / 100 && worst > 0.1, "{worst} pixels, {none} no numbers");
+        assert!(none > directions.len() / 100 && worst > 0.1, "{worst} pixels, {none} not finite");
         let (worst, none) = judged(ours, &directions);
-        assert!(none == 0 && worst < 1e-3, "{worst} pixels, {none} no numbers");
+        assert!(none == 0 && worst < 1e-3, "{worst} pixels, {none} not finite");
     }
 
-    /// Two arc cosines in 32 bits over a whole picture of a projector, with a given arc cosine: the
-    /// greatest distance in pixels of what a pixel samples from what it should show, and how many
-    /// pixels have no number.
+    /// Applies the published formula in 32 bits to a whole picture of a projector, with a given arc
+    /// cosine. Returns the greatest distance, in pixels, between the point that a pixel samples and
+    /// the point that it should show, and the number of pixels whose results are not finite.
     fn recipe_of_a_projector(arc_cosine: fn(f32) -> f32, pixels: (u32, u32)) -> (f64, usize) {
         let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
         let map = PictureMap {
@@ -317,17 +319,17 @@ mod tests {
         FRAC_PI_2 - x.signum() * (FRAC_PI_2 - (1.0 - a).sqrt() * sum)
     }
 
-    /// The published formula fails on whole pictures, by its own rounding and by the driver's arc
-    /// cosine.
+    /// The published formula fails over a whole picture, by its own rounding and by the driver's
+    /// arc cosine.
     #[test]
     fn arc_cosines_fail_over_the_picture_of_a_projector() {
         let (worst, none) = recipe_of_a_projector(driver_s_arc_cosine, (1920, 1080));
-        assert!((8.0..11.0).contains(&worst) && (4_000..7_000).contains(&none), "{worst} pixels, {none} no numbers");
+        assert!((8.0..11.0).contains(&worst) && (4_000..7_000).contains(&none), "{worst} pixels, {none} not finite");
         let (worst, _) = recipe_of_a_projector(f32::acos, (1920, 1080));
         assert!((0.2..1.0).contains(&worst), "with a good arc cosine {worst} pixels");
     }
 
-    /// Error of our own formula over the same picture, in 32 bits.
+    /// Error of Cupola's formula over the same picture, in 32 bits.
     #[test]
     fn ours_does_not_fail_there() {
         let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());

@@ -1,11 +1,11 @@
-//! The rays of a pinhole before a screen that has a closed form.
+//! The rays of a pinhole in front of a screen that has a closed form.
 
 use crate::geom::QuadraticForm;
 use crate::geom::quadratic::linear_at;
 use crate::geom::screen::{Bounds, ClosedSurface, HalfSpace, Join, Sides};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) before a surface,
+/// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) and a surface,
 /// all in the surface's own axes.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PinholeRays {
@@ -18,13 +18,14 @@ pub struct PinholeRays {
 }
 
 impl PinholeRays {
-    /// The form of what an eye sees at each pixel, turned by `target`.
+    /// Returns the form of the direction in which an eye sees each pixel's point, turned by
+    /// `target`.
     pub fn seen_from(&self, eye: DVec3, target: DMat3) -> QuadraticForm {
         self.mapped(DAffine3 { matrix3: target, translation: -(target * eye) })
     }
 
-    /// Three half-spaces as the components of a form that are ≥ 0 where a pixel's point is in them;
-    /// where there are fewer, the others are 0.
+    /// Returns a form with one component for each half-space: ≥ 0 if a pixel's point is in the
+    /// half-space. The components of missing half-spaces are 0.
     pub fn within(&self, spaces: [Option<HalfSpace>; 3]) -> QuadraticForm {
         let normals = spaces.map(|space| space.map_or(DVec3::ZERO, |space| space.normal));
         let distances = spaces.map(|space| space.map_or(0.0, |space| space.distance));
@@ -39,13 +40,13 @@ impl PinholeRays {
         }
     }
 
-    /// The value of one of its forms at a pixel, as [`QuadraticForm::evaluate`], also for double
-    /// cones: `None` where the ray does not meet the half that is there.
+    /// Returns the value of one of these forms at a pixel, as [`QuadraticForm::evaluate`] does,
+    /// also for double cones: `None` if the ray does not meet the half that exists.
     pub fn evaluate(&self, form: &QuadraticForm, x: f64, y: f64) -> Option<DVec3> {
         match &self.surface {
             ClosedSurface::Quadric(quadric) if !quadric.is_convex() => {
-                // offset·a + L·(√D − b), times the factor (√D + b)/a, whose sign tells whether the
-                // point is ahead.
+                // offset·a + L·(√D − b), times the factor (√D + b)/a. The sign of the factor tells
+                // whether the point is ahead.
                 let ray = self.rays * DVec3::new(x, y, 1.0);
                 let factor = quadric.product(self.origin, ray) + form.discriminant(x, y).sqrt();
                 let linear = DVec3::from_array(form.l.map(|row| linear_at(&row, x, y)));
@@ -55,29 +56,29 @@ impl PinholeRays {
         }
     }
 
-    /// True if no pixel (x and y in −1…1) has the surface behind it: the condition under which the
-    /// forms have no ghosts, but for those of double cones, which [`crate::geom::screen::Bounds`]
-    /// tell. True for every pinhole inside; for one outside, or before a plane, whose whole picture
-    /// looks towards the surface.
+    /// True if no pixel (x and y in −1…1) has the surface behind it. Then the forms have no false
+    /// hits, except those of double cones, which [`crate::geom::screen::Bounds`] exclude. True for
+    /// every pinhole inside the surface. For one outside, or in front of a plane, true if the whole
+    /// picture looks towards the surface.
     pub fn looks_at_it(&self) -> bool {
         let towards = |ray: DVec3| match &self.surface {
             ClosedSurface::Quadric(quadric) => quadric.is_convex() && quadric.product(self.origin, ray) < 0.0,
             ClosedSurface::Plane => self.origin.z * ray.z < 0.0,
         };
         let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-        // Both are linear in the pixel: the corners speak for all.
+        // Both are linear in the pixel: if the corners are ahead, all pixels are.
         let ahead = || corners.into_iter().all(|(x, y)| towards(self.rays * DVec3::new(x, y, 1.0)));
         self.is_inside(1.0) || ahead()
     }
 
-    /// True if the pinhole is inside a surface that has an inside, no farther from its middle or
-    /// axis than `part` of the way to it.
+    /// True if the pinhole is inside a surface that has an inside, at most at the fraction `part`
+    /// of the way from the centre or the axis to the surface.
     pub fn is_inside(&self, part: f64) -> bool {
         matches!(&self.surface, ClosedSurface::Quadric(quadric) if quadric.contains(self.origin, part))
     }
 
-    /// Returns the point that the ray of a pixel, inside or outside, lights, in the surface's own
-    /// axes; `None` where it lights none.
+    /// Returns the point that the ray of a pixel lights, in the surface's own axes; `None` if it
+    /// lights none. The pinhole may be inside or outside.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
         let ray = self.rays * DVec3::new(x, y, 1.0);
         let distance = match &self.surface {
@@ -98,9 +99,9 @@ impl PinholeRays {
 /// Forms that tell whether the point of a pixel is on the part of its surface that is screen.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RimForms {
-    /// All three components are ≥ 0 there.
+    /// Form whose three components are all ≥ 0 on the screen.
     pub limits: QuadraticForm,
-    /// The first two components, both or either, are ≥ 0 there.
+    /// Form of which the first two components, both or either, are ≥ 0 on the screen.
     pub sides: Option<(QuadraticForm, Join)>,
 }
 
@@ -111,7 +112,7 @@ impl RimForms {
         Self { limits: pinhole.within(bounds.limits), sides: bounds.sides.as_ref().map(side) }
     }
 
-    /// True if a pixel's point is on the screen, `pinhole` being theirs.
+    /// True if a pixel's point is on the screen. `pinhole` is the one of these forms.
     pub fn allow(&self, pinhole: &PinholeRays, x: f64, y: f64) -> bool {
         let holds = |form: &QuadraticForm| pinhole.evaluate(form, x, y).map(|value| value.cmpge(DVec3::ZERO));
         let within = holds(&self.limits).is_some_and(|limits| limits.all());
@@ -150,12 +151,12 @@ mod tests {
         ]
     }
 
-    /// Against the screens' own hits, which were written apart from it.
+    /// Compares with the screens' own hits, which are separate code.
     #[test]
     fn forms_and_bounds_agree_with_traced_rays() {
         let mut random = Random::new(91);
         let (mut lit, mut dark) = ([0; 5], [0; 5]);
-        // An eye a millimetre aside must be noticed.
+        // The test must notice an eye that is a millimetre off.
         let mut noticed = 0.0f64;
         for _ in 0..400 {
             for (index, shape) in shapes(&mut random).into_iter().enumerate() {
@@ -178,7 +179,7 @@ mod tests {
                     let (x, y) = (random.range(-1.0, 1.0), random.range(-1.0, 1.0));
                     let traced = screen.hit(place, rays * DVec3::new(x, y, 1.0)).map(|hit| hit.point);
                     let point = pinhole.hit(x, y);
-                    // Nobody knows on which side of a rim a point on it is.
+                    // For a point on a rim, rounding decides on which side it is.
                     if point.is_some_and(|point| bounds.hold_all(&[point; 4], 1e-9).is_none()) {
                         continue;
                     }

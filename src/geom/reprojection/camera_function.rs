@@ -1,21 +1,23 @@
-//! Matrices of a program that are functions of its camera, and what they are for a view.
+//! Matrices of a program that are functions of its camera, and their values for a view.
 //!
-//! A shader that computes places from pixels, or pixels from places, holds such a matrix beside the
-//! one that makes its position: the projection, its inverse, either with a view matrix, of this
-//! frame or of the last, to or from normalised device coordinates or those of a texture. In a view,
-//! clip coordinates are those of the program times the view's reprojection R. So a matrix M to clip
-//! coordinates is R·M there, one from clip coordinates M·R⁻¹; eye coordinates and all that is
-//! farther from the clip coordinates stay those of the program.
+//! A shader that computes positions from pixels, or pixels from positions, has such a matrix beside
+//! the one for its vertices. It is the projection or its inverse, alone or with a view matrix, of
+//! this frame or of the last. It maps to or from normalised device coordinates or those of a
+//! texture.
+//!
+//! In a view, clip coordinates are those of the program times the view's reprojection R. So a
+//! matrix M to clip coordinates becomes R·M there, and a matrix M from clip coordinates becomes
+//! M·R⁻¹. Eye coordinates, and those before them, stay those of the program.
 
 use super::Intrinsics;
 use glam::{DMat4, DVec4};
 
-/// Greatest relative deviation from a similarity that rounding explains: what is tested comes from
-/// a product or an inverse that the program formed in f32. Lenses whose openings differ by this
-/// much are different lenses.
+/// Greatest relative deviation from a similarity that rounding explains: the program formed the
+/// product or the inverse in f32. Lenses whose openings differ by more are different lenses.
 const TOLERANCE: f64 = 1e-3;
 
-/// A matrix whose determinant is this small beside its numbers has no inverse.
+/// A matrix is singular if its determinant is at most this part of the product of its columns'
+/// lengths.
 const SINGULAR: f64 = 1e-14;
 
 /// Dependence of a matrix on the camera.
@@ -23,7 +25,7 @@ const SINGULAR: f64 = 1e-14;
 pub struct CameraFunction {
     direction: Direction,
     coordinates: Coordinates,
-    /// It is written for row vectors.
+    /// True if the matrix is written for row vectors.
     transposed: bool,
 }
 
@@ -36,21 +38,21 @@ pub enum Direction {
     FromClip,
 }
 
-/// Coordinates that a matrix takes for clip coordinates.
+/// Form of the clip coordinates to or from which a matrix maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Coordinates {
-    /// Themselves.
+    /// Clip coordinates themselves.
     Clip,
-    /// Those of a texture in x and y, which go from 0 to w.
+    /// Coordinates of a texture in x and y, which go from 0 to w.
     Texture,
-    /// These in z, too.
+    /// The same in z, too.
     TextureAndDepth,
 }
 
 impl Coordinates {
     const ALL: [Self; 3] = [Self::Clip, Self::Texture, Self::TextureAndDepth];
 
-    /// The matrix from clip coordinates to these.
+    /// Returns the matrix from clip coordinates to these coordinates.
     fn matrix(self) -> DMat4 {
         let diagonal = |z: f64| {
             let offset = DVec4::new(0.5, 0.5, 1.0 - z, 1.0);
@@ -70,8 +72,8 @@ impl CameraFunction {
     pub fn of(matrix: &[f64; 16], lens: &Intrinsics) -> Option<Self> {
         let mut best: Option<(Self, f64)> = None;
         for function in Self::all() {
-            // Where near and far are far apart, coordinates of a texture differ little from each
-            // other in z.
+            // If near and far are far apart, the two kinds of texture coordinates differ little in
+            // z, so the function with the least deviation is taken.
             let deviation = function.deviation(matrix, lens).unwrap_or(f64::INFINITY);
             if deviation < best.map_or(TOLERANCE, |(_, least)| least) {
                 best = Some((function, deviation));
@@ -80,10 +82,10 @@ impl CameraFunction {
         best.map(|(function, _)| function)
     }
 
-    /// Relative deviation of what the lens leaves of a matrix from a similarity.
+    /// Relative deviation from a similarity of the matrix without the lens.
     fn deviation(&self, matrix: &[f64; 16], lens: &Intrinsics) -> Option<f64> {
         match (self.direction, lens.f) {
-            // An inverse would multiply what was rounded.
+            // Inverting the matrix would multiply its rounding errors.
             (Direction::FromClip, Some(f)) => {
                 let matrix = self.oriented(DMat4::from_cols_array(matrix));
                 Some(of_similarity(matrix * self.coordinates.matrix() * lens.projection(f), f))
@@ -92,9 +94,10 @@ impl CameraFunction {
         }
     }
 
-    /// The lens of which `matrix` is the inverse of a projection, alone or times a similarity. Its
-    /// F is not told. `None` for lenses whose E is 0, too (reversed depth without a far plane):
-    /// their inverses are projections like them.
+    /// Returns the dependence and the lens of a projection of which `matrix` is the inverse, alone
+    /// or times a similarity. F of the lens stays unknown. Returns `None` also for lenses whose E
+    /// is 0 (reversed depth without a far plane), since their inverses have the form of
+    /// projections.
     pub fn of_inverse(matrix: &[f64; 16]) -> Option<(Self, Intrinsics)> {
         let mut best: Option<(Self, Intrinsics)> = None;
         for transposed in [false, true] {
@@ -102,8 +105,8 @@ impl CameraFunction {
                 let function = Self { direction: Direction::FromClip, coordinates, transposed };
                 let Some(rows) = function.to_clip(matrix).map(Rows::of) else { continue };
                 let Some(lens) = rows.lens().filter(|lens| lens.e.abs() > TOLERANCE) else { continue };
-                // Of coordinates of a texture the middle is at a half, which as a lens would be far
-                // beside its axis.
+                // The middle of texture coordinates is at one half. Taken for clip coordinates,
+                // that is a lens far off its axis.
                 let beside = |lens: &Intrinsics| lens.b.abs() + lens.d.abs();
                 let better = best.is_none_or(|(_, known)| beside(&lens) < beside(&known));
                 if better && rows.deviation(&lens) < TOLERANCE {
@@ -137,7 +140,7 @@ impl CameraFunction {
         if self.transposed { matrix.transpose() } else { matrix }
     }
 
-    /// The matrix to clip coordinates that `matrix` would come from.
+    /// Returns the matrix to clip coordinates from which `matrix` follows.
     pub(super) fn to_clip(self, matrix: &[f64; 16]) -> Option<DMat4> {
         let matrix = self.oriented(DMat4::from_cols_array(matrix));
         let matrix = match self.direction {
@@ -161,7 +164,7 @@ impl CameraFunction {
     }
 }
 
-/// `None`: there is none that numbers of 64 bits can tell.
+/// Returns the inverse; `None` if the matrix is singular in f64.
 pub(super) fn inverse(matrix: DMat4) -> Option<DMat4> {
     let scale: f64 = (0..4).map(|column| matrix.col(column).length()).product();
     let determinant = matrix.determinant();
@@ -169,13 +172,13 @@ pub(super) fn inverse(matrix: DMat4) -> Option<DMat4> {
     (determinant.abs() > SINGULAR * scale).then(|| matrix.inverse())
 }
 
-/// The sum of deviations as parts of a scale.
+/// Sum of the absolute deviations, as parts of a scale.
 fn relative(parts: impl Iterator<Item = f64>, scale: f64) -> f64 {
     let sum: f64 = parts.map(|part| (part / scale).abs()).sum();
     if sum.is_finite() { sum } else { f64::INFINITY }
 }
 
-/// Relative deviation of a matrix from a similarity. `near`: a distance of the scene.
+/// Relative deviation of a matrix from a similarity. `near` is a distance in the scene.
 fn of_similarity(matrix: DMat4, near: f64) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|column| matrix.col(column).truncate());
     let last = matrix.row(3);
@@ -185,7 +188,7 @@ fn of_similarity(matrix: DMat4, near: f64) -> f64 {
     relative(lengths.into_iter().chain(angles), scale) + relative([last.truncate().length() * near].into_iter(), last.w)
 }
 
-/// Rows to clip coordinates.
+/// Rows of a matrix to clip coordinates.
 struct Rows([DVec4; 4]);
 
 impl Rows {
@@ -193,7 +196,8 @@ impl Rows {
         Self([0, 1, 2, 3].map(|row| matrix.row(row)))
     }
 
-    /// Relative deviation from this lens times a similarity; infinite where they are none at all.
+    /// Relative deviation from this lens times a similarity; infinite if the rows are no
+    /// projection.
     fn deviation(&self, lens: &Intrinsics) -> f64 {
         let [x, y, z, w] = self.0;
         let back = -w.truncate();
@@ -207,7 +211,7 @@ impl Rows {
         relative(lengths.into_iter().chain(angles), scale)
     }
 
-    /// The lens of what is a similarity but for it.
+    /// Returns the lens, if the rows are those of a lens times a similarity.
     fn lens(&self) -> Option<Intrinsics> {
         let [x, y, z, w] = self.0.map(DVec4::truncate);
         let square = w.length_squared();
@@ -231,7 +235,7 @@ mod tests {
     use crate::geom::{Frustum, pose};
     use glam::{DMat3, DMat4, DVec3, DVec4};
 
-    /// With these tangents to the left and right, below and above.
+    /// A projection with these tangents to the left, right, bottom and top.
     fn perspective([left, right, bottom, top]: [f64; 4], near: f64, far: f64) -> DMat4 {
         let (width, height, depth) = (right - left, top - bottom, near - far);
         DMat4::from_cols(
@@ -257,7 +261,7 @@ mod tests {
         }
     }
 
-    /// As the program would have formed it.
+    /// Rounds a matrix to f32, as in a program.
     fn rounded(matrix: DMat4) -> [f64; 16] {
         matrix.to_cols_array().map(|number| f64::from(number as f32))
     }

@@ -7,24 +7,24 @@ use glam::DVec3;
 /// were formed in f32 (measured: ≤ 3e-7). A non-uniform scale of 1 % shows 1.7e-3 or more.
 const SKEW_TOLERANCE: f64 = 2e-6;
 
-/// F is given if it is at least this part of the numbers whose difference it is; its relative
-/// error is then below about 1e-3 for a matrix formed in f32.
+/// Least size of F, as a part of the numbers whose difference it is. A smaller F is `None`, so that
+/// the relative error of F is below about 1e-3 for a matrix formed in f32.
 const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 
 /// Classifies `matrix` (column-major, as OpenGL takes it).
 ///
-/// A bare projection, with zeros where one has zeros, is taken as it is: its entries are returned
-/// bit for bit (apart from the signs below). A projection times model and view matrices,
-/// `P·[sR|t]`, is separated by the RQ decomposition; from f32 products A and C have a relative
-/// error ≤ 4e-7, B, D and E an absolute one of the same size. F is lost where `t` is large against
-/// it and is then `None`.
+/// The entries of a bare projection, with zeros in their places, are returned bit for bit (apart
+/// from the signs below). A projection times model and view matrices, `P·[sR|t]`, is separated by
+/// the RQ decomposition. From f32 products A and C have a relative error ≤ 4e-7, and B, D and E an
+/// absolute error of the same size. If `t` is large compared with F, F is lost and is `None`.
 ///
-/// Signs: the lens is returned as the window shows it. A and C are positive and w grows in front of
-/// the eye; a mirrored (negative determinant), upside-down or left-handed (`w = +z`) program has
-/// the mirror in its eye axes then, and re-projected directions still agree with its own picture.
+/// Signs: the lens is returned as the window shows it. A and C are positive, and w grows in front
+/// of the eye. A program may be mirrored (negative determinant), upside down or left-handed (`w =
+/// +z`). Then its eye axes contain the mirroring, and reprojected directions still agree with its
+/// own picture.
 ///
-/// `Stretched`: a model with non-uniform scale or skew. Where this is along the camera's own axes
-/// it cannot be told from another lens, whose E and F are right.
+/// `Stretched`: a model with non-uniform scale or skew. A scale along the camera's own axes cannot
+/// be distinguished from another lens; E and F of that lens are right.
 ///
 /// `Other`: non-finite entries, singular, or a depth row that is not parallel to the w row (oblique
 /// near plane).
@@ -70,7 +70,7 @@ fn product(m: &[[f64; 4]; 4]) -> MatrixClass {
     let [b, d, e] = [-x.dot(axis), -y.dot(axis), -z.dot(axis)];
     let (right, up, depth) = (x + b * axis, y + d * axis, z + e * axis);
     let (a, c) = (right.length(), up.length());
-    // What rounding of the given rows can do to their parts perpendicular to the axis.
+    // Effect of the rounding of a row on its part perpendicular to the axis.
     let noise = |row: DVec3, part: f64| SKEW_TOLERANCE * row.length() / part;
     let tolerance = noise(x, a) + noise(y, c);
     let skew = right.dot(up).abs() / (a * c);
@@ -88,7 +88,7 @@ fn product(m: &[[f64; 4]; 4]) -> MatrixClass {
     match () {
         () if !finite => MatrixClass::Other,
         () if skew <= tolerance => MatrixClass::Perspective(intrinsics),
-        // Written so that NaN is refused, and what has no inverse.
+        // Written so that NaN and matrices without an inverse are refused.
         () if skew < 1.0 - 1e-6 => MatrixClass::Stretched { e: intrinsics.e, f },
         () => MatrixClass::Other,
     }

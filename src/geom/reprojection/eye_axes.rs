@@ -1,10 +1,10 @@
-//! Eye coordinates of a view, for shaders that use what they are: the axis of the eye is their z
-//! axis.
+//! Eye coordinates of a view, for shaders that rely on their z axis being the axis of the eye.
 //!
-//! A shader that makes a direction from a pixel often takes the inverse of the projection, sets z
-//! to −1, and turns the direction by the inverse of the view matrix. For it, the eye of a view
-//! looks along the view's axis: with T, which turns the program's eye coordinates to those of the
-//! view, the projection is R·P·T⁻¹, which is a bare one, and the view matrix T·V.
+//! A shader that computes a direction from a pixel often takes the inverse of the projection, sets
+//! z to −1, and turns the direction by the inverse of the view matrix. For such a shader, the eye
+//! of a view has to look along the view's axis. Let T be the turn from the program's eye
+//! coordinates to those of the view. Then the projection is R·P·T⁻¹, which is a bare projection,
+//! and the view matrix is T·V.
 
 use super::Intrinsics;
 use super::camera_function::{CameraFunction, Direction, inverse};
@@ -13,7 +13,7 @@ use glam::{DMat3, DMat4, DVec3};
 /// Greatest relative deviation that rounding explains.
 const TOLERANCE: f64 = 1e-4;
 
-/// Direction in which a matrix that turns and moves maps coordinates.
+/// Direction in which a matrix of rotation and translation maps coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewMatrix {
     /// From the world to the eye.
@@ -22,14 +22,15 @@ pub enum ViewMatrix {
     FromEye,
 }
 
-/// The turn from the program's eye coordinates to those of a view with the reprojection `view`;
-/// `None` where the view has no axis.
+/// Returns the turn from the program's eye coordinates to those of a view with the reprojection
+/// `view`; `None` if the view has no axis.
 pub fn turn(view: &[f64; 16], lens: &Intrinsics) -> Option<DMat4> {
-    // F only scales clip coordinates that directions have not.
+    // F changes only the fourth column, which directions do not use.
     turn_of_rows(DMat4::from_cols_array(view) * lens.projection(lens.f.unwrap_or(-1.0)))
 }
 
-/// The turn by which `rows` to clip coordinates become those of an eye that looks along its axis.
+/// Returns the turn after which `rows`, to clip coordinates, are those of an eye that looks along
+/// its axis.
 fn turn_of_rows(rows: DMat4) -> Option<DMat4> {
     let [x, y, w] = [0, 1, 3].map(|row| rows.row(row).truncate());
     let back = (-w).try_normalize()?;
@@ -37,12 +38,12 @@ fn turn_of_rows(rows: DMat4) -> Option<DMat4> {
     let right = aside(x).try_normalize()?;
     let up = aside(y);
     let up = (up - up.dot(right) * right).try_normalize()?;
-    // Where y of clip coordinates points down, it is no turn.
+    // If y of clip coordinates points down, these axes would be a reflection, not a turn.
     let up = if right.cross(up).dot(back) < 0.0 { -up } else { up };
     Some(DMat4::from_mat3(DMat3::from_cols(right, up, back).transpose()))
 }
 
-/// True if a matrix only turns, scales evenly and moves.
+/// True if a matrix only turns, scales evenly and moves, and is not the identity.
 pub fn is_rigid(matrix: &[f64; 16], transposed: bool) -> bool {
     let matrix = DMat4::from_cols_array(matrix);
     let matrix = if transposed { matrix.transpose() } else { matrix };
@@ -75,8 +76,8 @@ impl ViewMatrix {
 }
 
 impl CameraFunction {
-    /// True if `matrix`, of which this is the function, is one of the projection alone, whichever
-    /// way its y points.
+    /// True if `matrix`, which has this dependence, depends on the projection alone. Its y may
+    /// point up or down.
     pub fn is_of_projection(&self, matrix: &[f64; 16], lens: &Intrinsics) -> bool {
         let projection = lens.projection(lens.f.unwrap_or(-1.0));
         let left = || Some(inverse(projection)? * self.to_clip(matrix)?);
@@ -90,8 +91,8 @@ impl CameraFunction {
         })
     }
 
-    /// The turn from the program's eye coordinates to those of a view with the reprojection `view`,
-    /// by `matrix`, which is one of the projection alone; `None` where the view has no axis.
+    /// Returns the turn from the program's eye coordinates to those of a view with the reprojection
+    /// `view`. `matrix` depends on the projection alone. Returns `None` if the view has no axis.
     pub fn turn(&self, matrix: &[f64; 16], view: &[f64; 16]) -> Option<DMat4> {
         turn_of_rows(DMat4::from_cols_array(view) * self.to_clip(matrix)?)
     }
@@ -116,8 +117,8 @@ mod tests {
 
     const LENS: Intrinsics = Intrinsics { a: 1.5, b: 0.0, c: 2.0, d: 0.0, e: -1.02, f: Some(-0.2) };
 
-    /// The projection of a turned view is a bare one, and both matrices together lead where the
-    /// view's pixels look.
+    /// The projection of a turned view is a bare projection, and both matrices together give the
+    /// directions of the view's pixels.
     #[test]
     fn a_turned_eye_sees_the_same_directions() {
         let frustum = Frustum { left: -0.9, right: 0.7, bottom: -1.0, top: 0.6 };
@@ -138,7 +139,7 @@ mod tests {
         let to_world = DMat4::from_cols_array(&ViewMatrix::FromEye.turned(&to_world, false, turn));
         let to_eye = DMat4::from_cols_array(&ViewMatrix::ToEye.turned(&scene.to_cols_array(), false, turn));
         assert!((to_world * to_eye - DMat4::IDENTITY).to_cols_array().iter().all(|part| part.abs() < 1e-12));
-        // As a shader does it.
+        // Computes the direction as a shader does.
         let eye = DMat4::from_cols_array(&unprojection) * DVec4::new(0.25, -0.5, -1.0, 1.0);
         let direction = to_world * (eye / -eye.z).truncate().truncate().extend(-1.0).extend(0.0);
         let expected = DVec3::new(-0.1 + 0.25 * 0.8, -0.2 - 0.5 * 0.8, -1.0);

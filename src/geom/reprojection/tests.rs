@@ -1,4 +1,4 @@
-//! Tests of matrix classification and of re-projection, among them emulations of an f32 pipeline.
+//! Tests of matrix classification and of reprojection, among them emulations of an f32 pipeline.
 
 use super::*;
 use crate::geom::pose::rotation;
@@ -30,7 +30,7 @@ fn matrix_of(p: &Intrinsics) -> DMat4 {
     )
 }
 
-/// The matrix of a view: its own lens, the program's depth.
+/// The matrix of a view, with its own lens and the program's depth.
 fn view_matrix(frustum: &Frustum, p: &Intrinsics) -> DMat4 {
     let mut matrix = frustum.projection_matrix(1.0, 2.0);
     matrix.z_axis.z = p.e;
@@ -52,7 +52,7 @@ fn product_f32(a: DMat4, b: DMat4) -> DMat4 {
 fn perspective(class: MatrixClass) -> Intrinsics {
     match class {
         MatrixClass::Perspective(p) => p,
-        other => panic!("not taken for a perspective: {other:?}"),
+        other => panic!("not classified as a perspective: {other:?}"),
     }
 }
 
@@ -77,7 +77,7 @@ fn the_unrotated_view_is_the_identity_to_the_bit() {
 fn agrees_with_unprojecting_turning_and_projecting() {
     let mut random = Random::new(11);
     for round in 0..3_000 {
-        // Depths whose matrix a general inverse still handles.
+        // Depth values for which the general inverse of the matrix is still accurate.
         let p = lens(&mut random, -1.2, -2.1);
         let own = lens(&mut random, 0.0, 0.0).frustum();
         let camera = if round % 3 == 0 {
@@ -97,7 +97,7 @@ fn agrees_with_unprojecting_turning_and_projecting() {
         let expected = view_matrix(&own, &p) * adjusted * matrix_of(&p).inverse();
         let found = DMat4::from_cols_array(&rows.matrix());
         assert!(found.abs_diff_eq(expected, 1e-12), "{found}\n{expected}");
-        // The row form says the same as the matrix.
+        // The row form gives the same as the matrix.
         let c = DVec4::new(random.unit(), random.unit(), random.unit(), random.unit());
         let q = c.z + rows.e * c.w;
         let dot = |r: &[f64; 4]| r[0] * c.x + r[1] * c.y + r[2] * c.w + r[3] * q;
@@ -126,13 +126,13 @@ fn the_camera_adjustment_does_what_it_says() {
     let without = DMat4::from_cols_array(&clip_rows(&unknown, &moved, DMat3::IDENTITY, &view).matrix());
     let plain = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &view).matrix();
     assert_eq!(without.to_cols_array(), plain, "without F the shift is ignored");
-    // The camera is yawed to the right: what it sees ahead is to the right of the viewer.
+    // The camera is yawed to the right: a point ahead of it is to the right of the viewer.
     let turned = CameraAdjustment { rotation: rotation(0.4, 0.0, 0.0), ..CameraAdjustment::NONE };
     let ahead = seen(&turned, &p, DVec3::new(0.0, 0.0, -1.0));
     assert!(ahead.distance(DVec3::new(0.4f64.tan(), 0.0, -1.0)) < 1e-14);
 }
 
-/// Goal G4: depth ≤ 5e-7 (rms 6e-8) in NDC, position ≤ 3.5e-4 px in a view of 2048, no sky lost.
+/// Bounds: depth ≤ 5e-7 (rms 6e-8) in NDC, position ≤ 3.5e-4 px in a view of 2048, no sky lost.
 #[test]
 fn f32_depth_and_position_are_as_accurate_as_a_program_s_own() {
     let mut random = Random::new(12);
@@ -156,7 +156,7 @@ fn f32_depth_and_position_are_as_accurate_as_a_program_s_own() {
                 let dot = |r: &[f32; 4]| r[0] * c.x + r[1] * c.y + r[2] * c.w;
                 let (x2, y2, w2) = (dot(&rx), dot(&ry), dot(&rw));
                 let z2 = q - e32 * w2;
-                // The reference never leaves f64.
+                // The reference is computed in f64 throughout.
                 let exact = view_matrix(&target, &p) * (face.rotation() * eye).extend(1.0);
                 let depth_error = f64::from(z2 / w2) - exact.z / exact.w;
                 worst_depth = worst_depth.max(depth_error.abs());
@@ -191,7 +191,7 @@ fn bare_projections_are_taken_bit_for_bit() {
                 let mut left_handed = matrix_of(&given);
                 left_handed.z_axis = -left_handed.z_axis;
                 assert_eq!(classify(&left_handed.to_cols_array()), MatrixClass::Perspective(given));
-                // Upside down: the lens of what the window shows.
+                // Upside down: the lens is that of the window's picture.
                 let mut upside_down = matrix_of(&given);
                 upside_down.y_axis = -upside_down.y_axis;
                 given.f = Some(given.f.unwrap_or(0.0));
@@ -249,7 +249,8 @@ fn everything_else_is_refused() {
         let affine = DMat4::from_mat3(random.rotation() * 3.0);
         assert_eq!(classify(&affine.to_cols_array()), MatrixClass::Affine);
     }
-    // A scale along the camera's own axes is another lens, not a fault: a few are such by chance.
+    // A scale along the camera's own axes is another lens, not an error; a few of the random scales
+    // are of this kind.
     assert!(accepted[0] <= 20 && accepted[1] <= 400, "{accepted:?} of 4000 non-uniform scales accepted");
     let p = matrix_of(&lens(&mut random, -1.002, -0.2));
     let with = |index: usize, value: f64| {
@@ -288,7 +289,8 @@ fn widened_planes_are_those_of_a_wider_lens() {
     }
 }
 
-/// A turned view does not cut what a tight near plane lets through straight ahead (it once did).
+/// A turned view does not cut points that a tight near plane lets through straight ahead (an
+/// earlier version did).
 #[test]
 fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     let frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
@@ -309,8 +311,8 @@ fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     }
 }
 
-/// A point's depth in the program's own picture follows from that in a view, whatever the planes
-/// are.
+/// The depth of a point in the program's own picture follows from its depth in a view, for any
+/// planes.
 #[test]
 fn the_own_depth_follows_from_a_view_s() {
     let frustum = Frustum { left: -1.0, right: 0.8, bottom: -0.5, top: 1.0 };
@@ -333,7 +335,7 @@ fn the_own_depth_follows_from_a_view_s() {
     }
 }
 
-/// A reversed infinite depth (1 at the near plane, 0 at infinity) stays one.
+/// A reversed infinite depth (1 at the near plane, 0 at infinity) stays reversed and infinite.
 #[test]
 fn widening_keeps_a_reversed_infinite_depth_in_its_range() {
     let p = Intrinsics { a: 2.0, b: 0.0, c: 2.0, d: 0.0, e: 0.0, f: Some(0.1) };

@@ -1,11 +1,11 @@
-//! Screens that have a closed form: what surface they are part of, and which part.
+//! Screens that have a closed form: their surface, and the part of it that is screen.
 
 use super::{Shape, region::onward};
 use crate::geom::Quadric;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// A surface whose points along a ray follow from a root at most.
+/// Surface whose intersection with a ray needs one square root at most.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum ClosedSurface {
     /// Lit from inside.
@@ -17,8 +17,8 @@ pub enum ClosedSurface {
 /// The points with `normal·p ≥ distance`.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct HalfSpace {
-    /// Unit normal, or 0 with a distance < 0: all points. Of those, a pixel's form says whether
-    /// there is any.
+    /// Unit normal. 0 with a distance < 0 means all points; then a pixel's form only tells whether
+    /// the pixel has a point.
     pub normal: DVec3,
     /// Distance from the origin.
     pub distance: f64,
@@ -52,9 +52,9 @@ pub struct Sides {
 /// The part of a surface that is screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Bounds {
-    /// It is in all of these.
+    /// Half-spaces; the screen is in all of them.
     pub limits: [Option<HalfSpace>; 3],
-    /// And here.
+    /// Two further half-spaces; the screen is in their combination.
     pub sides: Option<Sides>,
 }
 
@@ -65,7 +65,7 @@ impl Bounds {
     }
 
     /// True if all points of the surface that are no farther than `reach` from each of `points` are
-    /// on the screen; `None` if that is not clear.
+    /// on the screen; `None` if this cannot be decided.
     pub fn hold_all(&self, points: &[DVec3; 4], reach: f64) -> Option<bool> {
         let holds = |space: &HalfSpace| {
             let depths = points.map(|point| space.depth(point));
@@ -99,7 +99,7 @@ fn both(a: Option<bool>, b: Option<bool>) -> Option<bool> {
     }
 }
 
-/// A screen in axes of its own as a part of a surface.
+/// A screen, in its own axes, as a part of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosedForm {
     /// The origin of the surface's axes, which are parallel to the screen's.
@@ -112,7 +112,7 @@ pub struct ClosedForm {
 
 impl Shape {
     /// Returns the surface of which the shape is a part; `None` for meshes, and for a cap of an
-    /// ellipsoid with three different half axes, whose rim is in no plane.
+    /// ellipsoid with three different half axes, whose rim does not lie in a plane.
     pub fn closed_form(&self) -> Option<ClosedForm> {
         let above = |height: f64| Some(HalfSpace { normal: DVec3::Y, distance: height });
         let below = |height: f64| Some(HalfSpace { normal: DVec3::NEG_Y, distance: -height });
@@ -123,7 +123,8 @@ impl Shape {
                 if limit.is_some() && radii.x != radii.z {
                     return None;
                 }
-                // The height at which the line along the rim leaves the ellipsoid.
+                // Height at which a line from the centre at the rim's polar angle meets the
+                // ellipsoid.
                 let rim = limit.and_then(|(sine, cosine)| above(cosine / (sine / radii.x).hypot(cosine / radii.y)));
                 let bounds = Bounds { limits: [rim, None, None], sides: around(region.azimuth) };
                 Some(ClosedForm {
@@ -157,10 +158,11 @@ impl Shape {
     }
 }
 
-/// From … to around the y axis.
+/// Returns the sides of a range of azimuth around the y axis; `None` if it goes all around.
 fn around(azimuth: Option<[f64; 2]>) -> Option<Sides> {
     let [from, to] = azimuth.filter(|[from, to]| to - from < TAU)?;
-    // Half a turn on from the one, and half a turn back from the other.
+    // The first half-space goes half a turn on from the start, the second half a turn back from the
+    // end.
     let spaces = [onward(from), -onward(to)].map(|along| HalfSpace { normal: along, distance: 0.0 });
     Some(Sides { spaces, join: if to - from <= PI { Join::Both } else { Join::Either } })
 }

@@ -12,7 +12,7 @@ pub struct Cone {
     pub heights: [f64; 2],
     /// Radius at the bottom and at the top rim, metres, ≥ 0 and not both 0; equal for a cylinder.
     pub radii: [f64; 2],
-    /// From … to around the axis, radians, as [`super::Region::azimuth`].
+    /// Range (from, to) around the axis, radians, as [`super::Region::azimuth`].
     pub azimuth: Option<[f64; 2]>,
 }
 
@@ -37,12 +37,12 @@ impl Surface for Cone {
     }
 
     /// Returns the point at which the ray leaves the cone's inside. With the distance t, `A·t² +
-    /// 2B·t + C` is the squared distance from the axis less the squared radius, and it grows at the
-    /// root `(−B + √(B² − AC))/A` alone.
+    /// 2B·t + C` is the squared distance from the axis less the squared radius. It increases only
+    /// at the root `(−B + √(B² − AC))/A`.
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let direction = unit(direction)?;
         let slope = self.slope();
-        // From the ray's point next to the middle, so that nothing large cancels.
+        // Starts from the ray's point nearest to the middle, so that no large numbers cancel.
         let middle = DVec3::new(0.0, 0.5 * (self.heights[0] + self.heights[1]), 0.0);
         let skipped = (middle - origin).dot(direction);
         let start = origin + direction * skipped;
@@ -55,11 +55,11 @@ impl Surface for Cone {
             return None;
         }
         let root = discriminant.sqrt();
-        // The same root in the form that does not cancel.
+        // The same root in the form without cancellation.
         let distance = if b <= 0.0 { (root - b) / a } else { -c / (b + root) };
         let point = start + direction * distance;
         let radius = self.radius_at(point.y);
-        // Of the two halves of a double cone only the one with a positive radius is there.
+        // Of the two halves of a double cone only the one with a positive radius exists.
         let ahead = distance.is_finite() && distance + skipped > 0.0 && radius >= 0.0;
         let outward = DVec3::new(point.x, -slope * radius, point.z);
         ahead.then(|| Hit { point, normal: -outward.normalize_or(DVec3::Y) })
@@ -82,7 +82,7 @@ impl Surface for Cone {
     }
 
     /// Directions that are steeper than the wall never meet it. Seen from within, the line is 10⁻⁵
-    /// radians from theirs.
+    /// radians from the limit of these directions.
     fn horizon(&self) -> Option<Rim<'_>> {
         let slope = self.slope();
         (slope != 0.0).then(|| -> Rim<'_> {

@@ -5,8 +5,8 @@ use crate::geom::Sphere;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// A part of an ellipsoid around the origin, lit from inside: the far hit of a ray, from outside
-/// too (the near wall is where the light comes in).
+/// A part of an ellipsoid around the origin, lit from inside. A ray lights its far hit, also from
+/// outside: the light comes in through the near wall.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Ellipsoid {
     /// Half axes along x, y, z, metres, > 0.
@@ -21,7 +21,7 @@ impl Surface for Ellipsoid {
     }
 
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        // Divided by its half axes it is the unit sphere, and a line stays a line.
+        // Division by the half axes turns the ellipsoid into the unit sphere; a line stays a line.
         let unit = Sphere { center: DVec3::ZERO, radius: 1.0 };
         let on_unit = unit.far_hit(origin / self.radii, direction / self.radii)?;
         Some(Hit { point: on_unit * self.radii, normal: -(on_unit / self.radii).normalize() })
@@ -38,7 +38,7 @@ impl Surface for Ellipsoid {
         rims
     }
 
-    /// On the unit sphere they are a circle around the direction of the point.
+    /// On the unit sphere the contour is a circle around the direction of the point.
     fn contours(&self, from: DVec3) -> Vec<Contour<'_>> {
         let from = from / self.radii;
         let distance = from.length();

@@ -1,7 +1,8 @@
 //! Screens of triangles, which may hide parts of themselves.
 //!
-//! A tree of boxes finds the first triangle on a ray. It is own code: crates for it either compute
-//! in f32 or bring another linear algebra along, and it is a hundred lines.
+//! A tree of boxes finds the first triangle on a ray. It does not come from a crate: such crates
+//! either compute in f32 or depend on another linear algebra, and the code is about a hundred
+//! lines.
 
 use super::{Hit, INSET, Rim, Surface, unit};
 use crate::digest::Digest;
@@ -27,14 +28,15 @@ pub enum Faces {
     Both,
 }
 
-/// A screen of triangles. Light stops at the first triangle on its way, whichever side that shows.
+/// A screen of triangles. Light stops at the first triangle on its way, whichever side it meets.
 #[derive(Clone, PartialEq)]
 pub struct Mesh {
     triangles: Vec<Triangle>,
     nodes: Vec<Node>,
     faces: Faces,
     size: f64,
-    /// Edges that belong to one triangle alone, just within it; of very many an even choice.
+    /// Edges that belong to only one triangle, just within it; at most [`MOST_RIMS`], evenly
+    /// chosen.
     rims: Vec<[DVec3; 2]>,
 }
 
@@ -43,21 +45,21 @@ pub struct Mesh {
 pub enum MeshProblem {
     /// No triangle has an area, there are too many, or a corner is not finite.
     NoSurface,
-    /// Average number of triangles that a ray meets.
+    /// Too many triangles lie in one place: mean number that a ray meets.
     Layers(f64),
 }
 
-/// Greatest mean number of triangles that a ray has to be tried with. A surface has some ten; a
-/// file whose triangles all lie in one place would hold every step for minutes.
+/// Greatest mean number of triangles that a ray must be tested with. A surface has about ten. With
+/// a file whose triangles all lie in one place, every step would take minutes.
 const MOST_ON_RAY: f64 = 1024.0;
-/// Number of rays that are tried.
+/// Number of rays for this mean.
 const RAYS: usize = 256;
-/// Greatest number of triangles that one of them is tried with.
+/// Greatest number of triangles that are counted for one of these rays.
 const MOST_TRIED: usize = 64 * MOST_ON_RAY as usize;
-/// Greatest number of edges whose lines are rims.
+/// Greatest number of edges that are rims.
 const MOST_RIMS: usize = 2048;
 
-/// A sum stands for the triangles, all bits of them.
+/// Prints a checksum over all bits of the triangles in place of the triangles.
 impl fmt::Debug for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sum = format_args!("{:x}", self.sum());
@@ -69,7 +71,7 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// A box and what is in it: `count` triangles from `first`, or if that is 0 two nodes, the next one
+/// A box and its content: `count` triangles from `first`. If `count` is 0, two nodes: the next one
 /// and number `first`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
@@ -81,12 +83,12 @@ struct Node {
 
 /// Greatest number of triangles in a leaf: testing them costs about as much as another box.
 const LEAF: usize = 4;
-/// Boxes are larger than their content by this part of the mesh, more than rounding can move a hit.
+/// Margin of a box around its content, as a part of the mesh: more than rounding can move a hit.
 const PADDING: f64 = 1e-12;
-/// Deepest tree: halving [`MOST_TRIANGLES`] takes 22 steps.
+/// Greatest depth of the tree: halving [`MOST_TRIANGLES`] takes 22 steps.
 const DEEPEST: usize = 64;
 
-/// As [`Debug`](fmt::Debug): a sum stands for the numbers.
+/// Writes a checksum in place of the triangles, as [`Debug`](fmt::Debug) does.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
         (self.triangles.len(), self.sum(), self.faces).serialize(to)
@@ -98,11 +100,11 @@ impl Mesh {
         self.triangles.iter().flatten().flat_map(DVec3::to_array).collect()
     }
 
-    /// A screen of `triangles`; those without area are left out.
+    /// Makes a screen of `triangles`; those without area are left out.
     ///
     /// # Errors
-    /// A [`MeshProblem`] without any, with more than [`MOST_TRIANGLES`], with corners that are not
-    /// finite, or where hundreds lie in one place.
+    /// Returns a [`MeshProblem`] if no triangle is left, if there are more than [`MOST_TRIANGLES`],
+    /// if a corner is not finite, or if a ray meets more than a thousand on average.
     pub fn new(triangles: Vec<Triangle>, faces: Faces) -> Result<Self, MeshProblem> {
         let few = triangles.len() <= MOST_TRIANGLES;
         let finite = triangles.iter().flatten().all(|corner| corner.is_finite());
@@ -124,12 +126,12 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// The mean number of triangles that a ray across some triangle is tried with.
+    /// Returns the mean number of triangles that a ray through one of the triangles is tested with.
     fn mean_on_ray(&self) -> f64 {
         let step = self.triangles.len().div_ceil(RAYS);
         let rays = self.triangles.iter().step_by(step).map(|[a, b, c]| {
             let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
-            // Not quite straight: boxes along the axes would be met along their sides.
+            // Not along the normal: such a ray would run along the sides of boxes.
             let direction = (normal + 0.1 * normal.any_orthonormal_vector()).normalize();
             let start = (a + b + c) / 3.0 - direction * (4.0 * self.size);
             self.tried_on(&Ray::new(start, direction)) as f64
@@ -138,7 +140,7 @@ impl Mesh {
         tried.iter().sum::<f64>() / tried.len() as f64
     }
 
-    /// The number of triangles whose boxes a ray meets, up to about [`MOST_TRIED`].
+    /// Returns the number of triangles whose boxes a ray meets, up to about [`MOST_TRIED`].
     fn tried_on(&self, ray: &Ray) -> usize {
         let mut tried = 0;
         let mut waiting = vec![0];
@@ -164,7 +166,7 @@ impl Mesh {
         self.faces
     }
 
-    /// The nearest triangle on a ray, the distance and the point.
+    /// Returns the nearest triangle on a ray, and the point.
     fn first_on(&self, ray: &Ray) -> Option<(&Triangle, DVec3)> {
         let mut nearest = f64::INFINITY;
         let mut found = None;
@@ -214,7 +216,7 @@ impl Surface for Mesh {
         self.hit(origin, direction)
     }
 
-    /// The edges that belong to one triangle alone.
+    /// Edges that belong to only one triangle.
     fn rims(&self) -> Vec<Rim<'_>> {
         self.rims.iter().map(|&[from, to]| -> Rim<'_> { Box::new(move |part| from.lerp(to, part)) }).collect()
     }
@@ -224,16 +226,16 @@ impl Surface for Mesh {
     }
 }
 
-/// The edges that belong to one of `triangles` alone, moved inwards a little; at most
+/// Returns the edges that belong to only one of `triangles`, moved inwards a little; at most
 /// [`MOST_RIMS`], evenly chosen.
 fn single_edges(triangles: &[Triangle]) -> Vec<[DVec3; 2]> {
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
     let mut number = |corner: DVec3| {
         let next = numbers.len() as u32;
-        // +0 and −0 are the same place.
+        // +0 and −0 are the same position.
         *numbers.entry((corner + 0.0).to_array().map(f64::to_bits)).or_insert(next)
     };
-    // Ends, triangle, side.
+    // Ends, triangle and side of each edge.
     let mut edges: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in (0..).zip(triangles) {
         let ends = corners.map(&mut number);
@@ -260,8 +262,8 @@ fn bounds(triangles: &[Triangle]) -> (DVec3, DVec3) {
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| (low.min(*corner), high.max(*corner)))
 }
 
-/// Orders `triangles`, of which the mesh has `before` in front of them, into a tree, halving them
-/// along the longest side.
+/// Orders `triangles` into a tree by halving them along the longest side of their box. `before` is
+/// the number of triangles of the mesh that precede them.
 fn build(triangles: &mut [Triangle], before: usize, padding: f64, nodes: &mut Vec<Node>) {
     let (low, high) = bounds(triangles);
     let (low, high) = (low - padding, high + padding);
@@ -283,12 +285,12 @@ fn build(triangles: &mut [Triangle], before: usize, padding: f64, nodes: &mut Ve
 }
 
 /// A ray, prepared for the test of Woop, Benthin and Wald (*Watertight Ray/Triangle Intersection*,
-/// 2013): space is sheared so that the ray is its longest axis, and edges that triangles share are
-/// judged by the same numbers.
+/// 2013). Space is sheared so that the ray runs along the axis of its longest component. Edges that
+/// triangles share are tested with the same numbers.
 struct Ray {
     origin: DVec3,
     inverse: DVec3,
-    /// The axes of space in the order in which the ray's longest is last.
+    /// Axes of space; that of the ray's longest component is the last.
     axes: [usize; 3],
     shear: DVec3,
 }
@@ -304,8 +306,8 @@ impl Ray {
 
     /// True if the ray goes through a box before the distance `nearest`.
     fn meets(&self, node: &Node, nearest: f64) -> bool {
-        // An axis along which the ray does not move gives ±∞, or NaN on a side itself, which min
-        // and max pass over. No loop over the axes: nothing else is done as often.
+        // An axis along which the ray does not move gives ±∞, or NaN exactly on a side; min and max
+        // ignore NaN. There is no loop over the axes, since this is the most frequent operation.
         let to_low = (node.low - self.origin) * self.inverse;
         let to_high = (node.high - self.origin) * self.inverse;
         let enter = 0.0f64.max(to_low.x.min(to_high.x)).max(to_low.y.min(to_high.y)).max(to_low.z.min(to_high.z));
@@ -313,7 +315,7 @@ impl Ray {
         enter <= leave
     }
 
-    /// Distance and point of the meeting with a triangle.
+    /// Returns distance and point of the intersection with a triangle.
     fn meet(&self, triangle: &Triangle) -> Option<(f64, DVec3)> {
         let [x, y, z] = self.axes;
         let sheared = triangle.map(|corner| {
@@ -334,7 +336,7 @@ impl Ray {
     }
 }
 
-/// Returns the point that [`Mesh::hit`] ought to find, by trying every triangle.
+/// Returns the point that [`Mesh::hit`] should find, by testing every triangle.
 #[cfg(test)]
 pub(super) fn by_every_triangle(mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<DVec3> {
     let ray = Ray::new(origin, direction);

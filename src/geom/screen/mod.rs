@@ -1,10 +1,10 @@
-//! Screens: what projectors light, and what a viewer looks at.
+//! Screens: surfaces that projectors light and that a viewer looks at.
 //!
-//! Every shape has axes of its own (+y along its pole or axis, −z its front) and answers one
-//! question through [`Surface`]: where does a ray light it? All is f64 and exact but for rounding;
-//! hits are off by about 1e-15 times (1 + distance of the origin / size). The one f32 step comes
-//! later, when a table of directions is written: 6e-8 of the distance from the middle of what an
-//! output shows.
+//! Every shape has axes of its own (+y along its pole or axis, −z its front). Through [`Surface`]
+//! it returns the point that a ray lights. All is computed in f64; hits are off by about 1e-15
+//! times (1 + distance of the origin / size). The only f32 step comes later, when a table of
+//! directions is written. Its error is 6e-8 of the distance from the middle of an output's
+//! directions.
 
 mod closed;
 mod cone;
@@ -36,12 +36,12 @@ pub struct Hit {
 /// A line along the rim of a screen: 0…1 → point.
 pub type Rim<'a> = Box<dyn Fn(f64) -> DVec3 + 'a>;
 
-/// A contour line: a place along it, 0…1, and a distance from it → point. The distance is measured
-/// across the line, in radii, towards the part that is lit from there.
+/// A contour line: position along it, 0…1, and distance from it → point. The distance is measured
+/// across the line, in radii, towards the part that is lit from the point of view.
 pub type Contour<'a> = Box<dyn Fn(f64, f64) -> DVec3 + 'a>;
 
-/// Distance of a rim's line from the edge of the screen, as a part of the extent: found again along
-/// a ray, its points must not be off the screen by rounding.
+/// Distance of a rim's line from the edge of the screen, as a part of the extent. Because of it,
+/// rays to points of the line hit the screen despite rounding.
 const INSET: f64 = 1e-9;
 
 /// A surface in axes of its own.
@@ -51,19 +51,19 @@ pub trait Surface {
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
 
     /// Returns the same on the surface of which the screen is a part: not cut at the screen's rim.
-    /// A shape without such a continuation answers as [`Self::hit`].
+    /// A shape without such a surface returns the result of [`Self::hit`].
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
 
     /// Lines along which the screen ends, just within it.
     fn rims(&self) -> Vec<Rim<'_>>;
 
-    /// A line close to where the screen's endless extension ends, if it ends anywhere.
+    /// Returns a line close to the horizon of the screen's endless extension, if it has one.
     fn horizon(&self) -> Option<Rim<'_>> {
         None
     }
 
-    /// Contour lines of the surface as seen from a point outside: rays from there graze it. None
-    /// from inside, and for shapes without a curvature.
+    /// Returns the contour lines of the surface as seen from a point outside: rays from the point
+    /// graze the surface there. There are none from inside, and for shapes without curvature.
     fn contours(&self, _from: DVec3) -> Vec<Contour<'_>> {
         Vec::new()
     }
@@ -85,7 +85,7 @@ pub enum Shape {
     Mesh(Arc<Mesh>),
 }
 
-/// A screen somewhere in the dome's axes.
+/// A screen with a pose in the dome's axes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Screen {
     /// The shape's own axes → dome axes.
@@ -149,19 +149,19 @@ impl Screen {
         self.surface().size()
     }
 
-    /// True if the screen is smooth between its rims, so that what it shows changes smoothly across
-    /// a picture.
+    /// True if the screen is smooth between its rims. Then its map changes smoothly across a
+    /// picture.
     pub fn is_smooth(&self) -> bool {
         !matches!(self.shape, Shape::Mesh(_))
     }
 }
 
-/// `from` and `to`, both moved inwards by the rims' inset.
+/// Returns `from` and `to`, both moved inwards by the rims' inset.
 fn inset(from: f64, to: f64) -> (f64, f64) {
     (from + INSET * (to - from), to - INSET * (to - from))
 }
 
-/// `direction` scaled to unit length; `None` for zero and what is not finite.
+/// Returns `direction` scaled to unit length; `None` if it is zero or not finite.
 fn unit(direction: DVec3) -> Option<DVec3> {
     let scale = direction.abs().max_element();
     (scale > 0.0 && scale.is_finite()).then(|| (direction / scale).normalize())

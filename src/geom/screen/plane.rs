@@ -4,8 +4,8 @@ use super::{Hit, INSET, Rim, Surface, unit};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// A rectangle in the plane z = 0 around the origin, lit from either side: by projection from the
-/// front or through it.
+/// A rectangle in the plane z = 0 around the origin, lit from either side (front or rear
+/// projection).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Plane {
     /// Width and height, metres, > 0.
@@ -33,8 +33,8 @@ impl Surface for Plane {
         (0..4).map(|i| side(corners[i], corners[(i + 1) % 4])).collect()
     }
 
-    /// Directions along the plane or away from it never meet it. Seen from near the screen the line
-    /// is some 10⁻⁵ radians from theirs.
+    /// Directions along the plane or away from it never meet it. Seen from near the screen, the
+    /// line is about 10⁻⁵ radians from the limit of these directions.
     fn horizon(&self) -> Option<Rim<'_>> {
         let radius = 1e5 * self.size();
         Some(Box::new(move |part| (DVec2::from_angle(part * TAU) * radius).extend(0.0)))

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 pub struct Region {
     /// Greatest angle from the pole, radians, 0…π; π = all.
     pub polar: f64,
-    /// From … to, radians, `from < to ≤ from + 2π`; `None` = all around.
+    /// Range (from, to), radians, `from < to ≤ from + 2π`; `None` = all around.
     pub azimuth: Option<[f64; 2]>,
 }
 
@@ -18,10 +18,10 @@ impl Region {
     /// The whole surface.
     pub const ALL: Self = Self { polar: PI, azimuth: None };
 
-    /// True if the direction of `point` from the centre, any length, is in the region; its rims
-    /// belong to it.
+    /// True if the direction of `point` from the centre, any length, is in the region. A direction
+    /// on a rim is in the region.
     pub fn contains(&self, point: DVec3) -> bool {
-        // By the cosine: near the pole, too, as exact as the point.
+        // Compares cosines: near the pole, too, this is as exact as the point.
         let near = self.polar >= PI || point.y >= point.length() * self.polar.cos();
         near && self.azimuth.is_none_or(|range| within(point, range))
     }
@@ -53,8 +53,7 @@ pub(super) fn within(point: DVec3, [from, to]: [f64; 2]) -> bool {
     (point.x.atan2(-point.z) - from).rem_euclid(TAU) <= to - from
 }
 
-/// The unit direction in which a point at this azimuth moves when it goes around the axis, to the
-/// right.
+/// Returns the unit direction in which a point at this azimuth moves around the axis, to the right.
 pub(super) fn onward(azimuth: f64) -> DVec3 {
     DVec3::new(azimuth.cos(), 0.0, azimuth.sin())
 }

@@ -3,10 +3,10 @@ use crate::geom::Sphere;
 use crate::testing::random::Random;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// A fan of triangles on the unit sphere, `n` by `2n`, seen from inside counter-clockwise.
+/// Triangles of the unit sphere, `n` by `2n` pairs, counter-clockwise as seen from inside.
 fn ball(n: u32) -> Vec<Triangle> {
-    // The same numbers on both sides of the seam and at the poles: corners that triangles share are
-    // equal.
+    // The numbers are the same on both sides of the seam and at the poles, so that corners that
+    // triangles share are equal.
     let point = |i: u32, j: u32| {
         let (polar, around) = (PI * f64::from(i) / f64::from(n), PI * f64::from(j % (2 * n)) / f64::from(n));
         if i == 0 || i == n {
@@ -44,9 +44,9 @@ fn hits_lie_on_the_surface_on_the_ray_and_on_its_inside() {
             assert!(equation(hit.point).abs() < 1e-13, "{hit:?}");
             assert!(path.normalize().distance(direction.normalize()) < 1e-13, "{hit:?}");
             assert!(path.dot(hit.normal) < 0.0 && (hit.normal.length() - 1.0).abs() < 1e-14, "lit from inside");
-            // Across the surface the equation does not change.
+            // Along the surface the equation does not change.
             let across = hit.normal.any_orthonormal_vector() * 1e-6;
-            assert!(equation(hit.point + across).abs() < 1e-11, "the normal is one");
+            assert!(equation(hit.point + across).abs() < 1e-11, "the normal is perpendicular to the surface");
             seen += 1;
         }
         assert!(seen > 5_000, "{seen}");
@@ -63,7 +63,7 @@ fn from_afar_a_cone_is_hit_as_exactly() {
             let height = random.range(-1.9, 3.9);
             let radius = 5.0 - (height + 2.0) / 3.0;
             let target = DVec3::new(around.sin() * radius, height, around.cos() * radius);
-            // From the other side, so that the target is where the ray leaves.
+            // From the other side, so that the ray leaves the inside at the target.
             let towards = DVec3::new(-target.x, random.range(-1.0, 1.0), -target.z).normalize();
             let origin = target + towards * distance;
             let hit = cone.hit(origin, target - origin).expect("the target is on the ray");
@@ -86,7 +86,7 @@ fn regions_and_rims() {
         assert_eq!(dome.hit(DVec3::ZERO, towards(azimuth, up)).is_some(), lit, "{azimuth} {up}");
         assert!(dome.unbounded_hit(DVec3::ZERO, towards(azimuth, up)).is_some());
     }
-    // A range over the back.
+    // A range that includes the back.
     let back = Region { polar: PI, azimuth: Some([3.0, 3.5]) };
     assert!(
         back.contains(towards(PI, 0.0)) && back.contains(towards(-PI + 0.1, 0.0)) && !back.contains(towards(2.9, 0.0))
@@ -143,7 +143,7 @@ fn a_fine_mesh_is_nearly_its_sphere_and_has_no_holes() {
         assert!(hit.point.distance(exact) < sagitta / 0.1 + 1e-12, "{}", hit.point.distance(exact));
         assert!(hit.normal.dot(-hit.point) > 0.9);
     }
-    // The tree finds what trying every triangle finds.
+    // The tree finds the same as a test of every triangle.
     for _ in 0..300 {
         let (origin, direction) = (random.vector(-2.0, 2.0), random.direction());
         let ray = super::mesh::by_every_triangle(&mesh, origin, direction);
@@ -153,7 +153,7 @@ fn a_fine_mesh_is_nearly_its_sphere_and_has_no_holes() {
 
 #[test]
 fn a_mesh_hides_itself_and_has_two_sides() {
-    // A wall at −3 and a smaller one before it at −2, both facing the origin.
+    // A wall at −3 and a smaller one in front of it at −2, both facing the origin.
     let wall = |z: f64, s: f64| {
         let [a, b, c, d] = [(-s, -s), (s, -s), (s, s), (-s, s)].map(|(x, y)| DVec3::new(x, y, z));
         [[a, b, c], [a, c, d]]
@@ -162,7 +162,7 @@ fn a_mesh_hides_itself_and_has_two_sides() {
     let front = mesh(both.clone(), Faces::Front);
     let depth = |x: f64| front.hit(DVec3::ZERO, DVec3::new(x, 0.0, -3.0)).map(|hit| hit.point.z);
     assert_eq!((depth(0.0), depth(0.74), depth(0.76), depth(3.1)), (Some(-2.0), Some(-2.0), Some(-3.0), None));
-    // From behind, the large wall stops the light: its back is dark, or lit if backs are screen.
+    // From behind, the large wall stops the light. Its back is dark, or lit if backs are screen.
     let behind = DVec3::new(0.0, 0.0, -5.0);
     assert_eq!(front.hit(behind, DVec3::Z), None);
     for faces in [Faces::Back, Faces::Both] {
@@ -203,7 +203,7 @@ fn triangles_that_all_lie_in_one_place_are_refused() {
         let found = Mesh::new(triangles, Faces::Both);
         assert!(matches!(found, Err(MeshProblem::Layers(layers)) if layers > 1_000.0), "{found:?}");
     }
-    // Many triangles are none too many where they make a surface, or lie here and there.
+    // Many triangles are accepted if they form a surface or are scattered.
     assert!(Mesh::new(ball(100), Faces::Front).is_ok());
     let small = |at: DVec3| [at, at + DVec3::X * 0.02, at + DVec3::Y * 0.02];
     let scattered = mesh((0..20_000).map(|_| small(random.vector(-1.0, 1.0))).collect(), Faces::Both);
@@ -235,8 +235,8 @@ fn rays_graze_a_surface_along_its_contours() {
             for contour in surface.contours(from) {
                 let (part, inset) = (random.range(0.0, 1.0), 1e-5);
                 let (point, within) = (contour(part, 0.0), contour(part, inset));
-                // A little within it the light still arrives, at nearly a right angle; beyond it
-                // none does, or on the other side.
+                // Just within the contour the ray still hits this point, almost grazing. Beyond the
+                // contour it misses, or hits the other side.
                 let hit = surface.unbounded_hit(from, within - from).expect("just within");
                 assert!(hit.point.distance(within) < 1e-6, "{from} {part}: {hit:?} {within}");
                 let slope = hit.normal.dot((point - from).normalize()).abs();
