@@ -310,7 +310,7 @@ pub fn beyond_neighbours(found: &Picture, expected: &Picture, radius: usize) -> 
 /// but no pixel may show something else.
 pub fn expect_alike(found: &Picture, expected: &Picture, step: u8, what: &str) {
     let [(there, at), (back, _)] = [beyond_neighbours(found, expected, 1), beyond_neighbours(expected, found, 1)];
-    note(format_args!("{what}: beyond what is around by {there}/255 at {at:?}, and by {back}/255"));
+    note(format_args!("{what}: {there}/255 at {at:?} and {back}/255 beyond the values around"));
     if there.max(back) > step {
         let paths = [failure_path(what, "picture"), failure_path(what, "expected")];
         found.save(&paths[0]);

@@ -274,7 +274,7 @@ fn a_whole_circle_is_the_programs_own_picture() {
     });
     let (count, worst) = finished.picture("capture.png").difference(&cut);
     assert!(worst <= 2, "{count} pixels differ, by {worst} at most");
-    assert!(plain.difference(&cut).1 > 50, "the picture fills its corners");
+    assert!(plain.difference(&cut).1 > 50, "the corners of the program's picture are black");
 }
 
 fn each_eye_gets_its_half() {

@@ -84,9 +84,9 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
         let seen = counts["draws_seen"].as_u64().expect("a number");
         assert!(views.iter().any(|v| number(v, "draws_issued") > 0), "{counts:#}");
         let left_out = counts["batches_left_out"].as_u64().expect("a number");
-        assert!(left_out > 0, "views that hold nothing were corrected: {counts:#}");
+        assert!(left_out > 0, "empty views were corrected: {counts:#}");
         let narrowed = counts["outputs_narrowed"].as_u64().expect("a number");
-        assert!(narrowed > 0, "all of the output was corrected: {counts:#}");
+        assert!(narrowed > 0, "the whole output was corrected: {counts:#}");
         let each = seen / frames;
         let empty = views.iter().filter(|v| number(v, "draws_issued") == unknown * each);
         assert!(empty.clone().count() >= 1, "{counts:#}");
@@ -265,7 +265,7 @@ fn what_is_read_of_an_image_is_whole() {
     // Negative control: the picture of a camera that is turned by a degree.
     let Some(turned) = (Run { yaw: run.yaw + 1.0, ..run }).plain() else { return };
     let (different, _) = turned.expect_success().picture("own.ppm").difference(&own[0]);
-    assert!(different > 1_000, "{different} pixels tell of a turned camera");
+    assert!(different > 1_000, "only {different} pixels differ for a turned camera");
 }
 
 /// The log says if a program leaves out draws beside its own picture, and how to prevent that. It
@@ -309,5 +309,5 @@ fn planes_that_a_program_asks_for_are_wide() {
     // Negative control: with its own planes the program leaves out what lies at the sides.
     assert!(!without.words().contains("profile"), "{}", without.words());
     let (different, _) = without.picture("capture.png").difference(&all.picture("capture.png"));
-    assert!(different > 1_000, "{rig}: {different} pixels show that the program leaves out something");
+    assert!(different > 1_000, "{rig}: only {different} pixels differ, so the program leaves out nothing");
 }

@@ -83,7 +83,7 @@ fn expect_the_own_picture(faults: &[String], sample: usize, right: &Picture) {
         let Some(outcome) = run(RIG, fault) else { return };
         tried += 1;
         if !outcome.succeeded || !is_own(&outcome.window, right) {
-            wrong.push(format!("{fault}: ended well: {}; {}", outcome.succeeded, outcome.words.trim()));
+            wrong.push(format!("{fault}: succeeded: {}; {}", outcome.succeeded, outcome.words.trim()));
         }
     }
     note(format_args!("{tried} of {} faults were tried", faults.len()));

@@ -25,7 +25,7 @@ fn same_picture_of(size: (usize, usize), program: &str, rig: &str) -> Option<ser
     let without = Run { cupola: &["--no-mask"], environment: &[], ..with.clone() };
     let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
     let (counts, all) = (with.statistics(), without.statistics());
-    assert_eq!(all["closings"], 0, "{program}: --no-mask closes nothing");
+    assert_eq!(all["closings"], 0, "{program}: --no-mask closes texels");
     let what = format!("{program} {rig}, what is hidden closed");
     expect_identical_captures(&with, &without, &what);
     Some(counts)
