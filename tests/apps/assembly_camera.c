@@ -1,7 +1,7 @@
 /*
  * Direction test with a vertex program in assembly language (ARB_vertex_program). `--mode` names
  * the place of its matrix: `state`, the fixed-function matrices; `environment` and `local`, rows in
- * parameters of the program.
+ * parameters of the program; `columns`, columns in parameters.
  */
 #include "common/fixed.h"
 #include "common/mesh.h"

@@ -96,7 +96,7 @@ static void draw(app *a)
         probe(a, 30, 30, 0, 1, 0, "a deleted program");
     } else if (a->frame == 2) {
         glUseProgram(chosen);
-        app_check(a, !glIsProgram(deleted), "a deleted program lives on");
+        app_check(a, !glIsProgram(deleted), "a deleted program still exists");
         GLuint blue = glGetSubroutineIndex(chosen, GL_FRAGMENT_SHADER, "blue");
         glUniformSubroutinesuiv(GL_FRAGMENT_SHADER, 1, &blue);
     }
