@@ -24,7 +24,7 @@ typedef struct {
     char result;         /* v: none, b: 8 bits, i: 32 bits, s: sign, p: pointer, n: name */
     char result_letter;  /* kind of the returned names */
     int result_slot;
-    char names;          /* kind of the names in what is written, P for pointers, 0 for none */
+    char names;          /* kind of the names that the call writes, P for pointers, 0 for none */
     bool is_quiet;       /* no question about errors follows */
     int count;
     call_argument arguments[CALL_MOST_ARGUMENTS];
