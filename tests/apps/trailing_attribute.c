@@ -20,7 +20,7 @@ static void set(int way)
     case 7: glNormal3b(-100, 3, 127); break;
     case 8: glNormal3s(-30000, 5, 32767); break;
     case 9: glNormal3i(-2000000000, 7, 2147483647); break;
-    case 10: glTexCoord4s(-7, 1, 2, 3); break; /* fewer leave old components in place on Mesa */
+    case 10: glTexCoord4s(-7, 1, 2, 3); break; /* with fewer components Mesa keeps the old ones */
     case 11: glTexCoord4i(-7, 8, 9, 10); break;
     default: glTexCoord4d(0.1, 0.2, 0.3, 0.4); break;
     }
