@@ -1,5 +1,5 @@
-//! The C interface: the committed headers are what the source says, compile as C99 and C++17, and
-//! keep what was published.
+//! The C interface: the committed headers agree with the source, compile as C99 and C++17, and keep
+//! every declaration that was published.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// A header, its configuration, and the files from which it is generated; modules in them are
-/// followed.
+/// Name of a header, its configuration, and the source files from which it is generated. A module
+/// that one of these files declares belongs to it.
 const HEADERS: [(&str, &str, &[&str]); 2] = [
     ("cupola.h", "cbindgen.toml", &["version", "status", "rig", "log", "map", "gl/mod"]),
     ("cupola_vk.h", "cbindgen_vk.toml", &["vk/mod"]),
@@ -24,11 +24,11 @@ fn header(config: &str, files: &[&str]) -> String {
         builder = builder.with_src(root.join(format!("src/ffi/{file}.rs")));
     }
     let mut text = Vec::new();
-    builder.generate().expect("src/ffi is understood").write(&mut text);
+    builder.generate().expect("src/ffi can be parsed").write(&mut text);
     String::from_utf8(text).expect("the header is UTF-8")
 }
 
-/// `CUPOLA_WRITE_HEADER=1 cargo test --test abi` writes the headers anew.
+/// `CUPOLA_WRITE_HEADER=1 cargo test --test abi` writes the headers again.
 #[test]
 fn the_committed_headers_are_in_sync() {
     for (name, config, files) in HEADERS {
@@ -40,12 +40,12 @@ fn the_committed_headers_are_in_sync() {
         let committed = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("include/{name}: {error}"));
         assert!(
             committed == generated,
-            "include/{name} is not what src/ffi says; write it anew with CUPOLA_WRITE_HEADER=1 cargo test --test abi"
+            "include/{name} does not agree with src/ffi; write it again with CUPOLA_WRITE_HEADER=1 cargo test --test abi"
         );
     }
 }
 
-/// Compiles `text`; the compiler's messages if it fails.
+/// Compiles `text`. If that fails, returns the compiler's messages.
 fn compile(compiler: &str, arguments: &[&str], text: &str) -> Result<(), String> {
     let extension = if compiler == "c++" { "cpp" } else { "c" };
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
@@ -63,10 +63,10 @@ fn compile(compiler: &str, arguments: &[&str], text: &str) -> Result<(), String>
 
 const USE: &str = "#include <cupola.h>\nint use(void);\nint use(void) { cupola_rig *rig = 0; return cupola_rig_load(\"fisheye\", &rig) == CUPOLA_OK; }\n";
 
-/// Vulkan's own header.
+/// Header of Vulkan itself.
 const VULKAN: &str = "/usr/include/vulkan/vulkan_core.h";
 
-/// A callback, and structs of both headers.
+/// Program text with a log callback and structs of both headers.
 const CALLBACK: &str = r#"
 #ifdef __cplusplus
 extern "C"
@@ -118,7 +118,7 @@ fn the_documentation_has_the_versions() {
     assert!(page.contains(&row), "docs/embedding.md has no row {row}");
 }
 
-/// Headers of the first published version, which programs were compiled with.
+/// Folder with the headers of the first published version, with which programs were compiled.
 const FIRST_VERSION: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/abi/0.1");
 
 /// Declarations of a header.
@@ -178,7 +178,8 @@ fn declared(text: &str) -> Declared {
     found
 }
 
-/// What a compiler says to fields (offset, size) and constants, with the headers in `folder`.
+/// Returns offset and size of each field and the value of each constant, as the compiler prints
+/// them for the headers in `folder`.
 fn layout(folder: &Path, header: &str, declared: &Declared) -> String {
     let mut text = format!("#include <stddef.h>\n#include <stdio.h>\n#include <{header}>\nint main(void) {{\n");
     for (name, field) in &declared.fields {
@@ -198,9 +199,9 @@ fn layout(folder: &Path, header: &str, declared: &Declared) -> String {
     let made = Command::new("cc").arg("-I").arg(folder).arg("-o").arg(&program).arg(&source).output();
     let made = made.expect("cc can be started");
     assert!(made.status.success(), "{header}: {}", String::from_utf8_lossy(&made.stderr));
-    let output = Command::new(&program).output().expect("it was built");
+    let output = Command::new(&program).output().expect("the program can be started");
     let _ = (std::fs::remove_file(&program), std::fs::remove_file(&source));
-    String::from_utf8(output.stdout).expect("names and numbers")
+    String::from_utf8(output.stdout).expect("the output is UTF-8")
 }
 
 #[test]
@@ -217,7 +218,7 @@ fn what_was_published_stays_as_it_is() {
         assert!(missing.is_empty(), "{header} lacks {missing:#?}");
         let (before, after) = (layout(first, header, &published), layout(&now, header, &published));
         assert_eq!(before, after, "{header}");
-        // The checks see something.
+        // The checks above compared enough declarations.
         let (functions, fields) = if header == "cupola.h" { (20, 30) } else { (14, 50) };
         assert!(published.statements.len() > functions && published.fields.len() > fields, "{header}");
     }

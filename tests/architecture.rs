@@ -1,5 +1,5 @@
-//! The rules of `docs/architecture.md` that a machine can check: who may use what, where `unsafe`
-//! and OpenGL may be, how long a file may be, what the library exports.
+//! The rules of `docs/architecture.md` that a machine can check: which module uses which, where
+//! `unsafe` and OpenGL are allowed, how long a file may be, which names the library exports.
 
 #[path = "../src/bin/cupola-lab/structure/circles.rs"]
 mod circles;
@@ -19,7 +19,8 @@ use uses::Uses;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// What each module of the library may name of the others. `error` and `lock` are everybody's.
+/// Each module of the library, and the other modules that it may name. Each may also name `error`
+/// and `lock`.
 const MAY_USE: [(&str, &[&str]); 24] = [
     ("error", &[]),
     ("system", &[]),
@@ -53,7 +54,8 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("clock", &[]),
 ];
 
-/// Where `unsafe` may be. `system` wraps the few system calls that the standard library lacks.
+/// Folders in which `unsafe` is allowed. `system` wraps the few system calls that the standard
+/// library lacks.
 const MAY_BE_UNSAFE: [&str; 9] = [
     "src/ffi/",
     "src/intercept/",
@@ -66,9 +68,9 @@ const MAY_BE_UNSAFE: [&str; 9] = [
     "src/bin/cupola-lab/trial/",
 ];
 
-/// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the
-/// interception, the C interface that hands it over, the laboratory's timing and its reader of
-/// Khronos' registry.
+/// Folders that may name OpenGL itself, that is, its constants and the table of its functions: the
+/// backend, the interception, the C interface, the runtime, and the laboratory's timing and its
+/// reader of Khronos' registry.
 const MAY_KNOW_GL: [&str; 7] = [
     "src/backend/gl/",
     "src/backend/null/",
@@ -79,21 +81,21 @@ const MAY_KNOW_GL: [&str; 7] = [
     "src/bin/cupola-lab/calls/registry.rs",
 ];
 
-/// Where the modules `backend::gl` and `intercept::gl` may be named, too: what starts them, and a
-/// test that compares.
+/// Folders that may also name the modules `backend::gl` and `intercept::gl`: the commands and the
+/// preload library, which start them, and a test that compares both backends.
 const MAY_START_GL: [&str; 3] = ["src/bin/", "src/preload/", "src/backend/vk/tests/"];
 
-/// Where Vulkan may be named: the backend, the interception, the C interface, and the laboratory's
-/// timing.
+/// Folders that may name Vulkan: the backend, the interception, the C interface, the runtime, and
+/// the laboratory's timing.
 const MAY_KNOW_VULKAN: [&str; 5] =
     ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
-/// Crates for the command alone.
+/// Crates that only the command uses.
 const COMMAND_ONLY: [&str; 7] =
     ["clap", "httparse", "indicatif", "jpeg_encoder", "noto_sans_mono_bitmap", "rosc", "x11rb"];
 
-/// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation
-/// writes.
+/// Files in which f64 may become f32: the values that shaders get, and the pixels of the picture
+/// that the simulation writes.
 const MAY_ROUND: [&str; 2] = ["src/correct/single.rs", "src/blend/simulation.rs"];
 
 const LONGEST_FILE: usize = 600;
@@ -108,7 +110,7 @@ fn sources(folders: &[&str], extensions: &[&str]) -> Vec<Source> {
     sources
 }
 
-/// Whether `word` stands alone in the code.
+/// Whether the code contains `word` as a whole word.
 fn has_word(code: &str, word: &str) -> bool {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(word).any(|(start, _)| {
@@ -154,7 +156,8 @@ fn named_modules(code: &str, prefix: &str) -> BTreeSet<String> {
     modules
 }
 
-/// Whether the code has an attribute that no harness but the usual one sees.
+/// Whether the code has a test attribute. It has no effect in a file that uses the harness of
+/// `tests/harness`.
 fn is_lost_test(code: &str) -> bool {
     code.contains("#[test]") || code.contains("#[ignore")
 }
@@ -181,14 +184,14 @@ impl OpenGl {
         Self { constant, table: has_word(code, "Gl"), module }
     }
 
-    /// The first of these names that stands in a file that may not have it.
+    /// First of these names that the file at `path` may not have.
     fn violation(&self, path: &str) -> Option<&'static str> {
         let within = |places: &[&str]| places.iter().any(|place| path.starts_with(place));
         if within(&MAY_KNOW_GL) {
             return None;
         }
-        // Options of the command have a value `Gl`; its code is safe, so that it cannot call a
-        // function of the table.
+        // The options of the command have a value `Gl`, which is not the table. The command's code
+        // is safe and so cannot call a function of the table.
         let table = self.table && !path.starts_with("src/bin/");
         let module = self.module && !within(&MAY_START_GL);
         let names =
@@ -244,22 +247,22 @@ fn words_stand_only_where_they_may() {
         let within = |places: &[&str]| places.iter().any(|place| path.starts_with(place));
         for word in ["todo", "unimplemented", "dbg"] {
             if code.contains(&format!("{word}!")) && has_word(&code, word) {
-                complain(path, &format!("{word}! is not for a finished file"));
+                complain(path, &format!("{word}! is not allowed in a finished file"));
             }
         }
         if has_word(&code, "unsafe") && !within(&MAY_BE_UNSAFE) {
-            complain(path, "unsafe code outside the folders that may have it");
+            complain(path, "unsafe code is not allowed in this folder");
         }
         let own_harness = within(&["tests/suite/", "tests/cli_run.rs"]);
         if own_harness && is_lost_test(&code) {
-            complain(path, "#[test] has no effect here: the list of `tests!` names what runs");
+            complain(path, "#[test] has no effect here: add the function to the list of `tests!`");
         }
         if !path.starts_with("src/") {
             continue;
         }
         let names = OpenGl::of(&code);
         if let Some(what) = names.violation(path) {
-            complain(path, &format!("{what} is named outside the folders that may know it"));
+            complain(path, &format!("{what} is named, which is not allowed in this folder"));
         }
         opengl.constant |= names.constant;
         opengl.table |= names.table;
@@ -267,7 +270,7 @@ fn words_stand_only_where_they_may() {
         let names_vulkan = has_word(&code, "ash");
         vulkan |= names_vulkan;
         if names_vulkan && !within(&MAY_KNOW_VULKAN) {
-            complain(path, "Vulkan is named outside the folders that may know it");
+            complain(path, "Vulkan is named, which is not allowed in this folder");
         }
         if COMMAND_ONLY.iter().any(|name| code.contains(&format!("{name}::"))) && !path.starts_with("src/bin/") {
             complain(path, "a crate of the command is named in the library");
@@ -279,9 +282,9 @@ fn words_stand_only_where_they_may() {
         }
     }
     report(&findings);
-    // A rule about a name that no file has any more would find nothing.
-    assert_eq!(opengl, OpenGl { constant: true, table: true, module: true }, "a name of OpenGL is nowhere");
-    assert!(vulkan, "Vulkan is named nowhere");
+    // If no file has a name any more, the rule about that name tests nothing.
+    assert_eq!(opengl, OpenGl { constant: true, table: true, module: true }, "no file in src names one of these");
+    assert!(vulkan, "no file in src names Vulkan");
 }
 
 #[test]
@@ -296,8 +299,9 @@ fn files_are_short() {
     report(&findings);
 }
 
-/// Inside the large folders uses run down, too. `ORDERS` records how many still run up, and how
-/// many files use each other in a circle; neither number may grow.
+/// Inside the large folders, too, a file uses only files of lower rooms. `ORDERS` records how many
+/// uses still break this order, and how many files use each other in a circle. Neither number may
+/// grow.
 #[test]
 fn rooms_use_only_rooms_below_them() {
     let uses = Uses::between(&sources(&["src"], &["rs"]), "src");
@@ -305,16 +309,20 @@ fn rooms_use_only_rooms_below_them() {
     for order in &rules::ORDERS {
         let own = uses.within(order.folder);
         findings.extend(
-            rules::unlisted(&own, order).iter().map(|room| format!("{}: no place for the room {room}", order.folder)),
+            rules::unlisted(&own, order).iter().map(|room| format!("{}: the order has no room {room}", order.folder)),
         );
         let against = rules::against_the_order(&own, order);
         if against.len() > order.most_against {
             let (all, folder) = (against.join("\n    "), order.folder);
-            findings.push(format!("{folder}: {} uses run up, not {}:\n    {all}", against.len(), order.most_against));
+            findings.push(format!(
+                "{folder}: {} uses are against the order, at most {} are allowed:\n    {all}",
+                against.len(),
+                order.most_against
+            ));
         }
         if let Some(largest) = circles(&own).first().filter(|circle| circle.len() > order.largest_circle) {
             let (all, folder) = (largest.join("\n    "), order.folder);
-            findings.push(format!("{folder}: {} files are a circle:\n    {all}", largest.len()));
+            findings.push(format!("{folder}: {} files use each other in a circle:\n    {all}", largest.len()));
         }
     }
     report(&findings);
@@ -322,8 +330,7 @@ fn rooms_use_only_rooms_below_them() {
 
 #[test]
 fn the_library_exports_its_interface_only() {
-    // Cargo builds the library for its tests there, and puts it beside the command only for `cargo
-    // build`.
+    // `cargo test` builds the library in `deps`. Only `cargo build` puts it beside the command.
     let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so");
     let names = exported_names(&library);
     for name in ["__glx_Main", "__egl_Main"] {
@@ -349,7 +356,7 @@ fn unwanted(names: &BTreeSet<String>) -> Vec<String> {
     names.iter().filter(|name| !wanted(name)).map(|name| format!("{name} is exported")).collect()
 }
 
-/// The rules above rest on these: each finds what it should, and nothing else.
+/// Test of the checks themselves: each finds what it should, and nothing else.
 #[test]
 fn the_checks_find_violations() {
     let code = code_of("a // unsafe\n/* unwrap() */ \"unsafe \\\" Gl\" r#\"unsafe \"x\" \"# '\"' b");
@@ -383,7 +390,8 @@ fn the_checks_find_violations() {
     assert_eq!(unwanted(&BTreeSet::from(["cupola_x".into(), "__egl_Main".into(), "dlsym".into()])).len(), 1);
 }
 
-/// The rule for rooms finds a use that runs up, a circle, and a use through a door (`pub use`).
+/// The check of rooms finds a use against the order, a circle, and a use through a re-export (`pub
+/// use`).
 #[test]
 fn the_order_of_rooms_finds_violations() {
     let file = |path: &str, text: &str| Source { path: path.into(), text: text.into() };

@@ -1,4 +1,4 @@
-//! `cupola calibrate`: marks, photographs, light, one length.
+//! `cupola calibrate`: marks, photographs, light, one known length.
 
 mod tool;
 
@@ -17,7 +17,7 @@ const CUPOLA: Tool = Tool { path: env!("CARGO_BIN_EXE_cupola"), name: "cupola" }
 const TWO_OUTPUTS: &str = "[dome]\ntilt = 15 # leans\n\n[[output]]\nname = \"left\"\nkind = \"projector\"\nsize = [1280, 800]\n\
     position = [0.5, -0.2, 1.0] # metres\nyaw = -40\npitch = 30\nfov = [70, 47.26]\n\n[[output]]\nkind = \"domemaster\"\n";
 
-/// Marks of the output `left`, every one of `wrong` in another place.
+/// Marks of the output `left`. Each `wrong`th mark is moved by 33 pixels.
 fn marks_of_left(rig: &Rig, wrong: usize) -> String {
     format!("output,x,y,azimuth,elevation\n{}", marks_of(rig, 0, wrong))
 }
@@ -53,7 +53,7 @@ fn marks_lead_back_to_the_rig_that_made_them() {
     let [rough, csv, out] = ["rough.toml", "marks.csv", "found.toml"].map(|name| CUPOLA.file(name));
     std::fs::write(&rough, TWO_OUTPUTS).unwrap();
     std::fs::write(&csv, marks_of_left(&exact, 10)).unwrap();
-    // Left over from an earlier run of this test.
+    // An earlier run of this test may have left the file.
     let _ = std::fs::remove_file(&out);
     let [rough, csv, out] = [&rough, &csv, &out].map(|path| path.to_str().unwrap());
     let arguments = ["calibrate", rough, "--marks", csv, "--out", out, "--solve", "fov,shift", "--json"];
@@ -62,7 +62,7 @@ fn marks_lead_back_to_the_rig_that_made_them() {
     assert_eq!((output["name"].as_str(), output["marks"].as_u64()), (Some("left"), Some(30)));
     let left_out: Vec<u64> =
         output["left_out"].as_array().unwrap().iter().map(|mark| mark["line"].as_u64().unwrap()).collect();
-    assert_eq!(left_out, [11, 21, 31], "the lines of the wrong ones");
+    assert_eq!(left_out, [11, 21, 31], "lines of the wrong marks");
     let found = rig::load(out).unwrap();
     let [right, found] = [&exact, &found].map(|rig| match &rig.outputs[0].kind {
         OutputKind::Projector { position, angles, frustum } => (*position, *angles, *frustum),
@@ -78,7 +78,7 @@ fn marks_lead_back_to_the_rig_that_made_them() {
     CUPOLA.answer(&[&arguments[..8], &["--force"]].concat());
 }
 
-/// Angles do not tell how large a dome is; a length does.
+/// Angles do not determine the size of a dome. One known length does.
 #[test]
 fn one_length_leads_to_the_radius_of_the_dome() {
     let rig_of = |radius: f64, places: [&str; 2]| {
@@ -111,7 +111,7 @@ fn one_length_leads_to_the_radius_of_the_dome() {
     let found = rig::load(out).unwrap();
     assert!((found.dome.radius - 4.0).abs() < 1e-6, "{}", found.dome.radius);
     assert!(positions(&found).iter().zip(right).all(|(found, right)| found.distance(right) < 1e-6));
-    // Without it, the radius stays, and all lengths are too large by a quarter.
+    // Without the length the radius stays, and all lengths are too large by a quarter.
     CUPOLA.answer(&arguments);
     let found = rig::load(out).unwrap();
     assert!((positions(&found)[0] / right[0] - 1.25).abs().max_element() < 1e-6 && found.dome.radius == 5.0);
@@ -138,8 +138,8 @@ fn mistakes_in_marks_are_named_and_nothing_is_written() {
 
 const PHOTOGRAPH: u32 = 400;
 
-/// For each place in a photograph of the dome, made by `camera`, the pixels of an output that it
-/// shows: of four places within.
+/// For each pixel of a photograph of the dome by `camera`: the places of the output's picture that
+/// are visible at four points of the pixel.
 fn shown(rig: &Rig, output: usize, size: (u32, u32), camera: &Camera) -> Vec<[Option<DVec2>; 4]> {
     let map = WarpMap::new(rig, output, size, None).unwrap();
     let pixel = |place: DVec2| {
@@ -157,9 +157,9 @@ fn shown(rig: &Rig, output: usize, size: (u32, u32), camera: &Camera) -> Vec<[Op
 const BRIGHTNESS: [f64; 2] = [1.0, 0.7];
 const GAMMA: [f64; 2] = [2.2, 1.8];
 
-/// Photographs the patterns of a folder as the outputs of a rig show them. The values are
-/// proportional to light. As with a real projector, it is less where a pixel lights more of the
-/// screen.
+/// Takes a photograph of each pattern in a folder as the outputs of a rig show it. The values are
+/// proportional to light. As with a real projector, the light is less where a pixel covers a larger
+/// area of the screen.
 fn photograph(rig: &Rig, patterns: &Path, photos: &Path, camera: &Camera) {
     let mut files: Vec<_> = std::fs::read_dir(patterns).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
@@ -169,7 +169,7 @@ fn photograph(rig: &Rig, patterns: &Path, photos: &Path, camera: &Camera) {
     let middle = maps[0].area(DVec2::new(240.0, 150.0)).unwrap();
     for (number, file) in files.iter().enumerate() {
         let pattern = image::open(file).unwrap().into_luma8();
-        // Each output has half of the patterns.
+        // The first half of the patterns is for the first output, the other half for the second.
         let output = number / (files.len() / 2);
         let place = places[output];
         let light = |pixel: &Option<DVec2>| {
@@ -182,7 +182,7 @@ fn photograph(rig: &Rig, patterns: &Path, photos: &Path, camera: &Camera) {
             BRIGHTNESS[output] * value.powf(GAMMA[output]) / 4.0
         };
         let value = |(index, pixels): (usize, &[Option<DVec2>; 4])| {
-            // Light of the room, and noise.
+            // Light of the room and noise.
             let noise = (index * 7919 + number * 104_729) % 11;
             let area = pixels[0].and_then(|pixel| maps[output].area(pixel)).unwrap_or(middle);
             (12.0 + 120.0 * middle / area * pixels.iter().map(light).sum::<f64>() + noise as f64) as u8
@@ -195,7 +195,8 @@ fn photograph(rig: &Rig, patterns: &Path, photos: &Path, camera: &Camera) {
     }
 }
 
-/// Responses are those that were photographed, and masks even out the light of both projectors.
+/// Checks that the responses are those that were photographed, and that the masks make the light of
+/// both projectors even.
 fn check_light(exact: &Rig, found: &Rig) {
     let weights = blend::Weights::new(exact, &[(480, 300); 2]).unwrap();
     let maps = [0, 1].map(|output| WarpMap::new(exact, output, (480, 300), None).unwrap());
@@ -245,7 +246,7 @@ fn photographs_lead_back_to_the_rig_that_they_show() {
     let [file, patterns, photos, marks, out] =
         ["seen.toml", "patterns", "photos", "photo.csv", "from-photos.toml"].map(|name| CUPOLA.file(name));
     for folder in [&patterns, &photos] {
-        // Left over from an earlier run of this test.
+        // An earlier run of this test may have left the folder.
         let _ = std::fs::remove_dir_all(folder);
         std::fs::create_dir_all(folder).unwrap();
     }
@@ -262,7 +263,7 @@ fn photographs_lead_back_to_the_rig_that_they_show() {
         (PHOTOGRAPH, PHOTOGRAPH),
     );
     photograph(&exact, &patterns, &photos, &camera);
-    // Points of the dome whose directions are known, as they are seen.
+    // Points of the dome whose directions are known, at their places in the photograph.
     let mut lines = String::new();
     for (azimuth, elevation) in
         [(-60.0f64, 30.0f64), (60.0, 30.0), (0.0, 60.0), (30.0, 45.0), (-30.0, 45.0), (0.0, 20.0)]
@@ -288,7 +289,7 @@ fn photographs_lead_back_to_the_rig_that_they_show() {
             let squares: Vec<f64> = squares.collect();
             (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
         };
-        // A pixel of this small photograph is as wide as three of an output.
+        // A pixel of this small photograph is as wide as three pixels of an output.
         assert!(distance(&found) < 0.5 && distance(&rough) > 10.0, "{} {}", distance(&found), distance(&rough));
     }
     CUPOLA.refused(&["calibrate", &file, "--photos", &photos, "-o", &out, "--force"], "with --cell 4 are");
@@ -299,8 +300,8 @@ fn patterns_fill_their_place_in_a_window_of_any_size() {
     let [file, folder] = ["resized.toml", "resized"].map(|name| CUPOLA.file(name).to_str().unwrap().to_owned());
     std::fs::write(&file, TWO_OUTPUTS).unwrap();
     CUPOLA.answer(&["calibrate", &file, "--patterns", &folder, "--cell", "64", "--size", "640x400"]);
-    // The output has 1280 × 800 pixels, and half of the window. Of 20 cells in its width the last
-    // four have the highest bit, of 13 in its height the last five.
+    // The output has 1280 × 800 pixels and gets half of the window. It is 20 cells wide, and the
+    // last four have the highest bit. It is 13 cells high, and the last five have the highest bit.
     for (name, is_white) in [
         ("0003-left-x4.png", (|x, _| (256..320).contains(&x)) as fn(u32, u32) -> bool),
         ("0013-left-y3.png", |x, y| x < 320 && y >= 256),

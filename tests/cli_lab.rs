@@ -10,7 +10,8 @@ const LAB: Tool = Tool { path: env!("CARGO_BIN_EXE_cupola-lab"), name: "cupola-l
 
 #[test]
 fn cells_are_found_for_a_number_of_views() {
-    // At most as many views as asked for. A rig with these cells needs the same texels.
+    // The result has at most as many views as requested. A rig with these cells needs the same
+    // number of texels.
     let found = LAB.json(&["cells", "fisheye", "--size", "256x256", "--views", "4", "--steps", "200", "--json"]);
     let cells = found["cells"].as_array().unwrap();
     assert!(cells.len() == 4 && found["views"].as_u64().unwrap() <= 4, "{found:#}");
@@ -21,7 +22,7 @@ fn cells_are_found_for_a_number_of_views() {
     let plan = cupola::correct::build(&rig, &request).unwrap().views;
     let report = views::report(&plan, &rig, &request.output_sizes);
     assert!((report.texels_per_pixel - found["texels_per_pixel"].as_f64().unwrap()).abs() < 1e-9, "{report} {found:#}");
-    // Every view is fine enough, and every pixel of the circle has one.
+    // Every view has enough texels, and every pixel of the circle has a view.
     let (mut least, mut directions) = (f64::INFINITY, 0);
     views::survey(&plan, &rig, &request.output_sizes, 1 << 18, |seen| {
         least = least.min(seen.texels_per_pixel.unwrap());
@@ -55,12 +56,17 @@ fn stress_finds_nothing_over_its_bounds() {
     }
 }
 
-/// Single views far out in large atlases, whose places were rounded too much before their offset
-/// was added last: 1.07 and 1.52 times the bound. Domemasters of 0.001° and 0.015° for a viewer
-/// beside the centre: pixels uncovered, 2.1 times the bound. A pixel a six thousandth of a pixel of
-/// 4096 from a silhouette. A cubemap whose faces meet in the middle of a pixel; what lies beside a
-/// plane's horizon; a half that only the finest samples told to be too wide for a view; a lens of a
-/// millionth of a degree. Cosine ramps where all claims are small: 1.9 times the bound.
+/// Cases in which the stress test once found an error above its bound, in the order of the list:
+/// - single views far out in large atlases: the place was rounded too much before the offset was
+///   added (1.07 and 1.52 times the bound),
+/// - domemasters of 0.001° and 0.015° for a viewer beside the centre: pixels without a view, 2.1
+///   times the bound,
+/// - a pixel that is a six thousandth of a pixel of 4096 away from a silhouette,
+/// - a cubemap whose faces meet in the middle of a pixel,
+/// - points beside a plane's horizon,
+/// - a half that is too wide for a view, which only the finest samples showed,
+/// - a lens of a millionth of a degree,
+/// - cosine ramps where all raw weights are small: 1.9 times the bound.
 #[test]
 fn what_stress_found_once_stays_within_its_bounds() {
     for (part, seed) in [
@@ -113,10 +119,11 @@ fn bench_compares_time_and_error() {
             assert!(error(&name, "max") < bound + 0.004, "{name}: {results:#}");
         }
     }
-    // Linear interpolation: a quarter of the distance of the nodes, a sixteenth of the error.
+    // With linear interpolation a quarter of the distance between nodes gives a sixteenth of the
+    // error.
     let ratio = error("directions 16×9", "max") / error("directions 64×36", "max");
     assert!((14.0..18.0).contains(&ratio), "{ratio}");
-    // The recipe of 2014 has pixels without a number, and ours none.
+    // The method of 2014 has pixels whose value is not a number. The method `fragment` has none.
     assert!(error("2014", "non_finite") > 0.0 && error("fragment", "non_finite") == 0.0);
     let lines = std::fs::read_to_string(sheet).unwrap();
     assert_eq!(lines.lines().count(), methods.len() + 1);

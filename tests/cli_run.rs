@@ -1,4 +1,4 @@
-//! `cupola run` and `play`: what the program gets, what is left behind, and how it ends.
+//! `cupola run` and `play`: what the program gets, what remains afterwards, and how it ends.
 
 #![deny(dead_code)]
 
@@ -50,7 +50,7 @@ fn cupola(folder: &Path) -> Command {
     command("run", folder)
 }
 
-/// The library of this build: `cargo test` leaves it beside the tests, not beside the command.
+/// Library of this build. `cargo test` puts it beside the tests and not beside the command.
 fn library() -> PathBuf {
     let command = Path::new(env!("CARGO_BIN_EXE_cupola"));
     let built = command.with_file_name("deps").join("libcupola.so");
@@ -85,7 +85,7 @@ fn has_xvfb() -> bool {
     there
 }
 
-/// Waits until `done`, at most ten seconds.
+/// Waits until `done` returns true, for at most ten seconds.
 #[track_caller]
 fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
     let start = Instant::now();
@@ -97,7 +97,7 @@ fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
 
 fn the_exit_code_is_the_programs() {
     let folder = folder("exit_code");
-    // Options of the program are the program's, also without a separator.
+    // Options after the program's name belong to the program, also without the separator `--`.
     let output = cupola(&folder).args(["sh", "-c", "exit 9", "--frames"]).output().unwrap();
     assert_eq!(output.status.code(), Some(9));
     for (script, code) in [("exit 0", 0), ("exit 7", 7), ("kill -9 $$", 137), ("kill -15 $$", 143)] {
@@ -144,7 +144,7 @@ fn wrong_options_start_nothing() {
         assert!(words(&output.stderr).contains(expected), "{options:?}: {}", words(&output.stderr));
         assert!(!started.exists(), "{options:?} started the program");
     }
-    // The same program runs when nothing is wrong.
+    // Control: the same program runs if the options are correct.
     assert!(shell(&folder, &[], &format!("touch {}", started.display())).status.success());
     assert!(started.exists());
 }
@@ -189,7 +189,7 @@ fn the_program_gets_the_settings() {
     ] {
         assert!(environment.lines().any(|line| line == expected), "{expected} is not in\n{environment}");
     }
-    // A rig file is found whatever folder the program goes to.
+    // A rig file is found even if the program changes its folder.
     std::fs::write(folder.join("my.toml"), "[[output]]\nkind = \"domemaster\"\n").unwrap();
     let output = cupola(&folder).current_dir(&folder).args(["--rig", "my.toml", "--", "env"]).output().unwrap();
     assert!(words(&output.stdout).contains(&format!("CUPOLA_RIG={here}/my.toml\n")));
@@ -222,20 +222,21 @@ fn a_profile_is_chosen_by_the_programs_name() {
     for expected in [&format!("CUPOLA_PROFILE={}", own.display()), "GAME_A=1", "GAME_B=own"] {
         assert!(environment.lines().any(|line| line == expected), "{expected} is not in\n{environment}");
     }
-    // One that is built in, whatever the program is called, and none at all.
+    // A built-in profile is used whatever the program's name is. `none` uses no profile.
     let (environment, said, _) = run(&["--profile", "minetest"], &game);
     assert!(said.contains("cupola: profile minetest (built in): "), "{said}");
     assert!(environment.contains("CUPOLA_PROFILE=minetest\n") && !environment.contains("GAME_A"), "{environment}");
     let (environment, said, _) = run(&["--profile", "none"], &game);
     assert!(environment.contains("CUPOLA_PROFILE=none\n") && !said.contains("profile"), "{said}{environment}");
-    // The option goes before the variable, and the variable before the program's name.
+    // The option has priority over the variable, and the variable over the program's name.
     for (options, expected) in [(&["--profile", "minetest"][..], "minetest"), (&[], "vtk")] {
         let mut command = cupola(&folder);
         command.env("XDG_CONFIG_HOME", folder.join("config")).env("CUPOLA_PROFILE", "vtk").args(options);
         let environment = words(&command.arg("--").arg(&game).output().unwrap().stdout);
         assert!(environment.contains(&format!("CUPOLA_PROFILE={expected}\n")), "{options:?} {environment}");
     }
-    // The library looks at the libraries of other programs.
+    // `cupola run` chooses no profile for other programs. The library chooses one by the libraries
+    // that the program loads.
     let (environment, _, _) = run(&[], Path::new("env"));
     assert!(!environment.contains("CUPOLA_PROFILE"), "{environment}");
     for (name, expected) in [("wrong", "wrong.toml:3: camera.zoom"), ("min", "did you mean `mine`?")] {
@@ -244,8 +245,8 @@ fn a_profile_is_chosen_by_the_programs_name() {
     }
 }
 
-/// The player is a script that tells a size when it is asked, and what it is called with when it
-/// plays.
+/// The player is a script. Asked for the size of a film, it prints one. When it is to play the
+/// film, it prints its arguments.
 fn films_are_played_as_what_they_are() {
     let folder = folder("play");
     let script = "#!/bin/sh\ncase \"$*\" in\n*--vo=null*) echo \"cupola ${SIZE}\" ;;\n\
@@ -271,7 +272,7 @@ fn films_are_played_as_what_they_are() {
     let told = words(&given.stdout);
     assert!(told.contains("content=equirectangular,width=180\n") && told.contains("--loop-playlist=no\n"), "{told}");
     assert!(told.contains("--fullscreen\n"), "{told}");
-    // What the rig says of content stands.
+    // The rig's own `[content]` has priority over the size of the film.
     let rig = folder.join("rig.toml");
     std::fs::write(&rig, "[content]\nkind = \"cubemap\"\n[[output]]\nkind = \"domemaster\"\n").unwrap();
     let by_rig = play("4096 4096", &["--rig", rig.to_str().unwrap()], &film);
@@ -283,7 +284,7 @@ fn films_are_played_as_what_they_are() {
         assert_eq!(refused.status.code(), Some(2), "{}", words(&refused.stderr));
         assert!(words(&refused.stderr).contains(why), "{}", words(&refused.stderr));
     }
-    // Without the player it is named.
+    // If the player is missing, the message names it.
     std::fs::remove_file(&player).unwrap();
     let empty = folder.join("empty");
     std::fs::create_dir(&empty).unwrap();
@@ -328,8 +329,8 @@ fn each_egl_vendor_gets_a_library_of_its_own() {
     let real = format!("real=libEGL_a.so.0:{}/sub/libEGL_b.so.0\n", vendors.display());
     assert!(text.starts_with(&real), "{text}{}", words(&output.stderr));
     let inodes: Vec<&str> = text.lines().skip(2).collect();
-    assert!(inodes.len() == 2 && inodes[0] != inodes[1], "libEGL would take these for one library: {text}");
-    // An empty list leaves EGL as it is.
+    assert!(inodes.len() == 2 && inodes[0] != inodes[1], "libEGL would load these as one library: {text}");
+    // If the list of EGL vendors is empty, EGL stays unchanged.
     std::fs::create_dir(folder.join("none")).unwrap();
     let output = cupola(&folder)
         .env("__EGL_VENDOR_LIBRARY_DIRS", folder.join("none"))
@@ -343,7 +344,8 @@ fn each_egl_vendor_gets_a_library_of_its_own() {
 fn a_broken_library_leaves_the_program_alone() {
     let folder = folder("broken_library");
     let script = "echo egl=$__EGL_VENDOR_LIBRARY_FILENAMES glx=$__GLX_VENDOR_LIBRARY_NAME";
-    // No library at all, and one that has the names but cannot be loaded.
+    // A file that is no library, and a file that contains the names of the entry points but cannot
+    // be loaded.
     for content in [&b"nothing"[..], b"\0__egl_Main\0__glx_Main\0"] {
         let library = folder.join("libbroken.so");
         std::fs::write(&library, content).unwrap();
@@ -353,7 +355,7 @@ fn a_broken_library_leaves_the_program_alone() {
         let said = words(&output.stderr);
         assert!(said.contains("EGL will not be corrected") && said.contains("GLX will not be corrected"), "{said}");
     }
-    // The real one is not refused by the same questions.
+    // Control: the same checks accept the real library.
     let hooked = words(&shell(&folder, &[], script).stdout);
     assert!(hooked.contains("_cupola.json") && hooked.ends_with("glx=cupola\n"), "{hooked}");
     let missing = cupola(&folder).env("CUPOLA_LIBRARY", folder.join("none.so")).args(["--", "true"]).output().unwrap();
@@ -379,7 +381,7 @@ fn the_environment_is_printed_for_a_shell() {
         words(&output.unwrap().stdout)
     };
     printed();
-    // Twice: the second time finds the files of the first.
+    // The second call finds the files of the first.
     let script =
         format!("{}\nls \"${{LD_LIBRARY_PATH%%:*}}/libGLX_cupola.so.0\"; echo $CUPOLA_CAMERA $CUPOLA_RIG", printed());
     let output = Command::new("sh").arg("-c").arg(script).env_remove("LD_LIBRARY_PATH").output().unwrap();
@@ -431,7 +433,7 @@ fn signals_reach_the_program_and_everything_is_tidied_up() {
     let mut child = cupola(&folder).args(["--headless", "--", "sh", "-c", &script]).spawn().unwrap();
     let display = || std::fs::read_to_string(&note).unwrap_or_default().lines().next().unwrap_or_default().to_owned();
     wait_until("the program runs", || display().starts_with(':'));
-    // The shell's own: a bare Debian has no such program.
+    // `kill` is built into the shell. A minimal Debian has no such program.
     assert!(Command::new("sh").args(["-c", &format!("kill {}", child.id())]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(5));
     assert!(std::fs::read_to_string(&note).unwrap().contains("caught"));
@@ -461,7 +463,7 @@ fn a_missing_xvfb_is_named_with_its_package() {
     let output = cupola(&folder).env("PATH", &folder).args(["--headless", "--", "/bin/true"]).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(words(&output.stderr).contains("package xvfb"), "{}", words(&output.stderr));
-    // One that does not start says why.
+    // If Xvfb does not start, the message contains its own words.
     let fake = folder.join("Xvfb");
     std::fs::write(&fake, "#!/bin/sh\necho no room for a screen >&2\n").unwrap();
     std::fs::set_permissions(&fake, std::fs::Permissions::from_mode(0o755)).unwrap();

@@ -53,7 +53,7 @@ fn check_lists_and_prints_presets() {
         ["fisheye", "fisheye-210", "planetarium-6", "planetarium-2", "idome", "identity", "identity-captured"]
     );
     assert_eq!(CUPOLA.json(&["check", "--presets", "--json"])[0]["name"], "fisheye");
-    // What is printed is a rig file.
+    // The printed text is a rig file.
     let copy = CUPOLA.file("copy.toml");
     std::fs::write(&copy, CUPOLA.answer(&["check", "planetarium-6", "--print"])).unwrap();
     assert!(CUPOLA.answer(&["check", copy.to_str().unwrap()]).contains("planetarium-6 is a valid rig"));
@@ -77,8 +77,8 @@ fn map_writes_where_pixels_look() {
     let (width, height, pixels) = read_pfm(&out);
     assert_eq!((width, height), (64, 64));
     for (index, pixel) in pixels.iter().enumerate() {
-        // The equidistant fisheye by hand: the angle from straight ahead grows with the distance
-        // from the middle.
+        // The equidistant fisheye, computed here: the angle from straight ahead is proportional to
+        // the distance from the middle.
         let (x, y) = ((index % 64) as f64 + 0.5 - 32.0, (index / 64) as f64 + 0.5 - 32.0);
         let radius = x.hypot(y) / 32.0;
         if radius > 1.0 {
@@ -102,7 +102,8 @@ fn map_is_in_the_axes_of_the_programs_camera() {
     let out = CUPOLA.file("turned.pfm");
     CUPOLA.answer(&["map", rig.to_str().unwrap(), "-o", out.to_str().unwrap(), "--size", "1x1"]);
     let (_, _, pixels) = read_pfm(&out);
-    // The camera looks to the right, so what is ahead of the viewer is to its left.
+    // The camera looks to the right, so the viewer's direction straight ahead is to the left of the
+    // camera.
     assert!((pixels[0][0] + 1.0).abs() < 1e-6 && pixels[0][1].abs() < 1e-6 && pixels[0][2].abs() < 1e-6, "{pixels:?}");
 }
 
@@ -118,7 +119,7 @@ fn map_says_which_outputs_there_are() {
     assert!(!Path::new(out).exists());
 }
 
-/// A calibration's blending is often a mask: here half of the light everywhere.
+/// The blending of a calibration is often a mask. This mask halves the light everywhere.
 #[test]
 fn simulate_counts_masks() {
     let mask = CUPOLA.file("half.png");
@@ -146,7 +147,7 @@ fn simulate_finds_white_even_and_gaps_dark() {
     assert!(answer["uniformity"]["rms"].as_f64().unwrap() < 0.01, "{answer}");
     assert!(answer["lit_by"][2].as_f64().unwrap() > 0.05, "{answer}");
     assert_eq!(image::image_dimensions(out).unwrap(), (128, 128));
-    // Without blending the overlap is twice as bright, which has to be noticed.
+    // Negative control: without blending the overlap is twice as bright.
     let unblended = CUPOLA.file("unblended.toml");
     std::fs::write(&unblended, text.replace("ramp = 0.3", "overlap = false")).unwrap();
     let answer =
@@ -199,7 +200,7 @@ fn simulate_takes_captures_by_name() {
 
 #[test]
 fn doctor_tells_what_it_found() {
-    // Its exit code depends on the machine; that it answers, and in both forms, does not.
+    // The exit code depends on the machine. Both forms of the answer do not.
     let output = CUPOLA.run(&["doctor", "--json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let keys: Vec<&str> = answer["findings"].as_array().unwrap().iter().filter_map(|f| f["key"].as_str()).collect();
@@ -222,8 +223,8 @@ fn plan_says_what_views_cost_and_draws_them() {
     }
     let drawn = image::open(&picture).unwrap().to_rgb8();
     let sphere = |x: u32| (200..880).filter(|&y| drawn.get_pixel(x, y).0[2] > 100).count();
-    // The dome fills the front half (a column beside the border of views); nothing of the back half
-    // is sampled.
+    // The dome fills the front half (column 330 is beside the border of two views). Nothing of the
+    // back half is sampled.
     assert!(sphere(330) > 600 && sphere(1260) < 100, "{} and {}", sphere(330), sphere(1260));
 
     let plan = CUPOLA.json(&["plan", "planetarium-6", "--json"]);
@@ -253,14 +254,14 @@ fn plan_tells_jumps() {
         drawn.rows().take(880).flatten().filter(|pixel| pixel.0[0] > 240 && pixel.0[1] < 80 && pixel.0[2] < 80).count()
     };
     assert!(red(&picture) > 50, "{}", red(&picture));
-    // One alone meets nobody.
+    // A single picture crosses no other.
     let single = CUPOLA.file("single.toml");
     std::fs::write(&single, format!("[dome]\ntilt = 90.0\n{}", output(0, 0))).unwrap();
     let text = CUPOLA.answer(&["plan", single.to_str().unwrap(), "--picture", drawn]);
     assert!(!text.contains("jump") && red(&picture) < 10, "{}", red(&picture));
 }
 
-/// Runs `setup` for a new file, and gives the rig that `check` and `plan` accept.
+/// Runs `setup` for a new file, checks that `check` and `plan` accept the rig, and returns it.
 #[track_caller]
 fn set_up(name: &str, arguments: &[&str]) -> (cupola::rig::Rig, serde_json::Value) {
     let file = CUPOLA.file(name);
@@ -294,7 +295,7 @@ fn setup_writes_the_rig_of_the_measures() {
     assert!((rig.dome.tilt.to_degrees() - 15.0).abs() < 1e-9);
     assert_eq!([&rig.outputs[0].name, &rig.outputs[1].name], ["rear", "projector-2"]);
     assert_eq!(rig.outputs[1].window, Some(cupola::geom::PixelRect::new(1280, 0, 1280, 800)));
-    // The middle of each picture is the place of the dome that was given: 40° from the tilted pole.
+    // The middle of each picture is at the given place of the dome: 40° from the tilted pole.
     for (index, aim) in [(0, 40.0 + 15.0), (1, 40.0 - 15.0)] {
         let map = cupola::warp::WarpMap::new(&rig, index, (1280, 800), None).unwrap();
         let point = map.hit(glam::DVec2::new(640.0, 400.0)).unwrap() / 4.0;
@@ -325,7 +326,7 @@ fn setup_refuses_what_no_dome_has_and_replaces_nothing() {
         CUPOLA.refused(&[&["setup", path], arguments].concat(), expected);
         assert!(!file.exists(), "{arguments:?} left a file");
     }
-    // Refused by the reader of the options, in its own words.
+    // The reader of the options refuses this value with its own message.
     let said = CUPOLA.run(&["setup", path, "--diameter", "8,5", "--fisheye"]);
     assert!(said.status.code() == Some(2) && String::from_utf8_lossy(&said.stderr).contains("decimal sign is a point"));
     std::fs::write(&file, "# mine").unwrap();
@@ -355,7 +356,7 @@ fn setup_takes_calibrations_over_and_says_what_not() {
         assert_eq!(rig.outputs.len(), 2);
         assert!(answer["notes"].to_string().contains("does not say how the dome is tilted"), "{answer}");
     }
-    // A map of before is not replaced either, nor is anything written beside it.
+    // A map that exists is not replaced either, and nothing is written beside it.
     let (archive, rig) = (CUPOLA.file("set.vwf"), CUPOLA.file("beside.toml"));
     let (map, other) = (CUPOLA.file("beside-back.pfm"), CUPOLA.file("beside-front.pfm"));
     let leftovers = ["pfm", "png"].map(|ending| ["front", "back"].map(|name| format!("beside-{name}.{ending}")));

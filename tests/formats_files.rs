@@ -1,4 +1,4 @@
-//! Calibration files: hostile ones, and what `cupola convert` writes.
+//! Calibration files: damaged files, and the files that `cupola convert` writes.
 
 mod convert;
 #[path = "../src/testing/random.rs"]
@@ -9,15 +9,15 @@ use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pictures
 use random::Random;
 use std::path::Path;
 
-/// One to four changes: a byte, a bit, a large number, a piece cut out, doubled or replaced, the
-/// end cut off.
+/// Makes one to four changes: a byte, a bit, a large number, a piece that is cut out, doubled or
+/// replaced, or the end cut off.
 fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = good.to_vec();
     for _ in 0..=random.below(4) {
         if bytes.is_empty() {
             break;
         }
-        // Headers are short and matter most.
+        // Headers are short and important, so half of the changes are there.
         let reach = if random.below(2) == 0 { bytes.len().min(64) } else { bytes.len() };
         let at = random.below(reach);
         let end = (at + 1 + random.below(16)).min(bytes.len());
@@ -71,7 +71,7 @@ fn archive() -> mpcdi::Archive {
     mpcdi::Archive { profile: mpcdi::Profile::ShaderLamps, regions: vec![region] }
 }
 
-/// Damages `good` in many ways. Nothing may panic; what is refused names the file.
+/// Damages `good` in many ways. Reading must not panic, and each error must name the file.
 fn survives(good: &[u8], read: impl Fn(&[u8]) -> cupola::Result<()>) {
     read(good).expect("the undamaged file is good");
     let (mut random, mut refused) = (Random::new(7), 0);
@@ -81,7 +81,7 @@ fn survives(good: &[u8], read: impl Fn(&[u8]) -> cupola::Result<()>) {
             refused += 1;
         }
     }
-    // Most damage is seen; what is not, changed a number into another.
+    // Most damage is detected. The rest changed a number into another valid number.
     assert!(refused > 1000, "only {refused} of 4000 were refused");
 }
 
@@ -122,7 +122,7 @@ fn meshes_of_other_tools_become_maps() {
     assert_eq!(written["files"][0]["values"], "directions");
     let directions = map(&out);
     assert_eq!(directions.size(), (40, 20));
-    // The middle of the picture looks up by 30°, its pixels left and right of it at equal heights.
+    // The middle of the picture looks up by 30°. Pixels left and right of it look at equal heights.
     let [x, y, z] = directions.values()[10 * 40 + 20].map(f64::from);
     let ahead = |x: f64, y: f64| glam::DMat3::from_rotation_x(30f64.to_radians()) * glam::DVec3::new(x, y, -1.0);
     let expected = ahead(0.025, -0.05 * 30f64.to_radians().tan()).normalize();
@@ -161,7 +161,7 @@ fn map(path: &Path) -> Raster {
     pfm::read("the map", &std::fs::read(path).unwrap()).unwrap()
 }
 
-/// Greatest difference of two maps; what one shows the other has to show too.
+/// Greatest difference of two maps. Both must cover the same pixels.
 #[track_caller]
 fn difference(a: &Raster, b: &Raster) -> f32 {
     assert_eq!(a.size(), b.size());
@@ -185,10 +185,10 @@ fn a_projector_is_the_same_map_after_a_way_through_every_format() {
                 (file(&format!("{}.{format}", values[1])), file(&format!("{}-{format}.pfm", values[1])));
             convert("planetarium-6", &middle, &[&size[..], &values[..]].concat());
             convert(middle.to_str().unwrap(), &back, &[]);
-            // A 2D VIOSO map counts v from the top: one rounding.
+            // A 2D VIOSO map counts v from the top, which rounds once more.
             assert!(difference(&direct, &map(&back)) <= 1.2e-7, "{format}");
         }
-        // Negative control: another projector is another map.
+        // Negative control: the map of another projector.
         let other = file("other.pfm");
         convert("planetarium-6", &other, &[&["--size", "96x54", "--output", "zenith"][..], &values[..]].concat());
         let other = map(&other);
@@ -219,7 +219,7 @@ fn archives_of_every_profile_and_version_are_the_same_map() {
             assert!(found <= bound, "{profile} {version}: {found}");
         }
     }
-    // The projector of profile sl is where the rig has it.
+    // In an archive of profile sl the projector is where the rig has it.
     let bytes = std::fs::read(file("sl-2.mpcdi")).unwrap();
     let archive = mpcdi::read("sl-2.mpcdi", &bytes).unwrap().value;
     let camera = archive.regions[0].camera.unwrap();
@@ -227,13 +227,14 @@ fn archives_of_every_profile_and_version_are_the_same_map() {
     let zenith = rig.outputs.iter().find(|output| output.name == "zenith").unwrap();
     let cupola::rig::OutputKind::Projector { position, .. } = zenith.kind else { panic!("a projector") };
     assert_eq!(camera.offset, position);
-    // And it lights the points of the map: the middle of the picture lies on its axis.
+    // The projector lights the points of the map: the point at the middle of the picture lies on
+    // its axis.
     let [x, y, z] = archive.regions[0].warp.as_ref().unwrap().values()[27 * 96 + 48].map(f64::from);
     let place = camera.place(glam::DVec3::new(x, y, z) - position).unwrap();
     assert!(place.distance(glam::DVec2::new(48.5 / 96.0, 26.5 / 54.0)) < 1e-6, "{place}");
 }
 
-/// The exact map of an output of a rig, and what of its light is left, at each pixel.
+/// Exact map of an output of a rig, and the blend weight of the output, at each pixel.
 fn exact(rig: &str, output: &str, size: (u32, u32)) -> Vec<Option<(glam::DVec3, f64)>> {
     let rig = cupola::rig::load(rig).unwrap();
     let index = rig.outputs.iter().position(|known| known.name == output).unwrap();
@@ -255,14 +256,14 @@ fn a_rig_made_of_a_calibration_shows_what_the_calibrated_rig_shows() {
         let more = ["--size", "96x54", "--output", "front", "--profile", profile];
         convert("planetarium-6", &middle, &more);
         let values = if ending == "pfm" { &["--values", "points"][..] } else { &[] };
-        // Of a rig, the rig itself is the result.
+        // If the source is a rig, the result is that rig itself.
         let rig = if ending == "toml" {
             middle
         } else {
             convert(middle.to_str().unwrap(), &rig, values);
             rig
         };
-        // The dome of a calibration is not in its file: say which it is.
+        // The file of a calibration does not contain the dome, so it is added here.
         let text = std::fs::read_to_string(&rig).unwrap();
         let text = text.replace("tilt = 0.0 #", "tilt = 25.0 #");
         std::fs::write(&rig, text).unwrap();
@@ -274,7 +275,7 @@ fn a_rig_made_of_a_calibration_shows_what_the_calibrated_rig_shows() {
                 assert!(found.0.distance(expected.0) < 1e-6, "{profile} {ending}: {} is not {}", found.0, expected.0);
             }
         }
-        // And it can be planned and drawn: what the shaders will use is the same again.
+        // The rig can be planned and drawn, and the shaders use the same table.
         let request = cupola::views::Request {
             output_sizes: vec![size],
             window: size,
@@ -286,14 +287,14 @@ fn a_rig_made_of_a_calibration_shows_what_the_calibrated_rig_shows() {
         assert!(
             matches!(plan.passes[0].source, cupola::correct::Source::Table(_)) && !plan.passes[0].batches.is_empty()
         );
-        // A point of the screen is found again where it came from.
+        // From a point of the screen the map leads back to the pixel.
         let map = cupola::warp::WarpMap::new(&loaded, 0, size, None).unwrap();
         for pixel in [glam::DVec2::new(20.3, 30.1), glam::DVec2::new(70.0, 40.0)] {
             let Some(point) = map.hit(pixel) else { continue };
             assert!(map.pixel(point).is_some_and(|found| found.distance(pixel) < 1e-3), "{profile} {ending} {pixel}");
         }
     }
-    // The light of an archive's alpha map is kept too.
+    // The light of an archive's alpha map is preserved, too.
     let weighted = file("again-2d-mpcdi.png");
     let picture = weighted.with_file_name("again-2d-mpcdi-front.png");
     let mask = image::open(picture).unwrap().into_luma16();
@@ -321,8 +322,8 @@ fn a_finer_warp_mesh_is_nearer_to_the_exact_map() {
         convert("planetarium-6", &file("mesh.data"), &more)["files"][0]["error_pixels"]["max"].as_f64().unwrap()
     };
     let (coarse, fine) = (error("17x17"), error("65x65"));
-    // The error of linear interpolation falls with the square of the distance of the nodes:
-    // sixteenfold.
+    // The error of linear interpolation falls with the square of the distance between nodes: 16
+    // times here.
     assert!(fine > 0.0 && (10.0..24.0).contains(&(coarse / fine)), "{coarse} {fine}");
 }
 
@@ -371,14 +372,14 @@ fn a_projector_before_a_mirror_is_the_same_map_as_a_dense_warp_mesh() {
         cupola::rig::parse(&text, "by-hand.toml", mesh.parent().unwrap()).unwrap()
     };
     let found = error_pixels(&exact, &rig(90.0), size);
-    // What the command stated of its mesh holds for the rig that runs with it.
+    // The error that the command stated for its mesh is the error of the rig that uses the mesh.
     assert!(found.max <= stated * 1.001 + 1e-6 && found.ghosts == 0, "{found:?}, stated {stated}");
     let left_out = written["files"][0]["error_pixels"]["uncovered"].as_u64().unwrap();
     assert!(found.uncovered <= left_out / 4, "{found:?}, stated {left_out} of all pixels");
-    // Negative control: a tenth of a degree is seen.
+    // Negative control: a tenth of a degree is detected.
     let wrong = error_pixels(&exact, &rig(90.1), size);
     assert!(wrong.max > 10.0 * stated.max(0.02), "{wrong:?}");
-    // By way of `convert`, with what the mesh's file does not say put in.
+    // The same through `convert`, with the values added that the mesh's file does not contain.
     let again = file("idome-again.toml");
     convert(mesh.to_str().unwrap(), &again, &["--size", "960x540"]);
     let text = std::fs::read_to_string(&again).unwrap();
@@ -438,7 +439,8 @@ fn a_projector_with_a_fisheye_is_the_same_after_a_way_through_an_archive() {
     assert!(error.max < 1e-5 && error.is_sound(), "{error:?}");
     let blend = &found.outputs[0].blend;
     assert!((blend.black_level - 0.002).abs() < 1e-5 && blend.gamma == 2.4 && !blend.overlap, "{blend:?}");
-    // Without the option the points count: the same again, as exactly as a float map is.
+    // Without the option the points are used. The map is the same, as exactly as a float map stores
+    // it.
     convert(archive.to_str().unwrap(), &back, &[]);
     let found = cupola::rig::load(back.to_str().unwrap()).unwrap();
     assert!(matches!(found.outputs[0].kind, cupola::rig::OutputKind::Mesh(_)));
@@ -470,7 +472,7 @@ fn weights_and_black_levels_go_through_vioso_files() {
     }
     assert!(worst < 1e-4 && dimmed > 500, "{worst} {dimmed}");
     let rig = cupola::rig::load(back.to_str().unwrap()).unwrap();
-    // 8 bits of the displayed value.
+    // The file has 8 bits of the displayed value.
     assert!((rig.outputs[0].blend.black_level - 0.01).abs() < 5e-4, "{:?}", rig.outputs[0].blend);
     assert_eq!(rig.outputs[1].blend.black_level, 0.0);
 }
@@ -495,6 +497,6 @@ fn a_dome_that_a_file_does_not_describe_is_told() {
     convert("planetarium-2", &archive, &["--size", "8x8"]);
     let notes = convert(archive.to_str().unwrap(), &rig, &[])["notes"].to_string();
     assert!(notes.contains("does not say how the dome is tilted"), "{notes}");
-    // A rig says it.
+    // A rig describes its dome, so there is no note.
     assert_eq!(convert("planetarium-2", &rig, &["--size", "8x8"])["notes"].as_array().map(Vec::len), Some(0));
 }

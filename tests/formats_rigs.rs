@@ -1,4 +1,5 @@
-//! Rigs that `cupola convert` makes of other programs' calibrations, whole: configurations of SGCT.
+//! Complete rigs that `cupola convert` makes of other programs' calibrations: configurations of
+//! SGCT.
 
 mod convert;
 
@@ -44,7 +45,8 @@ fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
     assert!(!answer["notes"].to_string().contains("warp.data"), "{answer}");
     let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
     let map = cupola::warp::WarpMap::new(&rig, 1, (100, 100), None).unwrap();
-    // The mesh's middle is the picture's middle, where the viewport looks; its corners are within.
+    // The mesh's middle is the middle of the picture, where the viewport looks. The mesh's corners
+    // are within the picture.
     let middle = map.direction(glam::DVec2::new(50.0, 50.0)).expect("shown");
     let (yaw, pitch) = (20f64.to_radians(), 5f64.to_radians());
     let towards = glam::DVec3::new(yaw.sin() * pitch.cos(), pitch.sin(), -yaw.cos() * pitch.cos());
@@ -54,7 +56,7 @@ fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
 
 #[test]
 fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
-    // A mesh that is not the same in a mirror, over the middle of the viewport only.
+    // A mesh that is not symmetric, over the middle of the viewport only.
     let node = |x: f64, y: f64| format!("{x} {y} {} {} 1\n", 0.3 + 0.2 * x, 0.4 + 0.3 * y);
     let nodes: String = [(-0.9, -0.8), (0.5, -0.8), (-0.9, 0.6), (0.5, 0.6)].map(|(x, y)| node(x, y)).concat();
     std::fs::write(file("lopsided.data"), format!("2\n2 2\n{nodes}")).unwrap();
@@ -82,8 +84,8 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
         ("\"mirrorx\": true, \"mirrory\": true,", true, true),
     ];
     for (number, (flags, across, up)) in flags.into_iter().enumerate() {
-        // Without a mesh the output is mirrored, and with it its mask, which stays as it is:
-        // factors on displayed values as light.
+        // Without a mesh the output is mirrored together with its mask, so the mask's file is not
+        // mirrored. Its values are the factors on displayed values, converted to light.
         let turned = rig(&format!("sgct-flat-{number}"), flags, &viewport(r#""blendmask": "lopsided.png","#));
         assert_eq!(turned.outputs[0].flip, cupola::rig::Flip { horizontal: across, vertical: up });
         expect_light(&turned, &mask, [false; 2]);
@@ -93,7 +95,7 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
             let there = glam::DVec2::new(at(across, pixel.x), at(up, pixel.y));
             assert!(turned.direction(pixel).unwrap().distance(picture.direction(there).unwrap()) < 1e-12);
         }
-        // With one the mesh stays where it is, and its nodes look at mirrored places.
+        // With a mesh the mesh stays in place, and its nodes look at mirrored places.
         let warped = rig(&format!("sgct-warped-{number}"), flags, &with_mesh);
         assert!(warped.outputs[0].flip.is_none());
         let found = map(&warped);
@@ -112,7 +114,7 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
         }
         assert!(shown > 4000 && worst < 1e-6, "{shown} {worst}");
         expect_light(&warped, &mask, [across, up]);
-        // Negative control: a mirrored output would have put the mesh elsewhere.
+        // Negative control: a mirrored output would show the mesh at another place.
         let mut wrong = rig(&format!("sgct-wrong-{number}"), "", &with_mesh);
         wrong.outputs[0].flip = cupola::rig::Flip { horizontal: across, vertical: up };
         let corner = glam::DVec2::new(at(false, 10.0), at(false, 85.0));
@@ -120,8 +122,8 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
     }
 }
 
-/// Panics unless a rig's mask has the light that factors on displayed values leave with the rig's
-/// gamma, mirrored.
+/// Panics unless a rig's mask, mirrored as given, has the values of `factors`, converted from
+/// displayed values to light with the rig's gamma.
 fn expect_light(rig: &cupola::rig::Rig, factors: &image::GrayImage, [across, up]: [bool; 2]) {
     let output = &rig.outputs[0];
     let found = image::open(output.mask.as_ref().unwrap()).unwrap().into_luma16();
@@ -135,7 +137,8 @@ fn expect_light(rig: &cupola::rig::Rig, factors: &image::GrayImage, [across, up]
 
 #[test]
 fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
-    // Straight ahead in the left half, the face above in the right half, over a part of the first.
+    // The view straight ahead is in the left half. The face above is in the right half and covers a
+    // part of the first.
     let mesh = |left: f64, right: f64, light: f64| {
         format!("2\n2 2\n{left} -1 0 0 {light}\n{right} -1 1 0 {light}\n{left} 1 0 1 {light}\n{right} 1 1 1 {light}\n")
     };
@@ -152,12 +155,12 @@ fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
     let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
     let map = cupola::warp::WarpMap::new(&rig, 0, (80, 80), None).unwrap();
     let towards = |x: f64, y: f64| map.direction(glam::DVec2::new(x, y)).expect("shown");
-    // A third of the way to the side of a face of 90°, in pixel centres.
+    // A third of the way to the side of a face of 90°, at pixel centres.
     let ahead = glam::DVec3::new(2.0 * 19.5 / 60.0 - 1.0, 0.0125, -1.0).normalize();
     assert!(towards(19.5, 39.5).distance(ahead) < 1e-6, "{}", towards(19.5, 39.5));
     let above = glam::DVec3::new(2.0 * 19.5 / 40.0 - 1.0, 1.0, 0.0125).normalize();
     assert!(towards(59.5, 39.5).distance(above) < 1e-6, "{}", towards(59.5, 39.5));
-    // What is above has half the value, and the mask its part of that.
+    // The face above has half the value. The mask multiplies its own factor.
     let mask = image::open(rig.outputs[0].mask.as_ref().unwrap()).unwrap().into_luma16();
     for (x, factor) in [(19, 1.0), (59, 0.5)] {
         let expected = (factor * (2.0 * f64::from(x) + 50.0) / 255.0).powf(rig.outputs[0].blend.gamma);
@@ -166,7 +169,7 @@ fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
     }
 }
 
-/// A rig of two outputs: the black of the first differs from pixel to pixel and channel to channel.
+/// A rig of two outputs. The black of the first differs between pixels and between channels.
 fn uneven(name: &str, more: &str) -> (PathBuf, cupola::rig::Rig) {
     let levels = |x: u32, y: u32| [0.004 * x as f32, 0.002 * y as f32, 0.2 - 0.001 * (x + y) as f32];
     let values = (0..54).flat_map(|y| (0..96).map(move |x| levels(x, y))).collect();
@@ -187,7 +190,7 @@ fn uneven(name: &str, more: &str) -> (PathBuf, cupola::rig::Rig) {
 fn uneven_blacks_go_through_archives_and_vioso_files() {
     let (from, rig) = uneven("uneven", "");
     let expected = &rig.outputs[0].black.as_ref().unwrap().levels;
-    // An archive holds 16 bits, VIOSO's file 8.
+    // An archive has 16 bits, VIOSO's file has 8.
     for (set, more, bound) in [
         ("uneven.mpcdi", &[][..], 0.6 / 65535.0),
         ("uneven-2.mpcdi", &["--archive-version", "2"], 0.6 / 65535.0),
@@ -205,11 +208,11 @@ fn uneven_blacks_go_through_archives_and_vioso_files() {
             pairs.fold(0.0f32, |worst, (a, b)| worst.max((a - b).abs()))
         };
         assert!(difference(&expected.values) <= bound, "{set:?}: {}", difference(&expected.values));
-        // Negative control: turned over it is another picture.
+        // Negative control: the picture in reverse order differs.
         let mut turned = expected.values.clone();
         turned.reverse();
         assert!(difference(&turned) > 0.1);
-        // What is even stays a level.
+        // A black that is the same everywhere remains a number.
         assert!(rig.outputs[1].black.is_none() && (rig.outputs[1].blend.black_level - 0.01).abs() < 5e-4);
     }
 }
@@ -231,7 +234,7 @@ fn light_of_black_and_mirrored_blacks_are_written_as_they_are_shown() {
         upright = upright.max((found - displayed(x)).abs());
     }
     assert!(worst < 2e-5 && upright > 0.1, "{worst} {upright}");
-    // The mirrored map and the black that belongs to it are the rig's, whatever the values.
+    // The mirrored map and its black are those of the rig for each kind of values.
     for profile in ["2d", "a3", "3d"] {
         let (set, back) = (file(&format!("mirrored-{profile}.mpcdi")), file(&format!("mirrored-{profile}-back.toml")));
         convert(from.to_str().unwrap(), &set, &["--profile", profile]);
@@ -244,7 +247,7 @@ fn light_of_black_and_mirrored_blacks_are_written_as_they_are_shown() {
             assert!(a.distance(b) < 1e-5, "{profile}: {a} is not {b}");
         }
     }
-    // A projector whose picture is mirrored is none that the profile of projectors can say.
+    // The profile for projectors cannot describe a projector whose picture is mirrored.
     let refused =
         convert::cupola(&["convert", from.to_str().unwrap(), file("no.mpcdi").to_str().unwrap(), "--profile", "sl"]);
     assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("it is mirrored"));

@@ -1,6 +1,6 @@
-//! The exact map against directions that were computed with 60 decimal digits, apart from this
-//! project: rays and intersections written out in Python with mpmath, from the same numbers as in
-//! the rigs here.
+//! The exact map against directions that were computed with 60 decimal digits, independently of
+//! this project. Rays and intersections were written in Python with mpmath, with the same numbers
+//! as in the rigs here.
 
 use cupola::rig::parse;
 use cupola::warp::exact_direction;
@@ -58,7 +58,7 @@ fn agrees_with_sixty_digits() {
         let found = exact_direction(&rig, 0, (1920, 1080), pixel).expect("shown");
         let expected = DVec3::from_array(expected);
         assert!(found.distance(expected) < 2e-15, "{screen} {pixel}: {found} is not {expected}");
-        // Negative control: a hundred-thousandth of a pixel aside is told apart.
+        // Negative control: an offset of a hundred-thousandth of a pixel is detected.
         let aside = exact_direction(&rig, 0, (1920, 1080), pixel + 1e-5).expect("shown");
         assert!(aside.distance(expected) > 1e-10);
     }

@@ -1,15 +1,16 @@
-//! Hostile files: each is refused with its reason, within a limit of memory and of time.
+//! Hostile files: each is refused with its reason, within limits of memory and time.
 
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Address space of the command, KiB; it includes the stacks of its threads.
+/// Address space of the command in KiB, with the stacks of its threads.
 const MEMORY: u64 = 1 << 20;
-/// Seconds.
+/// Time limit of the command in seconds.
 const TIME: u64 = 20;
 
-/// Runs the command within the limits, which must refuse its arguments and say `why`.
+/// Runs the command within the limits and checks that it refuses its arguments with the message
+/// `why`.
 #[track_caller]
 fn refused(arguments: &[&str], why: &str) {
     let script = format!("ulimit -v {MEMORY}; exec timeout {TIME} \"$@\"");
@@ -24,14 +25,14 @@ fn refused(arguments: &[&str], why: &str) {
     assert!(said.contains(why) && said.len() < 20_000, "not {why:?}, but: {start}");
 }
 
-/// A path in a folder of these tests' own.
+/// Path in a folder that only these tests use.
 fn file(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hostile");
     std::fs::create_dir_all(&folder).expect("a folder");
     folder.join(name)
 }
 
-/// A file of this content.
+/// Writes a file with this content.
 fn written(name: &str, content: impl AsRef<[u8]>) -> PathBuf {
     let path = file(name);
     std::fs::write(&path, content).expect("written");
@@ -42,13 +43,13 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("a path that is text")
 }
 
-/// `cupola check` of this rig.
+/// Checks that `cupola check` refuses this rig.
 #[track_caller]
 fn rig_refused(name: &str, content: impl AsRef<[u8]>, why: &str) {
     refused(&["check", text(&written(name, content))], why);
 }
 
-/// `cupola convert` of this file to a rig, which is not written.
+/// Checks that `cupola convert` refuses this file and writes no rig.
 #[track_caller]
 fn file_refused(name: &str, content: impl AsRef<[u8]>, why: &str) {
     let (from, to) = (written(name, content), file(&format!("{name}.toml")));
@@ -131,7 +132,7 @@ fn documents_that_are_deep_wide_or_long() {
     file_refused("long.json", " ".repeat(17 << 20), "is longer than 16777216 bytes");
 }
 
-/// A configuration with these windows, each of one viewport over the whole.
+/// A configuration with these windows.
 fn configuration(windows: &[String]) -> String {
     format!("{{ \"nodes\": [{{ \"address\": \"a\", \"windows\": [{}] }}] }}", windows.join(","))
 }
@@ -193,7 +194,7 @@ fn links_are_not_written_through() {
         refused(&[arguments, &[text(&link)]].concat(), "is a link");
         std::fs::remove_file(&link).expect("removed");
     }
-    // Names that follow from the one that was given.
+    // Names that are derived from the given name.
     let beside = folder.join("rig-left.pfm");
     symlink(&victim, &beside).expect("a link");
     let outputs = ["left", "right"].map(|name| format!("[[output]]\nkind = \"domemaster\"\nname = \"{name}\"\n"));

@@ -1,12 +1,12 @@
-//! The pages of documentation: links lead somewhere, lines and pages are short, goals and crates
-//! are described.
+//! The pages of documentation: links lead to files and headings, lines and pages are short, goals
+//! and crates are described.
 
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const LONGEST_LINE: usize = 120;
 const MOST_WORDS: usize = 2000;
-/// Pages in which something is looked up, and which are longer.
+/// Pages for looking up, which may be longer.
 const REFERENCES: [&str; 2] = ["rig-file.md", "command-line.md"];
 
 fn files_below(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
@@ -43,7 +43,7 @@ fn prose(text: &str) -> Vec<&str> {
 /// The anchor that a heading has on GitHub.
 fn anchor(heading: &str) -> String {
     let mut plain = heading.trim_start_matches('#').trim().to_lowercase();
-    // Of a link in a heading its words count.
+    // GitHub uses only the words of a link in a heading.
     while let (Some(open), Some(middle)) = (plain.find('['), plain.find("](")) {
         let close = plain[middle..].find(')').map_or(plain.len(), |close| middle + close + 1);
         plain = format!("{}{}{}", &plain[..open], &plain[open + 1..middle], &plain[close..]);
@@ -100,7 +100,7 @@ fn pages_and_lines_are_short() {
     for (page, text) in pages() {
         for (index, line) in text.lines().enumerate() {
             let length = line.chars().count();
-            // The pictures of the README's table are links that cannot be broken.
+            // The pictures in the README's table are links that cannot be wrapped.
             assert!(
                 length <= LONGEST_LINE || line.contains("!["),
                 "{}:{}: {length} columns",

@@ -1,7 +1,7 @@
 //! The parts of `docs/` that are generated from the code: help texts of the commands and key tables
 //! of the rig file.
 //!
-//! `CUPOLA_BLESS=1 cargo test --test reference_pages` writes them anew.
+//! `CUPOLA_BLESS=1 cargo test --test reference_pages` writes these parts again.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::process::Command;
 
 const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs");
 
-/// Compares a page with what the code says, or writes it with `CUPOLA_BLESS`.
+/// Compares a page with what the code generates. With `CUPOLA_BLESS` it writes the page instead.
 fn compare(path: &Path, is: &str, should_be: &str) {
     if is == should_be {
         return;
@@ -21,7 +21,7 @@ fn compare(path: &Path, is: &str, should_be: &str) {
     let differing = is.lines().zip(should_be.lines()).find(|(is, should_be)| is != should_be);
     let (is, should_be) = differing.unwrap_or(("", "another number of lines"));
     panic!(
-        "{} does not say what the code says; CUPOLA_BLESS=1 cargo test --test reference_pages writes it anew\n\
+        "{} does not agree with the code; CUPOLA_BLESS=1 cargo test --test reference_pages writes it again\n\
          is:        {is}\nshould be: {should_be}",
         path.display()
     );
@@ -45,8 +45,8 @@ fn help(command: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Writes a line of a help text in at most 118 columns, the rest of a description below its
-/// beginning.
+/// Writes a line of a help text in at most 118 columns. Further lines of a description are indented
+/// to its beginning.
 fn write_wrapped(written: &mut String, line: &str) {
     let start = line.len() - line.trim_start().len();
     let gap = line[start..].find("  ").map_or(start, |gap| start + gap);
@@ -97,7 +97,7 @@ fn pages_show_the_options_that_the_commands_have() {
         compare(&path, &page, &with_help(&page));
         commands += &page;
     }
-    // Each subcommand is on a page.
+    // Each subcommand has a place on a page.
     for program in ["cupola", "cupola-lab"] {
         let help = help(program);
         let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
@@ -119,8 +119,8 @@ fn the_map_for_contributors_names_files_that_there_are() {
         for cell in line.split('|') {
             for path in cell.split('`').skip(1).step_by(2).filter(|word| word.chars().all(is_of_a_path)) {
                 let there = root.join("src").join(path).exists() || root.join(path).exists();
-                // Words of the first column that are no paths (`glClear`) have no slash and no
-                // place in `src`.
+                // Words of the first column that are no paths (`glClear`) have no slash and no file
+                // in `src`.
                 assert!(there || !path.contains('/'), "the map: {path} is not there");
                 paths += usize::from(there);
             }
@@ -133,8 +133,8 @@ fn is_of_a_path(letter: char) -> bool {
     letter.is_ascii_alphanumeric() || "/_-.".contains(letter)
 }
 
-/// Tables of `docs/rig-file.md` by their mark, and rigs with the place of a key, `@`. A table has
-/// the keys of all its rigs.
+/// Names of the tables of `docs/rig-file.md`, each with rigs in which `@` marks the place of a key.
+/// A table has the keys of all its rigs.
 const SECTIONS: [(&str, &[&str]); 27] = [
     ("file", &["@\n[[output]]\nkind = \"domemaster\""]),
     ("dome", &["[dome]\n@"]),
@@ -217,7 +217,8 @@ const SECTIONS: [(&str, &[&str]); 27] = [
     ("output black", &["[[output]]\nkind = \"projector\"\nfov = [60, 40]\n[output.black]\n@"]),
 ];
 
-/// The messages of `rig`, with `key = value` at its mark instead of what it says of this key.
+/// Messages about `rig` with `key = value` at its mark. A line of the rig with the same key is left
+/// out.
 fn messages(rig: &str, key: &str, value: &str) -> Vec<String> {
     let others: Vec<&str> = rig.lines().filter(|line| line.split(" =").next() != Some(key)).collect();
     let text = others.join("\n").replace('@', &format!("{key} = {value}"));
@@ -234,7 +235,7 @@ fn possible_keys(rig: &str) -> Vec<String> {
     list.unwrap_or_else(|| panic!("{rig}: {messages:?}")).split(", ").map(str::to_owned).collect()
 }
 
-/// `1000000` as `10⁶`.
+/// Writes `1000000` as `10⁶`.
 fn number(text: &str) -> String {
     match text.trim_start_matches('-') {
         "1000000" => text.replace("1000000", "10⁶"),
@@ -244,7 +245,7 @@ fn number(text: &str) -> String {
     .replace('-', "−")
 }
 
-/// The range at the end of a message: "…, at least −180 and at most 180" is "−180…180".
+/// Range at the end of a message: "…, at least −180 and at most 180" gives "−180…180".
 fn range(message: &str) -> Option<String> {
     let ends = [("at least ", "≥ "), ("greater than ", "> ")];
     let (at, (word, sign)) = ends.iter().find_map(|end| Some((message.rfind(end.0)?, end)))?;
@@ -263,7 +264,7 @@ fn range(message: &str) -> Option<String> {
     })
 }
 
-/// What a key accepts, as the messages about wrong values say.
+/// Values that a key accepts, taken from the messages about wrong values.
 fn accepted(rig: &str, key: &str) -> String {
     let about = |value: &str| -> Option<String> {
         let path = format!("{key}: ");
@@ -327,8 +328,8 @@ fn accepted(rig: &str, key: &str) -> String {
     "text".to_owned()
 }
 
-/// The page with the column "accepts" of each table after `<!-- keys: SECTION -->` filled, and the
-/// keys of each table.
+/// Fills the column "accepts" of each table after `<!-- keys: SECTION -->`. Returns the page and
+/// the keys of each table.
 fn with_ranges(page: &str) -> (String, Vec<(&'static str, Vec<String>)>) {
     let mut written = String::new();
     let mut section = None;
@@ -378,7 +379,8 @@ fn the_rig_files_page_has_each_key_with_what_it_accepts() {
         let described = keys_of(name);
         assert!(!described.is_empty(), "rig-file.md has no table of {name}");
         let mut possible: Vec<String> = rigs.iter().flat_map(|rig| possible_keys(rig)).collect();
-        // What all outputs have is in their table, the tables of the file in sections of their own.
+        // Keys that all outputs have are in their own table. Tables within the file have their own
+        // sections.
         let output_kind = name.starts_with("output ")
             && rigs.iter().all(|rig| !rig.contains("[output.") && !rig.contains("[[output."));
         possible.retain(|key| !(output_kind && common.contains(key)));

@@ -1,5 +1,5 @@
-//! Rigs that people start from: presets and examples load, mean what they say, and light all of
-//! their screens.
+//! Presets and example rigs: they load, have the values that they should have, and light their
+//! screens completely.
 
 #[path = "../src/testing/random.rs"]
 mod random;
@@ -19,8 +19,9 @@ fn examples() -> Vec<Rig> {
     files.iter().map(|file| load(file.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"))).collect()
 }
 
-/// For points all over the screen, how many of `outputs` light each. Written out in sines and
-/// cosines and with the projectors' axes by hand, so as not to share a mistake with the library.
+/// For points all over the screen, the number of `outputs` that light each point. Computed here
+/// with sines, cosines and the projectors' axes, so that it does not share a mistake with the
+/// library.
 fn covers(rig: &Rig, outputs: &[Output]) -> Vec<usize> {
     const POINTS: usize = 20_000;
     let cap = (rig.dome.coverage / 2.0).cos();
@@ -87,7 +88,7 @@ fn six_projectors_light_the_whole_planetarium() {
     assert_eq!(counts.iter().filter(|count| **count == 0).count(), 0);
     let several = counts.iter().filter(|count| **count > 1).count() as f64 / counts.len() as f64;
     assert!((0.5..0.9).contains(&several), "{several} of the screen is lit by more than one projector");
-    // Each of the six is needed, and the comparer notices when one fails.
+    // Negative control: without any one of the six projectors a part of the screen is dark.
     for index in 0..6 {
         let mut rest = rig.outputs.clone();
         rest.remove(index);
@@ -118,7 +119,7 @@ fn degrees_become_radians_and_defaults_hold() {
     assert_eq!(rig.camera, Camera { shift: DVec3::new(1.0, 2.0, 3.0), yaw: PI / 2.0, ..Camera::default() });
     assert_eq!((rig.views.method, rig.views.quality), (ViewMethod::Auto, 1.0));
     assert_eq!(rig.overlay.width, 60_f64.to_radians());
-    // A domemaster shows the dome that there is.
+    // A domemaster without keys of its own shows the rig's dome.
     let kind = OutputKind::Domemaster { aperture: 160_f64.to_radians(), tilt: 30_f64.to_radians() };
     assert_eq!((rig.outputs[0].name.as_str(), rig.outputs[0].kind.clone()), ("output-1", kind));
     assert_eq!((rig.outputs[0].blend.overlap, rig.outputs[0].blend.gamma), (false, 2.2));
@@ -133,7 +134,7 @@ fn fov_with_shift_and_angles_say_the_same() {
             _ => panic!("no opening"),
         }
     };
-    // Shifted by half a picture, a lens of 90° × 90° opens from 0 to twice the tangent of 45°.
+    // Shifted by half a picture, a lens of 90° × 90° reaches from 0 to twice the tangent of 45°.
     let [shifted, angles] = [
         "fov = [90, 90]\nshift = [0.5, -0.25]",
         "angles = { left = 0, right = 63.43494882292201, bottom = -56.309932474020215, top = 26.56505117707799 }",
@@ -164,7 +165,7 @@ fn row(count: usize, keys: impl Fn(usize) -> String) -> Rig {
     parse(&(0..count).map(output).collect::<String>(), "rig.toml", Path::new("")).unwrap()
 }
 
-/// The places of a rig's outputs: x, y, width, height.
+/// Rectangles of a rig's outputs: x, y, width, height.
 fn layout(rig: &Rig, window: (u32, u32)) -> Vec<[u32; 4]> {
     rig.layout(window).iter().map(|place| [place.x, place.y, place.width, place.height]).collect()
 }
@@ -177,7 +178,7 @@ fn outputs_without_a_place_share_the_window() {
     let six = layout(&row(6, plain), (5760, 2160));
     assert_eq!(six[0], [0, 0, 1920, 1080]);
     assert_eq!(six[4], [1920, 1080, 1920, 1080]);
-    // Any number of outputs in any window: nothing overlaps, nothing is outside.
+    // For any number of outputs and any window, no outputs overlap and none is outside.
     for count in 1..=64_usize {
         for window in [(1, 1), (7, 5), (1920, 1080), (32767, 3)] {
             let places = row(count, plain).layout(window);
@@ -317,7 +318,7 @@ fn nothing_in_a_file_makes_the_reader_panic() {
         }
     }
     assert!(accepted > 100 && refused > 10_000, "{accepted} accepted, {refused} refused");
-    // Deep nesting ends as an error and not on the stack's guard page.
+    // Deep nesting gives an error and does not overflow the stack.
     let deep = format!("x = {}", "[".repeat(100_000));
     assert!(parse(&deep, "rig.toml", Path::new("")).is_err());
 }
@@ -329,7 +330,7 @@ fn the_documents_examples_are_valid() {
     let blocks: Vec<&str> = document.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     assert!(blocks.len() >= 6, "examples are missing");
     for block in blocks {
-        // Parts of a file are completed to a whole one.
+        // An example that is part of a file is completed to a whole file.
         let projector = "[[output]]\nkind = \"projector\"\nfov = [60, 40]\n";
         let text = match block {
             _ if block.contains("[[output]]") => block.to_owned(),
@@ -338,7 +339,7 @@ fn the_documents_examples_are_valid() {
         };
         parse(&text, "rig-file.md", &root.join("examples/rigs")).unwrap_or_else(|error| panic!("{error}\n{text}"));
     }
-    // Every key that a message lists as possible is described.
+    // The page describes every key that a message lists as possible.
     let unknown =
         ["dome", "viewer", "camera", "views", "overlay"].map(|section| format!("[{section}]\nqqq = 1\n")).concat();
     let outputs = ["domemaster", "projector", "perspective"].map(|kind| {

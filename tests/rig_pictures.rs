@@ -1,5 +1,4 @@
-//! What a rig file says of an output's finished picture: its mask, its black and how it is
-//! mirrored.
+//! Keys of a rig file for an output's finished picture: its mask, its black and how it is mirrored.
 
 use cupola::rig::parse;
 use std::path::Path;
@@ -51,7 +50,7 @@ fn blacks() {
         parse(&text, "rig.toml", folder).map_err(|error| error.message)
     };
     let levels = |black: &str| read(black).unwrap().outputs[0].black.as_ref().unwrap().levels.clone();
-    // A float map's first row is the bottom one.
+    // The first row of a float map is the bottom row.
     assert_eq!(levels("size = [2, 2]\nblack = { image = \"black.pfm\" }").values[1], [0.25, 1.0, 0.5]);
     let close = |found: [f32; 3], expected: [f32; 3]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6);
     let colours = levels("black = { image = \"rgb.png\" }");

@@ -1,9 +1,10 @@
-//! Every rule of the rig file: what breaks it is refused, at its line, by its key, with its remedy.
+//! Rules of the rig file: a file that breaks one is refused, and the message has line, key and
+//! remedy.
 
 use cupola::rig::{Rig, parse};
 use std::path::Path;
 
-/// A rig in which every key of the format is used, and which is valid.
+/// A valid rig that uses every key of the format.
 const COMPLETE: &str = r#"
 name = "complete"
 passthrough = false
@@ -87,8 +88,7 @@ fn read(text: &str) -> Result<Rig, String> {
     parse(text, "some/dome.toml", Path::new("")).map_err(|error| error.message)
 }
 
-/// `COMPLETE` with the one occurrence of `line` replaced by `by`, and the number of the line on
-/// which that stands.
+/// `COMPLETE` with the only occurrence of `line` replaced by `by`, and the number of that line.
 fn with(line: &str, by: &str) -> (String, usize) {
     let marked = format!("\n{line}\n");
     assert_eq!(COMPLETE.matches(&marked).count(), 1, "{line:?} does not stand alone in the text");
@@ -96,8 +96,8 @@ fn with(line: &str, by: &str) -> (String, usize) {
     (COMPLETE.replace(&marked, &format!("\n{by}\n")), COMPLETE[..=at].matches('\n').count() + 1)
 }
 
-/// Expects that `by` in place of `line` is refused with one problem that says the last line of
-/// `by`, `key` and `words`.
+/// Checks that the rig with `by` in place of `line` is refused with one problem. The message must
+/// contain the number of the last line of `by`, `key` and `words`.
 #[track_caller]
 fn refused(line: &str, by: &str, key: &str, words: &[&str]) {
     let (text, number) = with(line, by);
@@ -118,7 +118,7 @@ fn refused_text(text: &str, number: usize, key: &str, words: &[&str]) {
 #[test]
 fn the_complete_rig_is_valid() {
     read(COMPLETE).unwrap();
-    // The comparer can fail: replacing a line by itself is not refused.
+    // Control of this function: a rig with a line that is replaced by itself is accepted.
     assert!(read(&with("radius = 5", "radius = 5").0).is_ok());
 }
 
@@ -259,7 +259,7 @@ fn numbers_that_are_none() {
         refused("radius = 5", &format!("radius = {number}"), "dome.radius", &["no number that can be used", "metres"]);
     }
     refused("move = [0, 0, -20]", "move = [0, nan, -20]", "camera.move[1]", &["NaN"]);
-    // Beyond what the type holds.
+    // A number beyond the range of f64.
     refused("radius = 5", "radius = 1e999", "dome.radius", &[]);
     refused("radius = 5", "radius = 99999999999999999999", "dome.radius", &[]);
 }
@@ -300,7 +300,7 @@ fn the_viewer_is_inside_the_dome() {
         &["5 m", "radius 5 m", "at most 4.95 m"],
     );
     refused("position = [0.5, -0.2, 1]", "position = [0, 10, 0]", "viewer.position", &["10 m", "not inside the dome"]);
-    // Without a screen that depends on it, the viewer's place is free.
+    // Without a screen that limits it, the viewer may be anywhere.
     read("[viewer]\nposition = [0, 10, 0]\n[[output]]\nkind = \"perspective\"\nfov = [60, 40]").unwrap();
 }
 
@@ -362,14 +362,14 @@ fn apertures() {
 
 #[test]
 fn projectors_see_the_screen() {
-    // Below the tilted dome, aimed further down.
+    // The projector is below the tilted dome and aims further down.
     let why = ["sees no part of the screen", "position", "yaw", "fov"];
     let text = "[dome]\ncoverage = 90\n[[output]]\nkind = \"projector\"\npitch = -90\nfov = [60, 40]";
     refused_text(text, 3, "output[0]", &why);
-    // Outside, turned away from the dome altogether.
+    // The projector is outside and turned away from the dome.
     let text = "[[output]]\nkind = \"projector\"\nposition = [0, 0, 20]\nyaw = 180\nfov = [60, 40]";
     refused_text(text, 1, "output[0]", &why);
-    // The same, turned to it.
+    // The same projector, turned towards the dome.
     read(&text.replace("180", "0")).unwrap();
     let text = "[[output]]\nkind = \"projector\"\nposition = [0, 0, 1e6]\nfov = [1, 1]\n[dome]\nradius = 0.5";
     refused_text(text, 3, "output[0].position", &["at most 500000 m"]);
@@ -501,13 +501,13 @@ fn one_message_lists_every_problem_in_the_files_order() {
     let message = read(&text).unwrap_err();
     let keys: Vec<&str> = message.lines().filter_map(|line| line.split(": ").nth(1)).collect();
     assert_eq!(keys, ["dome.radius", "camera.zom", "output[0].blend.gamma (left)"]);
-    // A flood is cut short.
+    // A long list of problems is cut short.
     let many = read(&"[[output]]\nkind = \"x\"\n".repeat(64)).unwrap_err();
     assert_eq!(many.lines().count(), 21);
     assert!(many.ends_with("more problems"), "{many}");
 }
 
-/// A projector with these lines, on a dome of 3 m.
+/// A rig with a projector that has these lines, in a dome of 3 m.
 fn special(lines: &str) -> String {
     format!("[dome]\nradius = 3\n[[output]]\nkind = \"projector\"\nposition = [0, -1, 0]\npitch = 60\n{lines}\n")
 }

@@ -80,19 +80,17 @@ fn a_reader_may_begin_with_the_newest_frame() {
     assert_eq!(usual.next(Duration::ZERO, &mut frame).expect("whole"), Next::Nothing);
     drop((early, usual, late));
     // The writer publishes meanwhile: no reader finds a slot that was used again.
-    let is_over = std::sync::atomic::AtomicBool::new(false);
     std::thread::scope(|scope| {
-        scope.spawn(|| {
+        let thread = scope.spawn(|| {
             for _ in 0..2000 {
                 let mut reader = Reader::open_at_newest(&path).expect("a reader");
                 assert_eq!(reader.next(SOON, &mut frame).expect("whole"), Next::Frame);
                 assert!(is_right(&frame));
             }
-            is_over.store(true, std::sync::atomic::Ordering::Relaxed);
         });
         for index in 3.. {
             publish(&mut writer, index);
-            if is_over.load(std::sync::atomic::Ordering::Relaxed) {
+            if thread.is_finished() {
                 break;
             }
         }

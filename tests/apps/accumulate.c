@@ -1,4 +1,4 @@
-/* The accumulation buffer: two halves of the cube's picture, by way of every operation. */
+/* The accumulation buffer: the cube's picture is added from two halves, with every operation. */
 #include "common/fixed.h"
 
 static void draw(app *a)
@@ -17,7 +17,7 @@ static void draw(app *a)
     glClearColor(1.0f, 0.0f, 1.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
     glAccum(GL_RETURN, 1.0f);
-    /* What is loaded replaces what was there. */
+    /* GL_LOAD replaces the content. */
     glAccum(GL_LOAD, 0.5f);
     glAccum(GL_RETURN, 2.0f);
     app_check_error(a, "with the accumulation buffer");

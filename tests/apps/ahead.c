@@ -1,4 +1,7 @@
-/* Small things straight ahead, by Begin/End and by display lists, which views to the sides cannot show. */
+/*
+ * Small objects straight ahead, drawn by Begin/End and by display lists. Views to the sides cannot
+ * show them.
+ */
 #include "common/fixed.h"
 
 static void triangle(float x, float size)
@@ -29,11 +32,11 @@ static void draw(app *a)
     glLoadIdentity();
     triangle(-0.5f, 0.3f);
     glCallList(list);
-    /* What the list left behind holds although most views never ran it. */
+    /* The state that the list set is valid although most views did not run the list. */
     GLfloat colour[4] = {0};
     glGetFloatv(GL_CURRENT_COLOR, colour);
     app_check(a, colour[1] == 1.0f && colour[0] == 0.0f, "the colour after the list is %g %g", (double)colour[0], (double)colour[1]);
-    /* Behind the eye: no view of the rig fisheye shows it, but its colour stays. */
+    /* This object is behind the eye. No view of the rig fisheye shows it, but its colour stays. */
     glPushMatrix();
     glTranslatef(0.0f, 0.0f, 10.0f);
     triangle(0.0f, 0.3f);

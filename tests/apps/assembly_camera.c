@@ -1,6 +1,7 @@
 /*
- * Direction test by a vertex program in assembly language (ARB_vertex_program). `--mode` names where its matrix is:
- * `state`, the fixed-function matrices; `environment`, `local`, rows in parameters of the program.
+ * Direction test with a vertex program in assembly language (ARB_vertex_program). `--mode` names
+ * the place of its matrix: `state`, the fixed-function matrices; `environment` and `local`, rows in
+ * parameters of the program; `columns`, columns in parameters.
  */
 #include "common/fixed.h"
 #include "common/mesh.h"
@@ -43,7 +44,7 @@ static void setup(app *a)
         fprintf(stderr, "%s\n", (const char *)glGetString(GL_PROGRAM_ERROR_STRING_ARB));
 }
 
-/* What it asks for is what it gave. */
+/* OpenGL must return the text that the program gave. */
 static void check_text(app *a)
 {
     GLint length = 0, bound = 0;

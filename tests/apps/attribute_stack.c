@@ -1,4 +1,4 @@
-/* A display list that runs while the stack of attributes is full: what is on it stays there. */
+/* A display list runs while the attribute stack is full. The content of the stack must stay. */
 #include "common/fixed.h"
 
 static void draw(app *a)

@@ -1,7 +1,8 @@
 /*
- * A scene off screen before a background that fills its image: colours that change with the place in the picture, drawn by
- * a triangle without depth. The scene is the cube, small and far ahead of the camera. --mode multisampled: the image has
- * samples, which are resolved; --mode corner: the cube around the camera in the lower left quarter of the picture besides.
+ * A scene off screen with a background that fills its image. A triangle without depth draws the
+ * background, whose colours depend on the place in the picture. The scene is the cube, small and
+ * far ahead of the camera. --mode multisampled: the image has samples, which are resolved. --mode
+ * corner: the cube around the camera is also drawn, in the lower left quarter of the picture.
  */
 #include "common/app.h"
 #include "common/mesh.h"

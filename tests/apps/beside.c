@@ -1,7 +1,7 @@
 /*
- * Many small boxes in all directions. With --mode culled those beside the program's own picture are left out, as many programs
- * do; with --mode asked those beside the planes of the matrices that OpenGL answers; with --mode ahead there are boxes in the
- * middle of the picture only.
+ * Many small boxes in all directions. --mode culled: boxes beside the program's own picture are
+ * left out, as many programs do. --mode asked: boxes beside the planes of the matrices that OpenGL
+ * returns are left out. --mode ahead: there are only boxes in the middle of the picture.
  */
 #include "common/fixed.h"
 
@@ -15,7 +15,7 @@ static bool is(const app *a, const char *mode)
     return a->mode != NULL && strcmp(a->mode, mode) == 0;
 }
 
-/* Whether a ball of radius 1 comes into the picture. */
+/* Whether a part of a ball of radius 1 is in the picture. */
 static bool is_seen(const app *a, const float centre[3])
 {
     const matrix4 m = matrix_multiply(a->projection, a->modelview);
@@ -26,7 +26,10 @@ static bool is_seen(const app *a, const float centre[3])
     return clip[3] > -1.0f && fabsf(clip[0]) < across && fabsf(clip[1]) < up;
 }
 
-/* Whether a ball of radius 1 comes between the six planes of what OpenGL says are its matrices. */
+/*
+ * Whether a part of a ball of radius 1 is between the six planes of the matrices that OpenGL
+ * returns.
+ */
 static bool is_between_planes(const float centre[3])
 {
     matrix4 projection, modelview;

@@ -1,6 +1,6 @@
 /*
- * Two squares ahead, from buffers. From frame CHANGES on one of them is elsewhere: --mode says how what it is made of
- * comes to be another. Whatever the way, the picture must follow.
+ * Two squares ahead, drawn from buffers. From frame CHANGES on one of them is elsewhere. --mode
+ * names the way in which its data or its buffer changes. The picture must follow in each way.
  */
 #include "common/app.h"
 #include "common/program.h"
@@ -132,7 +132,10 @@ static void change(void)
         point_at(buffer, array);
         glBufferData(GL_ARRAY_BUFFER, sizeof both, both, GL_STATIC_DRAW);
     } else if (is("kept")) {
-        /* The array that draws keeps the old buffer, whose name then is that of another one. */
+        /*
+         * The array that is drawn keeps the old buffer. The buffer's name then belongs to another
+         * buffer.
+         */
         GLuint name = 0;
         point_at(buffer, other_array);
         glBindVertexArray(0);
@@ -154,7 +157,7 @@ static void change(void)
     }
 }
 
-/* Transform feedback writes the second square over the first, while nothing reaches the window. */
+/* Transform feedback writes the second square over the first. Nothing is drawn to the window. */
 static void record(void)
 {
     static const char *const captured = "captured";
@@ -178,7 +181,7 @@ static void draw(app *a)
     app_clear();
     glUseProgram(program);
     if (is("feedback")) {
-        /* Drawn from the buffer that is recorded into. */
+        /* Draws from the buffer that is also recorded to. */
         point_at(source, other_array);
         if (a->frame == CHANGES) {
             record();

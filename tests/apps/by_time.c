@@ -1,4 +1,7 @@
-/* Moves by time and by random numbers, as programs do. Writes down what it reads in each frame. */
+/*
+ * Moves by time and by random numbers, as programs do. Writes the values that it reads in each
+ * frame to a file.
+ */
 #define _GNU_SOURCE
 #include "common/fixed.h"
 #include "common/program.h"
@@ -69,7 +72,7 @@ static void write_down(app *a, double read)
     fclose(file);
 }
 
-/* A number that no library can stand before: the processor's counter. */
+/* The processor's counter: a number that no library can intercept. */
 static unsigned counter(void)
 {
 #if defined(__x86_64__)

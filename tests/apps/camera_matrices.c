@@ -1,11 +1,12 @@
 /*
- * Fragments and vertices that compute places of the scene from places on the screen, or the reverse, by matrices of the
- * camera; one form for each --mode. Whatever the form, the window shows the colours that the cube around the eye has.
+ * Fragments and vertices that compute places of the scene from places on the screen, or the
+ * reverse, with matrices of the camera. There is one form for each --mode. In each form the window
+ * shows the colours of the cube around the eye.
  *
- *   sky_…     a triangle over the window; what it shows in a direction is computed from the pixel
- *   light_…   the cube's depth is drawn to a texture, or copied to one; a triangle computes the place from it, and from
- *             that the colour
- *   place_…   the cube, of which what is not at its own pixel is discarded
+ *   sky_…     a triangle over the window; its colour in a direction is computed from the pixel
+ *   light_…   the cube's depth is drawn or copied to a texture; a triangle computes the place from
+ *             it, and from the place the colour
+ *   place_…   the cube; fragments that are not at the pixel that they compute are discarded
  */
 #include "common/app.h"
 #include "common/forms.h"
@@ -17,7 +18,7 @@
 #include <string.h>
 
 #define HEAD "#version 410 core\n"
-/* The cube is 10 away. */
+/* The cube is at a distance of 10. */
 #define COLOUR \
     "vec3 colour(vec3 d) { d /= max(max(abs(d.x), abs(d.y)), abs(d.z)); return d * 0.5 + 0.5; }\n"
 #define TRIANGLE \
@@ -37,7 +38,7 @@
          "void main() {\n" \
          "    float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;\n" \
          "    vec4 ndc = vec4(at, depth * 2.0 - 1.0, 1.0), p;\n" place "\n}\n"
-/* The place is on the cube, unless its depth is that of another view. */
+/* The place is on the cube, unless the depth is that of another view. */
 #define SHOW \
     "p /= p.w; float far = max(max(abs(p.x), abs(p.y)), abs(p.z));\n" \
     "    result = abs(far - 1.0) < 0.01 ? vec4(colour(p.xyz), 1.0) : vec4(0.0);"
@@ -113,7 +114,7 @@ static const form forms[] = {
            "    vec2 seen = gl_FragCoord.xy / size + 1000.0 * (c.xy / c.w - d.xy / d.w);\n")},
 };
 
-/* Hands positions on, and with them the places of pixels. */
+/* Passes positions and the places of pixels on. */
 static const char geometry[] =
     HEAD "layout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\n"
          "in vec3 shade[], place[];\nout vec3 tint, clip;\n"

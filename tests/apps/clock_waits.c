@@ -1,5 +1,7 @@
-/* Waits in all ways that libc knows, under the virtual clock, and judges the time that passed. Draws nothing: it tells the
-   clock itself of its frames. */
+/*
+ * Waits in all ways that libc has, under the virtual clock, and checks the time that passed. The
+ * program draws nothing. It tells the clock itself when a frame ends.
+ */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -49,7 +51,7 @@ static void check(bool good, const char *what)
     }
 }
 
-/* So much time has passed since `before`, exactly. */
+/* Checks that exactly this time has passed since `before`. */
 static void passed(double before, double seconds, const char *what)
 {
     double is = now() - before;
@@ -152,7 +154,7 @@ static void *sleeps(void *unused)
     return unused;
 }
 
-/* Sleeps over three frames. */
+/* Sleeps for three frames. */
 static void *until_frames(void *woke)
 {
     struct timespec date = date_after(0.05);
@@ -181,13 +183,13 @@ static void with_threads(void (*frame)(unsigned long))
     double woke = 0;
     pthread_create(&thread, NULL, until_frames, &woke);
     for (int i = 0; i < 6; i++) {
-        /* The other thread needs real time, which no call of libc gives here. */
+        /* The other thread needs real time. No call of libc waits for real time here. */
         for (volatile long work = 0; work < 20000000; work++)
             ;
         frame(1);
     }
     pthread_join(thread, NULL);
-    /* The time before was not that of a frame. */
+    /* The time at the start was not that of a frame, so a frame is the tolerance. */
     check(fabs(now() - before - 0.1) < 1.0 / 60, "six frames take six times 1/60 s");
     check(woke >= before + 0.05, "a thread wakes in the program's time");
 }

@@ -1,11 +1,23 @@
 /*
- * Direction test in a core 4.3 context: the cube is drawn with inverted colours to a texture of which compute shaders make
- * another, which a triangle shows. --mode: by one dispatch that samples it (sampled), loads from it (stored) or changes it
- * (same), by an indirect one (indirect), by two with an image of half the size (half), with the depth (depths), with a matrix
- * of the camera (light), with a sum over the whole picture (exposure), with values of each place in a buffer (places), by a
- * separable program (pipeline), or blitted to the window (blit); with lists whose lengths are atomic sums (tiles), with an
- * image of three dimensions (volume), after dots that places in a buffer are stored with (dots), or with sums in an image
- * (gathered); by one that declares a block of the camera's matrices and uses only its other member (declared).
+ * Direction test in a core 4.3 context. The cube is drawn with inverted colours to a texture.
+ * Compute shaders make another texture from it, and a triangle shows that one. --mode:
+ *   sampled    one dispatch that samples the texture
+ *   stored     one dispatch that loads from it
+ *   same       one dispatch that changes it
+ *   indirect   an indirect dispatch
+ *   half       two dispatches with an image of half the size
+ *   depths     the dispatch reads the depth, too
+ *   light      the dispatch uses a matrix of the camera
+ *   declared   the dispatch declares a block of the camera's matrices and uses only its other
+ *              member
+ *   exposure   with a sum over the whole picture
+ *   places     with values of each place in a buffer
+ *   pipeline   by a separable program
+ *   blit       the result is blitted to the window
+ *   tiles      with lists whose lengths are atomic sums
+ *   volume     with an image of three dimensions
+ *   dots       after a dispatch that stores dots together with places in a buffer
+ *   gathered   with sums in an image
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -50,7 +62,7 @@ static const char screen_fragment[] = "#version 430 core\n"
 #define SOURCE "layout(rgba8, binding = 1) uniform image2D source;\n"
 
 static const char sampled[] = HEAD PICTURE RESULT STORE("inverted(texelFetch(picture, at, 0))");
-/* As the header that all shaders of an engine share has it. */
+/* A block as in a header that all shaders of an engine share. */
 static const char declared[] = HEAD PICTURE RESULT
     "layout(std140, binding = 0) uniform Camera { mat4 view, projection, inverse_all; vec4 screen; };\n"
     STORE("inverted(texelFetch(picture, min(at, ivec2(screen.xy) - 1), 0))");
@@ -66,7 +78,10 @@ static const char join[] = HEAD PICTURE "layout(binding = 1) uniform sampler2D s
     STORE("inverted(0.5 * (texelFetch(picture, at, 0) + textureLod(small, (vec2(at) + 0.5) / vec2(size), 0.0)))");
 static const char depths[] = HEAD PICTURE "layout(binding = 2) uniform sampler2D deep;\n" RESULT
     STORE("texelFetch(deep, at, 0).r < 1.0 ? inverted(texelFetch(picture, at, 0)) : vec4(0.0)");
-/* The colour of a place that is on the cube, which that of another view is not. */
+/*
+ * Colour of a place on the cube. A place that is computed with the matrix of another view is not on
+ * the cube.
+ */
 static const char light[] = HEAD "layout(binding = 2) uniform sampler2D deep;\nuniform mat4 inverse_all;\n" RESULT
     "vec4 on_cube(vec4 p) {\n"
     "    p /= p.w;\n"

@@ -1,4 +1,7 @@
-/* Conditional rendering that is open while the buffers are swapped: it holds for the program's draws only. */
+/*
+ * Conditional rendering that is open while the buffers are swapped. It must apply only to the
+ * program's draws.
+ */
 #include "common/fixed.h"
 
 static void draw(app *a)
@@ -11,7 +14,7 @@ static void draw(app *a)
     fixed_cube(a);
     glBeginQuery(GL_SAMPLES_PASSED, query);
     glEndQuery(GL_SAMPLES_PASSED);
-    /* Nothing passed, so that nothing is drawn from here on. */
+    /* No sample passed the query, so nothing is drawn from here on. */
     glBeginConditionalRender(query, GL_QUERY_WAIT);
     glClearColor(1.0f, 0.0f, 1.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);

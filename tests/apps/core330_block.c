@@ -1,6 +1,6 @@
 /*
- * Direction test in a core 3.3 context with the matrices in a std140 uniform block: several
- * draws' blocks lie in one buffer and are chosen by glBindBufferRange.
+ * Direction test in a core 3.3 context with the matrices in a std140 uniform block. The blocks of
+ * several draws are in one buffer, and glBindBufferRange selects one.
  */
 #include "common/app.h"
 #include "common/mesh.h"

@@ -38,7 +38,7 @@ static void draw(app *a)
     GLint bound = 0;
     glGetUniformfv(pair.program, pair.projection, value);
     glGetIntegerv(GL_CURRENT_PROGRAM, &bound);
-    app_check(a, value[0] == a->projection.m[0], "glGetUniform does not tell the projection that was set");
+    app_check(a, value[0] == a->projection.m[0], "glGetUniform does not return the projection that was set");
     app_check(a, (GLuint)bound == pair.program, "GL_CURRENT_PROGRAM is %d instead of %u", bound, pair.program);
 }
 

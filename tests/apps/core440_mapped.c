@@ -1,6 +1,6 @@
 /*
- * Direction test in a core 4.4 context with the matrices in a uniform block whose buffer stays mapped: after the first
- * frame no call tells that they change.
+ * Direction test in a core 4.4 context with the matrices in a uniform block. The buffer stays
+ * mapped, so that after the first frame no call shows that the matrices change.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -44,7 +44,7 @@ static void setup(app *a)
 
 static void draw(app *a)
 {
-    /* The first frame has another lens than those that are judged. */
+    /* The first frame has another lens than the frames that are checked. */
     double aspect = (double)a->window.width / a->window.height;
     matrix4 first = matrix_perspective(0.6 * a->fov, aspect, a->near, a->far);
     app_clear();

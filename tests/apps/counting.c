@@ -1,12 +1,12 @@
 /*
- * Queries that are open across a swap and across a read-back, and draws that are repeated: a program is told what it
- * drew, not what Cupola does with it.
+ * Queries that are open across a swap and across a read-back, and draws that are repeated. The
+ * program must get the numbers of its own draws and not of Cupola's.
  */
 #include "common/fixed.h"
 
 static GLuint primitives, samples, everything, any, list;
 
-/* A square of this half width at this distance straight ahead. */
+/* Draws a square of this half width straight ahead at this distance. */
 static void square(float half, float distance)
 {
     glBegin(GL_QUADS);
@@ -38,7 +38,7 @@ static void setup(app *a)
     glEndList();
 }
 
-/* What a query that ended across a swap has counted. */
+/* Checks the result of a query that ended after a swap. */
 static void judge_last_frame(app *a)
 {
     glEndQuery(GL_SAMPLES_PASSED);
@@ -55,7 +55,7 @@ static void draw(app *a)
     fixed_cube(a);
     glLoadIdentity();
 
-    /* A square that fills a third of the picture's height, in front of all. */
+    /* A square in front of everything. Its height is a third of the picture's height. */
     double size = a->window.height / 3.0;
     float half = (float)(4.0 * size / a->window.height * (2.0 / a->projection.m[5]) / 2.0);
     glBeginQuery(GL_SAMPLES_PASSED, samples);
@@ -64,7 +64,7 @@ static void draw(app *a)
     double part = result(samples) / (size * size);
     app_check(a, part > 0.5 && part < 2.0, "a square of %.0f samples has %u", size * size, result(samples));
 
-    /* The same in two lists and at once; far away it is still more than nothing. */
+    /* The same in two lists, and directly. Far away the result must still be more than 0. */
     glBeginQuery(GL_PRIMITIVES_GENERATED, primitives);
     square(half, 4.0f);
     glCallList(list);
@@ -80,7 +80,7 @@ static void draw(app *a)
     glEndQuery(GL_ANY_SAMPLES_PASSED);
     app_check(a, result(any) == 1, "any samples of a small square: %u", result(any));
 
-    /* Open across a read-back and a swap. */
+    /* The query is open across a read-back and a swap. */
     unsigned char pixel[4];
     GLint now = 0;
     glBeginQuery(GL_SAMPLES_PASSED, everything);

@@ -1,6 +1,6 @@
 /*
- * Direction test by a program that links no GL: it loads libGL with dlopen(RTLD_LOCAL) and dlsym, as
- * GLFW and SDL do, takes the GLX calls by dlsym and the GL calls by glXGetProcAddressARB.
+ * Direction test by a program that does not link GL. It loads libGL with dlopen(RTLD_LOCAL), as
+ * GLFW and SDL do, and gets the GLX calls by dlsym and the GL calls by glXGetProcAddressARB.
  */
 #include "common/cube.h"
 #include "common/matrix.h"
@@ -22,7 +22,10 @@ static void fail(const char *message)
     exit(1);
 }
 
-/* ISO C knows no conversion from an object's to a function's address: copy the bits, as POSIX says. */
+/*
+ * ISO C cannot convert an object's address to a function's address. The bits are copied, as POSIX
+ * recommends.
+ */
 static void load(void *function, const char *name)
 {
     void *address = dlsym(library, name);

@@ -1,6 +1,6 @@
 /*
- * OpenGL 4.5: the window's framebuffer by its name 0, viewports and scissors by index, and everything that
- * can be asked about a program's uniforms. All answers must be those of the program's own objects.
+ * OpenGL 4.5: the window's framebuffer by its name 0, viewports and scissors by index, and all
+ * queries about a program's uniforms. All answers must be those of the program's own objects.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -108,7 +108,7 @@ static void draw(app *a)
     glUseProgram(program);
     mesh_bind(&cube);
 
-    /* The scene in a framebuffer of its own, cleared while the window is bound. */
+    /* The scene in a framebuffer of the program, which is cleared while the window is bound. */
     glClearNamedFramebufferfv(own, GL_COLOR, 0, grey);
     glClearNamedFramebufferfi(own, GL_DEPTH_STENCIL, 0, 1.0f, 0);
     glBindFramebuffer(GL_FRAMEBUFFER, own);
@@ -118,7 +118,7 @@ static void draw(app *a)
     image_free(&inside);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 
-    /* In the window, and a corner of it copied from the own one. */
+    /* In the window, with a corner copied from the program's framebuffer. */
     glNamedFramebufferDrawBuffer(0, GL_BACK);
     glNamedFramebufferReadBuffer(0, GL_BACK);
     glClearNamedFramebufferfv(0, GL_COLOR, 0, grey);

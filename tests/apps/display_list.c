@@ -52,7 +52,7 @@ static void draw(app *a)
     bool same = true;
     for (int i = 0; i < 16; i++)
         same = same && top[i] == a->projection.m[i];
-    app_check(a, same, "the projection that a display list loaded is not what glGet tells");
+    app_check(a, same, "glGet does not return the projection that a display list loaded");
 }
 
 int main(int argc, char **argv)

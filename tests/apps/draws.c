@@ -1,4 +1,4 @@
-/* Direction test in core 4.0 in which each face of the cube is drawn by another kind of draw call. */
+/* Direction test in core 4.0. Each face of the cube is drawn by another kind of draw call. */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/shader.h"
@@ -77,7 +77,7 @@ static void draw(app *a)
     mesh_bind(&cube);
     const void *offsets[2] = {index_offset(18), index_offset(21)};
     glMultiDrawElements(GL_TRIANGLES, counts, GL_UNSIGNED_SHORT, offsets, 2);
-    /* The corners of +z are those of -z, four later. */
+    /* The corners of +z are those of -z with indices that are greater by four. */
     glDrawElementsBaseVertex(GL_TRIANGLES, 6, GL_UNSIGNED_SHORT, index_offset(24), 4);
     glBindVertexArray(expanded_array);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands);

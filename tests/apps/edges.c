@@ -1,7 +1,8 @@
 /*
- * Direction test of surfaces with edges, as VTK draws them: a geometry shader gets positions in clip space and computes
- * from them where in the window the sides of each triangle are; fragments beyond a side are discarded. The cube is of
- * triangles so small that none which a view shows reaches behind its eye.
+ * Direction test of surfaces with edges, as VTK draws them. A geometry shader gets positions in
+ * clip space and computes from them the places of each triangle's sides in the window. Fragments
+ * beyond a side are discarded. The triangles of the cube are so small that none that a view shows
+ * reaches behind the eye of the view.
  */
 #include "common/app.h"
 #include "common/shader.h"

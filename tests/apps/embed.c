@@ -1,9 +1,10 @@
 /*
  * The C interface, without a window: embed SIZE YAW PITCH
  *
- * Draws the direction cube on a surfaceless context into off-screen targets: at three quarters of the size by a
- * callback (callback.ppm), then view by view (views.ppm). Checks on the way what calls answer when they are wrong,
- * that the context's state is left alone, and the exact directions. Exits with 1 if anything was wrong.
+ * Draws the direction cube in a surfaceless context into off-screen targets: at three quarters of
+ * the size by a callback (callback.ppm), then view by view (views.ppm). Also checks the answers to
+ * wrong calls, that the context's state stays unchanged, and the exact directions. Exits with 1 if
+ * anything was wrong.
  */
 #include "common/cube.h"
 #include "common/gl.h"
@@ -37,7 +38,7 @@ static void check(bool good, const char *what)
 
 #define CHECK(condition) check(condition, #condition)
 
-/* The call has to fail like this, with a detail that contains `word`. */
+/* Checks that the call failed with this status and with a detail that contains `word`. */
 static void refused(cupola_status found, cupola_status expected, const char *word, const char *call)
 {
     char detail[1024] = "";
@@ -91,7 +92,7 @@ static void draw(const cupola_gl_view *view, void *user)
         ++*(int *)user;
 }
 
-/* Room around the picture in the off-screen target, in pixels: nothing may be written there. */
+/* Area around the picture in the off-screen target, in pixels. Nothing may be written there. */
 enum { LEFT = 10, BELOW = 20, BEYOND = 7 };
 
 static target make_target(int size)
@@ -138,7 +139,10 @@ static void check_rigs(void)
     CHECK(count == 77);
     CHECK(cupola_rig_free(NULL) == CUPOLA_OK);
 
-    /* The detail: cut to the room, its whole length told, and kept by what goes well. */
+    /*
+     * The detail is cut to the size of the buffer, its full length is returned, and a call that
+     * succeeds keeps it.
+     */
     char cut[5] = "....";
     size_t length = 0;
     CHECK(cupola_last_error(NULL, 0, &length) == CUPOLA_OK && length > 4);
@@ -198,7 +202,7 @@ static void check_creation(const cupola_rig *rig, cupola_gl_options right)
     CHECK(glGetError() == GL_NO_ERROR);
 }
 
-/* Calls that are wrong between frames. */
+/* Calls that are not allowed between frames. */
 static void check_blending(cupola_gl *dome)
 {
     cupola_blend blend = { .struct_size = sizeof blend }, changed;
@@ -263,7 +267,10 @@ static void frame_by_callback(cupola_gl *dome, int size)
     write_picture(&t, size, "callback.ppm");
 }
 
-/* A frame view by view, with every wrong order on the way, and unusual state at its end. */
+/*
+ * Draws a frame view by view, makes every call in a wrong order on the way, and sets unusual state
+ * at the end.
+ */
 static void frame_by_views(cupola_gl *dome, int size)
 {
     uint32_t count = 0;
@@ -315,10 +322,10 @@ static void frame_by_views(cupola_gl *dome, int size)
     write_picture(&t, size, "views.ppm");
 }
 
-/* Of preload/allocations.c, where that is loaded. */
+/* Function of preload/allocations.c, if that library is loaded. */
 extern void steady_frame(void) __attribute__((weak));
 
-/* The viewer sits down elsewhere. */
+/* The viewer moves to another place. */
 static void frame_of_another_viewer(cupola_gl *dome, int size)
 {
     const double elsewhere[3] = {2.0, -0.5, 1.0}, outside[3] = {0.0, 6.0, 0.0}, nowhere[3] = {NAN, 0.0, 0.0};
@@ -340,7 +347,7 @@ static void frame_of_another_viewer(cupola_gl *dome, int size)
     CHECK(cupola_gl_resize(dome, (uint32_t)size / 2, (uint32_t)size / 2) == CUPOLA_OK);
 }
 
-/* In the callback, where nothing may be called; 2 if the object is not destroyed. */
+/* In the callback no call is allowed. Sets 2 if the object is not destroyed. */
 static void draw_and_destroy(const cupola_gl_view *view, void *user)
 {
     cupola_gl *dome = user;
@@ -349,7 +356,10 @@ static void draw_and_destroy(const cupola_gl_view *view, void *user)
     REFUSED(cupola_gl_begin_frame(dome), CUPOLA_INVALID_STATE, "frame");
 }
 
-/* Without the context, with another one, and with framebuffers that do not exist or are not complete. */
+/*
+ * Calls without the context, with another one, and with framebuffers that do not exist or are
+ * incomplete.
+ */
 static void check_contexts(const cupola_rig *rig, cupola_gl_options options)
 {
     EGLDisplay display = eglGetCurrentDisplay();
@@ -369,7 +379,7 @@ static void check_contexts(const cupola_rig *rig, cupola_gl_options options)
     glDeleteFramebuffers(1, &empty);
     CHECK(cupola_gl_begin_frame(dome) == CUPOLA_OK);
     REFUSED(cupola_gl_end_frame(dome, 12345, 0, 0), CUPOLA_INVALID_ARGUMENT, "12345");
-    CHECK(cupola_gl_end_frame(dome, t.framebuffer, 0, 0) == CUPOLA_OK); /* it had not ended */
+    CHECK(cupola_gl_end_frame(dome, t.framebuffer, 0, 0) == CUPOLA_OK); /* the frame had not ended */
     CHECK(cupola_gl_draw_frame(dome, 1, 2, draw_and_destroy, dome, t.framebuffer, 0, 0) == CUPOLA_OK);
 
     CHECK(eglQueryContext(display, own, EGL_CONFIG_ID, &config_id));
@@ -396,7 +406,9 @@ static void check_contexts(const cupola_rig *rig, cupola_gl_options options)
     CHECK(glGetError() == GL_NO_ERROR);
 }
 
-/* A picture that is projected already: red to the right, green upwards, blue everywhere. */
+/*
+ * A picture that is already projected: more red to the right, more green upwards, blue everywhere.
+ */
 static void draw_projected(const cupola_gl_view *view, void *user)
 {
     CHECK(strcmp(view->name, "content") == 0);
@@ -411,7 +423,7 @@ static void draw_projected(const cupola_gl_view *view, void *user)
     ++*(int *)user;
 }
 
-/* A rig with content has one view, which is shown on a domemaster as it was drawn. */
+/* A rig with content has one view. A domemaster shows it as it was drawn. */
 static void frame_of_content(int size)
 {
     const char *text = "[content]\nkind = \"domemaster\"\n[[output]]\nkind = \"domemaster\"\n";
@@ -469,7 +481,7 @@ int main(int argc, char **argv)
     check_contexts(rig, options);
     target steady = target_create(size, size);
     CHECK(cupola_gl_create(rig, &options, &dome) == CUPOLA_OK);
-    cupola_rig_free(rig); /* what was made from it lives on */
+    cupola_rig_free(rig); /* objects that were made from the rig stay valid */
     if (dome == NULL)
         return 1;
     check_idle(dome);

@@ -1,9 +1,10 @@
 /*
- * The C interface of other versions and the callback for messages, without a window: embed_versions SIZE YAW PITCH
+ * The C interface of other versions, and the callback for messages, without a window:
+ * embed_versions SIZE YAW PITCH
  *
- * Draws the direction cube as a program would that was compiled with a later header: its structs are larger
- * (later.ppm). Checks what the library does with fields that it does not know, what it says to the callback, and that it
- * says nothing after the callback's removal. Exits with 1 if anything was wrong.
+ * Draws the direction cube as a program that was compiled with a later header, whose structs are
+ * larger (later.ppm). Checks how the library handles fields that it does not know, which messages
+ * the callback gets, and that it gets none after its removal. Exits with 1 if anything was wrong.
  */
 #include "common/cube.h"
 #include "common/gl.h"
@@ -44,7 +45,7 @@ static bool last_error_has(const char *word)
     return strstr(detail, word) != NULL;
 }
 
-/* Structs of a later version: the field at the end is unknown to the library. */
+/* Structs of a later version. The library does not know the field at the end. */
 typedef struct {
     cupola_gl_options known;
     double unknown;
@@ -65,7 +66,7 @@ typedef struct {
     uint64_t unknown;
 } later_statistics;
 
-/* Messages. */
+/* Messages that the callback received. */
 typedef struct {
     pthread_mutex_t lock;
     int count, planned, inner;
@@ -133,7 +134,7 @@ static void draw_as_later_program(cupola_gl *dome, int size)
     image_free(&picture);
 }
 
-/* What was read can be written, and a field that the library does not know has to be 0. */
+/* Values that were read can be written. A field that the library does not know must be 0. */
 static void check_structs(cupola_gl *dome)
 {
     later_blend blend;
@@ -146,7 +147,10 @@ static void check_structs(cupola_gl *dome)
 
     later_statistics statistics = {.known = {.struct_size = sizeof statistics}, .unknown = 7};
     CHECK(cupola_gl_get_statistics(dome, &statistics.known) == CUPOLA_OK && statistics.unknown == 0);
-    /* Smaller than any version, absurd, and of an address that no struct has: nothing is written. */
+    /*
+     * Sizes that are smaller than any version or absurd, and an address that no struct has. Nothing
+     * may be written.
+     */
     const size_t wrong[] = {0, 8, sizeof(cupola_gl_statistics) - 8, sizeof(cupola_gl_statistics) + 1, 1 << 20, SIZE_MAX};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         cupola_gl_statistics refused = {.struct_size = wrong[i], .frames = 99};
@@ -178,7 +182,7 @@ static void check_messages(cupola_gl *dome)
     int before = to->count;
     CHECK(cupola_gl_resize(dome, 80, 80) == CUPOLA_OK);
     CHECK(to->count == before);
-    /* While another thread sets and removes it. */
+    /* Messages while another thread sets and removes the callback. */
     pthread_t thread;
     CHECK(pthread_create(&thread, NULL, set_and_remove, to) == 0);
     CHECK(cupola_gl_resize(dome, 64, 64) == CUPOLA_OK);

@@ -1,9 +1,9 @@
 /*
- * A shader of the program's own that projects to the picture, by the C interface and without a window:
+ * A program whose own shader projects to the output. It uses the C interface and has no window:
  * embed_vertex SIZE YAW PITCH
  *
- * Draws the cells of the direction cube into a domemaster in one pass (vertex.ppm), and into views by the same shader
- * (fragment.ppm). Exits with 1 if anything was wrong.
+ * Draws the cells of the direction cube into a domemaster in one pass (vertex.ppm), and into views
+ * with the same shader (fragment.ppm). Exits with 1 if anything was wrong.
  */
 #include "common/cell_array.h"
 #include "common/cube.h"
@@ -80,7 +80,9 @@ static void draw(const cupola_gl_view *view, void *user)
     glDrawElements(GL_TRIANGLES, built.index_count, GL_UNSIGNED_INT, NULL);
 }
 
-/* A frame by each view, since the callback form forbids calls of the same handle. */
+/*
+ * Draws a frame view by view, since calls of the same handle are not allowed in the callback form.
+ */
 static void frame(const char *method, int size, uint32_t expected_views, const char *file)
 {
     char text[256];

@@ -1,11 +1,12 @@
 /*
- * The ways in which a program ends. It draws to its window, swaps all frames but the last, and ends as --mode
- * says; the exit status is 7 wherever the program has a say in it.
+ * Ways in which a program ends. It draws to its window, swaps all frames but the last, and ends as
+ * --mode says. The exit status is 7 if the program can choose it.
  *
- * early, late: a handler of atexit makes no context current; it is registered before the window is opened, or after that
- * and before the first draw.
+ * early, late: a handler of atexit makes no context current. It is registered before the window is
+ * opened (early), or after that and before the first draw (late).
  *
- * busy, idle: it draws on, or does nothing more, until it is ended; killed, killed-idle: another process ends it.
+ * busy, idle: the program continues to draw (busy) or does nothing (idle) until it is ended.
+ * killed, killed-idle: another process ends it.
  */
 #include "common/fixed.h"
 
@@ -36,7 +37,7 @@ static void *end_here(void *unused)
     exit(STATUS);
 }
 
-/* Draws to a window of its own until the process is gone. */
+/* Draws to a window of the thread until the process ends. */
 static void *draw_for_ever(void *ready)
 {
     app other = program;
@@ -54,7 +55,7 @@ static void *draw_for_ever(void *ready)
     return NULL;
 }
 
-/* Another process sends a signal a while later. */
+/* Another process sends a signal after some time. */
 static void kill_from_outside(void)
 {
     if (fork() == 0) {
@@ -141,7 +142,7 @@ static void end(void)
         exit(STATUS);
     }
     if (is("closed")) {
-        /* The display goes first; the context was never destroyed. */
+        /* Closes the display first, without destroying the context. */
         window_release(&program.window);
         XCloseDisplay(program.window.display);
         exit(STATUS);
@@ -157,7 +158,7 @@ static void draw(app *a)
     program = *a;
     fixed_cube(a);
     if (a->frame + 1 == a->frames) {
-        /* What is drawn already costs the driver nothing at the end. */
+        /* The draws are finished here, so that the driver has no work at the end. */
         glFinish();
         end();
     }

@@ -1,6 +1,6 @@
 /*
- * Transform feedback while the scene is drawn, and with rasterisation off: what is recorded, and how much of
- * it is counted, must be what one draw gives. A buffer that overflows would tell of a draw recorded twice.
+ * Transform feedback while the scene is drawn, and with rasterisation off. The recorded values and
+ * their number must be those of one draw. If a draw is recorded twice, a buffer overflows.
  */
 #include "common/app.h"
 #include "common/mesh.h"

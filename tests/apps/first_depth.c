@@ -1,6 +1,7 @@
 /*
- * The very first read asks for depth and stencil: they are those of what is shown, not of an empty window. With the mode
- * "partial" up to a fifth of the pixels may be those of an empty window, with depth and stencil alike: no view shows them.
+ * The very first read asks for depth and stencil. It must get those of the picture and not of an
+ * empty window. With the mode "partial" up to a fifth of the pixels may be those of an empty
+ * window, in depth and stencil, because no view shows them.
  */
 #include "common/fixed.h"
 
@@ -10,7 +11,10 @@
 
 enum { LABEL = 5 };
 
-/* How far the cube's wall is along the camera's axis, in the direction of a pixel (from the bottom left). */
+/*
+ * Distance of the cube's wall along the camera's axis, in the direction of a pixel (from the bottom
+ * left).
+ */
 static double expected_distance(const app *a, int x, int y)
 {
     double right = (2.0 * (x + 0.5) / a->window.width - 1.0) / a->projection.m[0];
@@ -54,7 +58,7 @@ static void draw(app *a)
         double distance = 2.0 * a->far * a->near / (a->far + a->near - clip * (a->far - a->near));
         double error = fabs(distance / expected_distance(a, (int)(i % width), (int)(i / width)) - 1.0);
         worst = fmax(worst, error);
-        /* A texel of a view may lie half a pixel aside, on a wall that is seen aslant. */
+        /* A texel of a view may be half a pixel aside, and the wall may be oblique there. */
         wrong += error > 0.02;
         unlabelled += stencil[i] != LABEL;
     }

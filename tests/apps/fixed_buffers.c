@@ -1,4 +1,7 @@
-/* Small things straight ahead and behind, with the fixed-function pipeline from buffers, and by a shader that uses its matrices. */
+/*
+ * Small objects straight ahead and behind, drawn from buffers by the fixed-function pipeline, and
+ * by a shader that uses its matrices.
+ */
 #include "common/fixed.h"
 #include "common/program.h"
 
@@ -36,7 +39,7 @@ static void draw(app *a)
     for (int pass = 0; pass < 4; pass++) {
         glUseProgram(pass & 1 ? program : 0);
         glLoadIdentity();
-        /* Once ahead, and once behind the eye, where no view of the rig fisheye shows it. */
+        /* Draws once ahead, and once behind the eye, where no view of the rig fisheye shows it. */
         glTranslatef(0.0f, pass & 1 ? 1.0f : -1.0f, pass & 2 ? 10.0f : 0.0f);
         glColor3f(1.0f, 0.5f, 0.0f);
         glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -1,7 +1,8 @@
 /*
- * The cells of the direction test through the fixed-function pipeline: by Begin/End (the default), --mode list, arrays
- * or buffers. --mode lit draws a ball with lights, materials, fog, a texture with generated coordinates and a plane that
- * clips: everything that the pipeline's vertex stage computes.
+ * The cells of the direction test, drawn through the fixed-function pipeline: by Begin/End (the
+ * default), or with --mode list, arrays or buffers. --mode lit draws a ball with lights, materials,
+ * fog, a texture with generated coordinates and a clip plane. These are all parts of the pipeline's
+ * vertex stage.
  */
 #include "common/app.h"
 #include "common/cells.h"
@@ -21,7 +22,7 @@ static void corner(unsigned index)
 {
     const cell_corner *c = &all.corners[index];
     glColor3fv(c->colour);
-    /* Of the ball, whose middle is the eye: inwards. */
+    /* Normal of the ball, whose middle is the eye. It points inwards. */
     glNormal3f(-c->position[0], -c->position[1], -c->position[2]);
     glVertex3fv(c->position);
 }

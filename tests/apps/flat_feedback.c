@@ -1,4 +1,7 @@
-/* The first flat draw, and the first read, while transform feedback records: nothing of ours is recorded or refused. */
+/*
+ * The first flat draw and the first read happen while transform feedback records. Cupola's own
+ * draws must be neither recorded nor refused.
+ */
 #include "common/app.h"
 #include "common/probe.h"
 

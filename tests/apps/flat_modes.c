@@ -1,4 +1,7 @@
-/* Begin/End of every mode, several one after the other with nothing but current attributes between: all are drawn. */
+/*
+ * Begin/End of every mode, several after each other with only current attributes between them. All
+ * must be drawn.
+ */
 #include "common/fixed.h"
 #include "common/probe.h"
 
@@ -28,7 +31,7 @@ static bool is_line(const shape *s)
     return s->mode == GL_LINE_STRIP || s->mode == GL_LINE_LOOP || s->mode == GL_LINES || s->mode == GL_POINTS;
 }
 
-/* Two squares of one strip, which begins anew in between. */
+/* Two squares of one strip with a primitive restart between them. */
 static void draw_restarted(void)
 {
     void (*restart)(void) = (void (*)(void))glXGetProcAddressARB((const GLubyte *)"glPrimitiveRestartNV");
@@ -53,7 +56,7 @@ static void draw(app *a)
             glBegin(shapes[i].mode);
             for (int k = 0; k < shapes[i].count; k++) {
                 int corner = shapes[i].corners[k];
-                /* Lines and points in the middle of pixels. */
+                /* Lines and points are in the middle of pixels. */
                 glVertex2f((float)(10 + 24 * n + (corner & 1) * SIZE) + 0.5f,
                            (float)(5 + 24 * i + (corner >> 1) * SIZE) + 0.5f);
             }
@@ -72,7 +75,7 @@ static void draw(app *a)
             probe(a, 10 + 24 * n + inside, 5 + 24 * i + inside, n & 1, 1, n >> 1 & 1, shapes[i].name);
         }
     }
-    /* What is wrong is still an error. */
+    /* Errors must still be reported. */
     glBegin(GL_LINE_LOOP);
     glClear(GL_COLOR_BUFFER_BIT);
     glEnd();

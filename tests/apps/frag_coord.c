@@ -1,11 +1,13 @@
 /*
- * A cube around the eye whose fragments ask where in the window they are. `--mode` is the name of a form and of what it does:
+ * A cube around the eye. Its fragments read their place in the window. `--mode` is the name of a
+ * form and of its effect:
  *
- *   clip-FORM      is the direction test; what is outside of the window is discarded
- *   gradient-FORM  shows the place in the window, from 0 to 1, in red and green
+ *   clip-FORM      is the direction test. Fragments outside of the window are discarded.
+ *   gradient-FORM  shows the place in the window, from 0 to 1, in red and green.
  *
- * Forms: core, old (GLSL 1.20), upper (rows from above, places of pixels are integers), pipeline (separable programs),
- * part (the viewport is the upper right quarter of the window), off (drawn to a texture, which a triangle shows).
+ * Forms: core, old (GLSL 1.20), upper (rows from above, pixel centres at integers), pipeline
+ * (separable programs), part (the viewport is the upper right quarter of the window), off (drawn to
+ * a texture that a triangle shows).
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -20,7 +22,7 @@
     CORE "layout(location = 0) in vec3 position;\nlayout(location = 1) in vec3 colour;\n" \
          "layout(location = 0) out vec3 shade;\nuniform mat4 MVP;\nout gl_PerVertex { vec4 gl_Position; };\n" \
          "void main() { shade = colour; gl_Position = MVP * vec4(position, 1.0); }\n"
-/* What is beside the window is not drawn, as by a scissor in the shader. */
+/* The shader discards fragments beside the window, like a scissor. */
 #define MAIN(shade, at, result) \
     "void main() {\n" \
     "    vec2 at = (" at ") / size;\n" \

@@ -1,6 +1,8 @@
-/* Paints the number of each frame into its pixels: 24 columns, white for 1, the highest bit at the left. Writes down
- * the number and the time, on the monotonic clock in nanoseconds, at which it asks for the swap. --mode: frames in a
- * second; without it as many as there can be. */
+/*
+ * Paints the number of each frame into its pixels: 24 columns, white for 1, the highest bit at the
+ * left. Writes the number and the time at which it asks for the swap (monotonic clock,
+ * nanoseconds). --mode: frames per second; without it as many as possible.
+ */
 #include "common/app.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /*
- * Direction test whose last stage before rasterisation is a geometry shader, which projects. With `--mode shared` another
- * program, in which the vertex shader is the last such stage, is linked before this one is linked again.
+ * Direction test whose last stage before rasterisation is a geometry shader, which projects. With
+ * `--mode shared` the vertex shader is also the last such stage of another program. That program is
+ * linked before this one is linked again.
  */
 #include "common/app.h"
 #include "common/mesh.h"

@@ -1,5 +1,7 @@
-/* Direction test in GLES 2 through EGL: ESSL 100, attributes, one matrix for view and one for projection. What is beside the
- * window is discarded. */
+/*
+ * Direction test in GLES 2 through EGL: ESSL 100, attributes, one matrix for the view and one for
+ * the projection. Fragments beside the window are discarded.
+ */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/shader.h"

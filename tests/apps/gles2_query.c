@@ -1,4 +1,7 @@
-/* A query of any samples in GLES 2, around a program that is made, used and deleted within it, without a clear. */
+/*
+ * A query of any samples in GLES 2 without a clear. A program is created, used and deleted while
+ * the query is open.
+ */
 #include "common/app.h"
 #include "common/program.h"
 

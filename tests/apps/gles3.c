@@ -1,5 +1,7 @@
-/* Direction test in GLES 3 through EGL: ESSL 300, vertex arrays, one model-view-projection matrix. What is beside the window
- * is discarded. */
+/*
+ * Direction test in GLES 3 through EGL: ESSL 300, vertex arrays, one model-view-projection matrix.
+ * Fragments beside the window are discarded.
+ */
 #include "common/app.h"
 #include "common/mesh.h"
 #include "common/program.h"

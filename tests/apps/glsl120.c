@@ -1,6 +1,6 @@
 /*
  * Direction test in GLSL 120 with the built-in matrices: half of the cube by ftransform(), half by
- * gl_ModelViewProjectionMatrix; the matrices come from glMatrixMode.
+ * gl_ModelViewProjectionMatrix. The matrices come from glMatrixMode.
  */
 #include "common/app.h"
 #include "common/mesh.h"

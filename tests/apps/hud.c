@@ -1,6 +1,6 @@
 /*
- * A head-up display over the cube, in the three ways that programs do it: glOrtho in pixels, identity
- * matrices, and a shader that knows no matrix. Each draws a half-transparent white square, whose
+ * A head-up display over the cube, drawn in the three ways that programs use: glOrtho in pixels,
+ * identity matrices, and a shader without a matrix. Each draws a half-transparent white square. Its
  * pixels are the mean of white and the cube.
  */
 #include "common/fixed.h"

@@ -12,7 +12,10 @@ static void draw(app *a)
     glRotated(a->yaw, 0, 1, 0);
     glPushMatrix();
     glScaled(CUBE_SCALE, CUBE_SCALE, CUBE_SCALE);
-    /* Half of the faces as triangles, half as quads and a strip: each is assembled in its own way. */
+    /*
+     * Half of the faces are triangles, the others are quads and a strip, because OpenGL assembles
+     * each in another way.
+     */
     glBegin(GL_TRIANGLES);
     for (int i = 0; i < 18; i++) {
         glColor3fv(cube_colours[cube_indices[i]]);

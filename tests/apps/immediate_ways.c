@@ -1,6 +1,7 @@
 /*
- * Direction test by Begin/End where each face sets its colours and corners in another way: shorts and
- * doubles, generic attributes, a secondary colour, materials between vertices, elements of arrays, lists.
+ * Direction test by Begin/End. Each face sets its colours and corners in another way: shorts and
+ * doubles, generic attributes, a secondary colour, materials between vertices, elements of arrays,
+ * lists.
  */
 #include "common/app.h"
 
@@ -38,7 +39,7 @@ static void material(int corner)
     glVertex3fv(cube_positions[corner]);
 }
 
-/* Arrays of one element, whose numbers change from element to element. */
+/* Arrays of one element. The program changes their values from element to element. */
 static float element_colour[3], element_position[3];
 
 static void element(int corner)
@@ -70,14 +71,14 @@ static void face(int number, void (*corner)(int))
     glBegin(GL_QUADS);
     for (int i = 0; i < 4; i++)
         corner(faces[number][i]);
-    /* Nothing but vertices and attributes is allowed here. */
+    /* Only vertices and attributes are allowed here. */
     glMatrixMode(GL_TEXTURE);
     glEnd();
 }
 
 static void draw(app *a)
 {
-    list(0); /* makes them; a vertex outside of a primitive is nothing */
+    list(0); /* creates the lists; a vertex outside of a primitive has no effect */
     app_clear();
     glMatrixMode(GL_PROJECTION);
     glLoadMatrixf(a->projection.m);

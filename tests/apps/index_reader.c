@@ -1,7 +1,10 @@
-/* Reads pictures of frame_index from its standard input, four bytes a pixel: writes the number that is painted into
- * each, and the time, on the monotonic clock in nanoseconds, at which its last byte was there.
+/*
+ * Reads pictures of frame_index from its standard input, with four bytes per pixel. Writes the
+ * number that is painted into each picture, and the time at which the last byte was read (monotonic
+ * clock, nanoseconds).
  *
- * usage: index_reader WIDTH HEIGHT [MILLISECONDS THAT EACH PICTURE TAKES] */
+ * usage: index_reader WIDTH HEIGHT [MILLISECONDS THAT EACH PICTURE TAKES]
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

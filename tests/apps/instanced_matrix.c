@@ -1,7 +1,7 @@
 /*
- * Direction test in a core 4.5 context by a shader that has its matrix from a vertex attribute. `--mode`: `array`, an array
- * with a value for each instance; `second`, the same from its second value on; `constant`, no array; `vertices`, an array
- * with a value for each vertex.
+ * Direction test in a core 4.5 context. The shader gets its matrix from a vertex attribute.
+ * `--mode`: `array`, an array with a value for each instance; `second`, the same from its second
+ * value on; `constant`, no array; `vertices`, an array with a value for each vertex.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -48,7 +48,7 @@ static void setup(app *a)
 
 static void draw(app *a)
 {
-    /* The first value has another lens than the second, if that is the one that is drawn with. */
+    /* If the second value is drawn with, the first value has another lens. */
     const double aspect = (double)a->window.width / a->window.height;
     const matrix4 other = matrix_perspective(0.6 * a->fov, aspect, a->near, a->far);
     matrix4 values[CUBE_CORNERS];

@@ -1,4 +1,7 @@
-/* Display lists that begin a primitive, end one, or hold vertices only; and lists of those. */
+/*
+ * Display lists that begin a primitive, end one, or contain only vertices, and lists that call
+ * those.
+ */
 #include "common/fixed.h"
 #include "common/probe.h"
 
@@ -48,7 +51,7 @@ static void setup(app *a)
 
 static int places;
 
-/* Draws at the next place from here on. */
+/* The next draws are at the next place. */
 static void next(int red, int green, int blue)
 {
     glLoadIdentity();
@@ -91,7 +94,7 @@ static void draw(app *a)
     glCallList(lists + END);
     app_check_error(a, "after the lists");
 
-    /* Begin in Begin is an error; what follows is drawn. */
+    /* glBegin within glBegin is an error. The following vertices are drawn. */
     next(0, 1, 0);
     glBegin(GL_QUADS);
     glCallList(lists + BEGIN);
@@ -103,7 +106,10 @@ static void draw(app *a)
     vertices();
     glEnd();
 
-    /* A list that is executed at once ends between glBegin and glEnd: an error, and the list ends all the same. */
+    /*
+     * glEndList between glBegin and glEnd of a list that is also executed is an error. The list
+     * ends nevertheless.
+     */
     next(1, 1, 0);
     glNewList(lists + AT_ONCE, GL_COMPILE_AND_EXECUTE);
     glBegin(GL_QUADS);

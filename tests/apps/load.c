@@ -1,8 +1,10 @@
 /*
- * Much of something; --seed N says how much. The window shows the cube of the direction test in the end.
+ * Large loads of one kind; --seed N is the number. At the end the window shows the cube of the
+ * direction test.
  *   --mode draws     N draws in a frame, each with its own matrix (default 100,000)
  *   --mode contexts  N contexts, each of which draws a triangle of the cube (default 1,000)
- *   --mode threads   N threads with a display, a window and a context each, whose picture is checked (default 64)
+ *   --mode threads   N threads with a display, a window and a context each, whose picture is
+ *                    checked (default 64)
  */
 #include "common/fixed.h"
 #include "common/mesh.h"
@@ -71,7 +73,9 @@ static void contexts(app *a)
     free(all);
 }
 
-/* Mesa 22.3 spoils its memory now and then where threads make or destroy contexts at the same time. */
+/*
+ * Mesa 22.3 sometimes corrupts its memory if threads create or destroy contexts at the same time.
+ */
 static pthread_mutex_t contexts_lock = PTHREAD_MUTEX_INITIALIZER;
 
 static void *thread(void *given)

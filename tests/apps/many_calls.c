@@ -1,6 +1,6 @@
 /*
- * The direction test with 10,000 small calls in a frame: the cube in twelve draws, and before each of them as many
- * changes of state that change no pixel. For the cost of a call.
+ * The direction test with 10,000 small calls in a frame, to measure the cost of a call. The cube is
+ * drawn with twelve draws, and before each there are many changes of state that change no pixel.
  */
 #include "common/mesh.h"
 #include "common/product.h"

@@ -1,6 +1,7 @@
 /*
- * Direction test in a core 4.5 context by shaders whose camera is an element of an array of matrices. The elements have
- * different lenses unless the form says otherwise. `--mode` names the form.
+ * Direction test in a core 4.5 context. The camera of the shaders is an element of an array of
+ * matrices. The elements have different lenses unless the form says otherwise. `--mode` names the
+ * form.
  */
 #include "common/app.h"
 #include "common/forms.h"
@@ -18,7 +19,7 @@
 
 typedef struct {
     const char *name, *vertex;
-    bool same; /* elements */
+    bool same; /* all elements are the same */
 } form;
 
 static const form forms[] = {

@@ -1,6 +1,6 @@
 /*
- * Direction test in a core 4.5 context by shaders that multiply row vectors, have their matrices by rows, or have cameras
- * of three rows or columns. `--mode` names the form.
+ * Direction test in a core 4.5 context. The shaders multiply row vectors, have their matrices by
+ * rows, or have cameras with three rows or columns. `--mode` names the form.
  */
 #include "common/app.h"
 #include "common/forms.h"
@@ -17,7 +17,7 @@
 
 typedef struct {
     const char *name, *vertex;
-    bool row_vector; /* before the block's matrix */
+    bool row_vector; /* the vector stands before the block's matrix */
 } form;
 
 static const form forms[] = {
@@ -54,7 +54,7 @@ static GLint place(const char *name)
     return glGetUniformLocation(program, name);
 }
 
-/* Sets those of these that the form has. */
+/* Sets the uniforms that the form has. */
 static void set_uniforms(const app *a, const matrix4 *m)
 {
     double twice[16];
@@ -87,7 +87,7 @@ static void set_block(const matrix4 *m)
     glGetActiveUniformsiv(program, 1, &index, GL_UNIFORM_MATRIX_STRIDE, &stride);
     glGetActiveUniformsiv(program, 1, &index, GL_UNIFORM_IS_ROW_MAJOR, &by_rows);
     char bytes[512] = {0};
-    /* Rows in memory are one transposition, a row vector is another. */
+    /* Storing by rows transposes the matrix, and multiplying a row vector transposes it again. */
     const matrix4 memory = (by_rows != 0) != used->row_vector ? matrix_transposed(*m) : *m;
     for (int i = 0; i < 16; i++) {
         const double twice = memory.m[i];

@@ -1,6 +1,6 @@
 /*
- * A window with four samples: the program must see them, and what is presented has smooth edges. A framebuffer of the
- * program's own stays bound for reading.
+ * A window with four samples. The program must see them, and the presented picture must have smooth
+ * edges. A framebuffer of the program stays bound for reading.
  */
 #include "common/fixed.h"
 #include "common/target.h"
@@ -31,7 +31,7 @@ static void draw(app *a)
     app_check(a, samples == a->request.samples && buffers == 1, "GL_SAMPLES is %d and GL_SAMPLE_BUFFERS %d", samples,
               buffers);
     fixed_cube(a);
-    /* A black triangle in front of the camera, its edges slanted. */
+    /* A black triangle in front of the camera with oblique edges. */
     glColor3f(0, 0, 0);
     glLoadIdentity();
     glBegin(GL_TRIANGLES);
@@ -42,7 +42,10 @@ static void draw(app *a)
     read_own(a, "after drawing,");
 }
 
-/* Looks at the X server's picture: llvmpipe's glReadPixels of a multisampled window reads one sample. */
+/*
+ * Reads the X server's picture, because llvmpipe's glReadPixels reads only one sample of a
+ * multisampled window.
+ */
 static void after(app *a)
 {
     image picture = window_shot(&a->window);

@@ -1,4 +1,4 @@
-/* Occlusion queries: what is seen has samples, what is behind the cube's wall has none. */
+/* Occlusion queries: visible objects have samples, and objects behind the cube's wall have none. */
 #include "common/fixed.h"
 
 static void triangle(float z)

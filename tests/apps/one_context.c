@@ -1,6 +1,6 @@
 /*
- * One context for two windows, as toolkits do it: a window shows the same whether it is swapped while it is
- * current or after the other was made current.
+ * One context for two windows, as toolkits use it. A window must show the same whether it is
+ * swapped while it is current or after the other became current.
  */
 #include "common/fixed.h"
 #include "common/window.h"
@@ -31,7 +31,7 @@ static void draw(app *a)
     bool later = a->frame % 2 == 1;
     make_current(a, drawable);
     if (later) {
-        /* Something else in between, so that an old picture is told from the right one. */
+        /* A clear in between, so that an old picture differs from the right one. */
         glClearColor(0.0f, 1.0f, 0.0f, 1.0f);
         glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
         glXSwapBuffers(a->window.display, drawable);

@@ -1,7 +1,7 @@
 /*
- * Wide points, wide lines and triangles drawn as wide lines, each small and in a colour of its own, in many directions:
- * number i lies 10 + 10 (i mod 8) degrees off the camera's axis, turned around it by 37 i degrees. --mode smooth: a fan of
- * smooth lines instead.
+ * Wide points, wide lines and triangles drawn as wide lines. Each is small, in a colour of its own,
+ * in one of many directions: number i is 10 + 10 (i mod 8) degrees off the camera's axis, turned
+ * around the axis by 37 i degrees. --mode smooth draws a fan of smooth lines instead.
  */
 #include "common/fixed.h"
 
@@ -11,7 +11,7 @@
 enum { MARKS = 48 };
 static const double degree = 3.14159265358979323846 / 180.0;
 
-/* A place near mark i, shifted to the side by a part of its distance. */
+/* A place near mark i, displaced to the side by a part of its distance. */
 static void place(int i, double aside, float to[3])
 {
     double off = (10 + 10 * (i % 8)) * degree, around = 37 * i * degree;

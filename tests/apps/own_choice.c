@@ -1,6 +1,7 @@
 /*
- * Names of objects that the program chooses itself, buffers by their names as of EXT_direct_state_access, and reads of what was
- * only cleared, in the first frame and beyond the window.
+ * Object names that the program chooses itself, buffers by their names as in
+ * EXT_direct_state_access, and reads of a window that was only cleared: in the first frame, and
+ * beyond the window.
  */
 #include "common/fixed.h"
 #include "common/probe.h"
@@ -9,7 +10,7 @@
 
 static void check_names(app *a)
 {
-    /* All of these names are free: nobody asked for one. */
+    /* All of these names are free, because no call has created one. */
     for (GLuint name = 1; name <= 40; name++) {
         glBindBuffer(GL_ARRAY_BUFFER, name);
         GLint size = -1;
@@ -41,12 +42,12 @@ static void check_named_buffers(app *a)
     glNamedBufferDataEXT(names[0], sizeof text, text, GL_STATIC_DRAW);
     app_check_error(a, "glNamedBufferDataEXT of a name that was only asked for");
     glGetNamedBufferSubDataEXT(names[0], 0, sizeof back, back);
-    app_check(a, memcmp(back, text, sizeof text) == 0, "glNamedBufferDataEXT gives nothing");
+    app_check(a, memcmp(back, text, sizeof text) == 0, "glNamedBufferDataEXT stores nothing");
     glNamedBufferStorageEXT(names[1], sizeof text, text, 0);
     app_check_error(a, "glNamedBufferStorageEXT of a name that was only asked for");
     glNamedBufferDataEXT(names[2], 16, NULL, GL_STATIC_DRAW);
     void *mapped = glMapNamedBufferEXT(names[2], GL_WRITE_ONLY);
-    app_check(a, mapped != NULL && glUnmapNamedBufferEXT(names[2]), "glMapNamedBufferEXT gives nothing");
+    app_check(a, mapped != NULL && glUnmapNamedBufferEXT(names[2]), "glMapNamedBufferEXT returns no address");
     GLuint texture;
     glGenTextures(1, &texture);
     glTextureBufferEXT(texture, GL_TEXTURE_BUFFER, GL_R32F, names[2]);
@@ -76,16 +77,16 @@ static void check_reads(app *a)
     fixed_end_pixels();
     probe(a, 30, 30, 1, 0, 0, "a rectangle");
     probe(a, 50, 50, 0, 1, 0, "beside the rectangle");
-    /* Half of each line lies outside, and half of the lines. */
+    /* Half of the lines and half of each line are outside of the window. */
     unsigned char pixels[SIDE][SIDE][4];
     memset(pixels, 77, sizeof pixels);
     glReadPixels(-SIDE / 2, -SIDE / 2, SIDE, SIDE, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
-    app_check(a, pixels[0][SIDE - 1][0] == 77 && pixels[SIDE - 1][0][0] == 77, "memory of what is outside changes");
-    app_check(a, pixels[SIDE - 1][SIDE - 1][1] == 255 && pixels[SIDE / 2][SIDE / 2][1] == 255, "what is inside is missing");
+    app_check(a, pixels[0][SIDE - 1][0] == 77 && pixels[SIDE - 1][0][0] == 77, "memory for pixels outside changes");
+    app_check(a, pixels[SIDE - 1][SIDE - 1][1] == 255 && pixels[SIDE / 2][SIDE / 2][1] == 255, "pixels inside are missing");
     memset(pixels, 77, sizeof pixels);
     glReadPixels(a->window.width - SIDE / 2, a->window.height - SIDE / 2, SIDE, SIDE, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
-    app_check(a, pixels[0][SIDE - 1][0] == 77 && pixels[SIDE - 1][0][0] == 77, "memory of what is outside changes");
-    app_check(a, pixels[0][0][1] == 255 && pixels[SIDE / 2 - 1][SIDE / 2 - 1][1] == 255, "what is inside is missing");
+    app_check(a, pixels[0][SIDE - 1][0] == 77 && pixels[SIDE - 1][0][0] == 77, "memory for pixels outside changes");
+    app_check(a, pixels[0][0][1] == 255 && pixels[SIDE / 2 - 1][SIDE / 2 - 1][1] == 255, "pixels inside are missing");
     /* The same into a texture. */
     GLuint texture;
     static unsigned char texels[SIDE][SIDE][4];
@@ -95,7 +96,7 @@ static void check_reads(app *a)
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, SIDE, SIDE, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
     glCopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, -SIDE / 2, -SIDE / 2, SIDE, SIDE);
     glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels);
-    app_check(a, texels[0][SIDE - 1][0] == 77 && texels[SIDE - 1][0][0] == 77, "texels of what is outside change");
+    app_check(a, texels[0][SIDE - 1][0] == 77 && texels[SIDE - 1][0][0] == 77, "texels outside change");
     app_check(a, texels[SIDE - 1][SIDE - 1][1] == 255 && texels[SIDE / 2][SIDE / 2][1] == 255, "texels inside are missing");
     glDeleteTextures(1, &texture);
 }

@@ -1,6 +1,7 @@
 /*
- * An old program that takes names of display lists and textures without asking OpenGL for them, after it has
- * drawn in immediate mode. Whatever Cupola has made until then must not be in its way.
+ * An old program that uses names of display lists and textures without asking OpenGL for them. It
+ * has drawn in immediate mode before. Names that Cupola has created until then must not collide
+ * with them.
  */
 #include "common/app.h"
 #include "common/fixed.h"
@@ -20,7 +21,10 @@ static void setup(app *a)
         app_check_error(a, "after a texture");
     }
     glBindTexture(GL_TEXTURE_2D, 0);
-    /* Each list has commands that Cupola keeps apart, so that it needs names of its own between them. */
+    /*
+     * Each list has commands that Cupola records separately, so that Cupola needs names of its own
+     * between them.
+     */
     for (GLuint name = 1; name <= NAMES; name++) {
         glNewList(name, GL_COMPILE);
         glPushMatrix();

@@ -1,6 +1,6 @@
 /*
- * Direction test in a core 4.5 context for the many ways to draw a scene off screen and then show it, one for
- * each --mode. Whatever the way, the window shows the cube's own colours.
+ * Direction test in a core 4.5 context for the many ways to draw a scene off screen and then show
+ * it, one for each --mode. In each way the window shows the cube's own colours.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -25,12 +25,15 @@ static const char vertex[] = HEAD "layout(location = 0) in vec3 position;\n"
                                   "out vec3 shade;\n"
                                   "void main() { shade = colour; gl_Position = MVP * vec4(position, 1.0); }\n";
 static const char fragment[] = HEAD "in vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
-/* Each component goes to a buffer of its own. */
+/* Writes each component to a separate buffer. */
 static const char fragment_apart[] =
     HEAD "in vec3 shade;\nlayout(location = 0) out vec4 red;\nlayout(location = 1) out vec4 green;\n"
          "layout(location = 2) out vec4 blue;\n"
          "void main() { red = vec4(shade.r); green = vec4(shade.g); blue = vec4(shade.b); }\n";
-/* A second pass over the scene that takes its colours from the first by its place on the screen. */
+/*
+ * A second pass over the scene. It reads its colours from the first pass by its place on the
+ * screen.
+ */
 static const char fragment_light[] =
     HEAD "in vec3 shade;\nout vec4 result;\nlayout(binding = 0) uniform sampler2D picture;\n"
          "void main() { result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0); }\n";
@@ -44,7 +47,7 @@ static const char show_half_each[] =
             "void main() { result = 0.5 * (texture(picture, place) + texture(smaller, place)); }\n";
 static const char show_levels[] =
     PICTURE "void main() { result = 0.5 * (textureLod(picture, place, 0.0) + textureLod(picture, place, 1.0)); }\n";
-/* Nothing is nearer than the near plane or farther than the far plane, and the cube is everywhere. */
+/* The cube is everywhere, so each depth must be between the middle and the far plane. */
 static const char show_depth[] =
     PICTURE "layout(binding = 1) uniform sampler2D depths;\n"
             "void main() {\n"
@@ -100,7 +103,7 @@ static void specify(int i, GLenum target, GLenum format, int width, int height)
 
 static void attach(int i, GLenum target, int width, int height)
 {
-    /* Passes that build on each other would add up what 8 bits round. */
+    /* 8 bits would be rounded in each pass, and the errors would add up. */
     specify(i, target, is("bloom") || is("mipmap") ? GL_RGBA16F : GL_RGBA8, width, height);
     glNamedFramebufferTexture(framebuffers[i], GL_COLOR_ATTACHMENT0, textures[i], 0);
 }
@@ -195,7 +198,7 @@ static void fill_part(app *a, float across, float up)
     fill(0, last, a->window.width, a->window.height);
 }
 
-/* What is read back is the program's own picture, whatever the dome shows. */
+/* The program must read its own picture, whatever the dome shows. */
 static void check_own_picture(app *a)
 {
     if (app_is_first_read(a))

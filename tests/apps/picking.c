@@ -1,4 +1,7 @@
-/* GL_SELECT with a pick matrix and GL_FEEDBACK: the answers are those of the program's own projection. */
+/*
+ * GL_SELECT with a pick matrix, and GL_FEEDBACK. The answers must be those of the program's own
+ * projection.
+ */
 #include "common/fixed.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /*
- * Plays OpenGL calls that `cupola-lab calls` wrote to files, and answers with what OpenGL answers. Its argument is a file
- * of questions; each line of stdin names a file of calls, which gets a context of its own. docs/calls.md has the format.
+ * Plays OpenGL calls that `cupola-lab calls` wrote to files, and returns OpenGL's answers. The
+ * argument is a file of questions. Each line of stdin names a file of calls, which is played in a
+ * new context. docs/calls.md describes the format.
  */
 #include "player/call.h"
 #include "common/window.h"
@@ -42,7 +43,7 @@ static void read_questions(const char *path)
     fclose(file);
 }
 
-/* Asks all questions and answers with one number, or with a line for each. */
+/* Asks all questions, and answers with one number for all or with a line for each. */
 static void ask(int number, bool each)
 {
     unsigned long long all = 0;

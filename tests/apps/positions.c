@@ -1,6 +1,6 @@
 /*
- * Squares in rings around the viewer, each ring with its positions in another form, or with a vertex shader that puts
- * them elsewhere than the array says.
+ * Squares in rings around the viewer. In each ring the positions have another form, or a vertex
+ * shader moves them away from the positions in the array.
  */
 #include "common/app.h"
 #include "common/program.h"
@@ -27,7 +27,7 @@ static const char doubled[] =
 static const char fragment[] =
     "#version 430 core\nuniform vec3 colour;\nout vec4 result;\nvoid main() { result = vec4(colour, 1.0); }\n";
 
-/* Corners of a square at z = 0, in every form. */
+/* Corners of a square at z = 0, in each form. */
 static const float floats[CORNERS][3] = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
 static const double doubles[CORNERS][3] = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
 static const float with_w[CORNERS][4] = {{-3, -3, 0, 3}, {3, -3, 0, 3}, {-3, 3, 0, 3}, {3, 3, 0, 3}};
@@ -74,7 +74,10 @@ static void setup(app *a)
     arrays[5] = array_of(halves, sizeof halves, 3, GL_HALF_FLOAT, GL_FALSE, 8);
     arrays[6] = array_of(shorts, sizeof shorts, 3, GL_SHORT, GL_TRUE, 8);
     arrays[7] = array_of(bytes, sizeof bytes, 3, GL_UNSIGNED_BYTE, GL_TRUE, 4);
-    /* By a binding: between other numbers, from the second one of each vertex on. */
+    /*
+     * The format is set with a binding. Other numbers are between the positions, and the positions
+     * begin at the second number of each vertex.
+     */
     GLuint buffer;
     glCreateVertexArrays(1, &arrays[8]);
     glCreateBuffers(1, &buffer);

@@ -1,8 +1,9 @@
 /*
- * Direction test in a core 3.3 context: the scene is drawn off screen, a second pass changes its colours into
- * another framebuffer, a third changes them back while it fills the window. A shadow map is drawn besides.
- * --mode matrices: the passes that fill the picture hold the camera's matrices, too, as passes of engines do: one in
- * its fragment shader, the other in a block that every shader has.
+ * Direction test in a core 3.3 context. The scene is drawn off screen, a second pass changes its
+ * colours into another framebuffer, and a third pass changes them back while it fills the window. A
+ * shadow map is also drawn.
+ * --mode matrices: the passes that fill the picture also have the camera's matrices, as passes of
+ * engines do. One has them in its fragment shader, the other in a block that every shader has.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -126,7 +127,7 @@ static void fill(GLuint framebuffer, GLuint program, GLuint texture)
 
 static void draw(app *a)
 {
-    /* What a light sees: another camera, another size. */
+    /* The view of a light: another camera and another size. */
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[2]);
     glViewport(0, 0, 64, 64);
     draw_cube(matrix_multiply(matrix_perspective(50.0, 1.0, 1.0, 50.0), a->modelview));

@@ -1,4 +1,7 @@
-/* What the program in use keeps: its life after its deletion, its subroutines, the source that it was compiled from. */
+/*
+ * State of a program in use: it stays after its deletion, keeps its subroutines, and the source
+ * that was compiled is linked.
+ */
 #include "common/app.h"
 #include "common/probe.h"
 
@@ -64,7 +67,7 @@ static void setup(app *a)
     chosen = link_program(a, vertex, shader(a, GL_FRAGMENT_SHADER, subroutines));
     set_matrix(chosen);
 
-    /* What is linked is what was compiled. */
+    /* The compiled source is linked, not a source that was set later. */
     GLuint changed = shader(a, GL_VERTEX_SHADER, vertex_text);
     glShaderSource(changed, 1, &vertex_elsewhere, NULL);
     recompiled = link_program(a, changed, shader(a, GL_FRAGMENT_SHADER, green));
@@ -83,7 +86,7 @@ static void draw(app *a)
     GLint status = -1;
     glClearColor(1.0f, 0.0f, 1.0f, 1.0f);
     if (a->frame < 2) {
-        /* It is in use. */
+        /* The program is in use, so it is only marked for deletion. */
         if (a->frame == 0)
             glDeleteProgram(deleted);
         glGetProgramiv(deleted, GL_DELETE_STATUS, &status);
@@ -93,7 +96,7 @@ static void draw(app *a)
         probe(a, 30, 30, 0, 1, 0, "a deleted program");
     } else if (a->frame == 2) {
         glUseProgram(chosen);
-        app_check(a, !glIsProgram(deleted), "a deleted program lives on");
+        app_check(a, !glIsProgram(deleted), "a deleted program still exists");
         GLuint blue = glGetSubroutineIndex(chosen, GL_FRAGMENT_SHADER, "blue");
         glUniformSubroutinesuiv(GL_FRAGMENT_SHADER, 1, &blue);
     }

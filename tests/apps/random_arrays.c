@@ -1,9 +1,10 @@
 /*
- * Draws from vertex arrays that are changed in random order, by every kind of call there is for that, between them. What
- * OpenGL answers is written down (--answers), so that two runs with one --seed can be compared, as their pictures can.
+ * Draws from vertex arrays that are changed in random order between the draws, with every kind of
+ * call. The program writes OpenGL's answers to a file (--answers), so that two runs with the same
+ * --seed can be compared. Their pictures can be compared, too.
  *
- * Each buffer holds small squares, in one direction from the viewer after the other: who takes a draw for one from another
- * array, or from what that held before, sees it where it is not.
+ * Each buffer has small squares, each in another direction from the viewer. If a draw is taken for
+ * one from another array or from an earlier content, it is expected at a wrong place.
  */
 #include "common/app.h"
 #include "common/program.h"
@@ -16,7 +17,7 @@
 
 enum { STEPS = 240, BUFFERS = 16, ARRAYS = 4, DIRECTIONS = 6, VERTICES = 64, SHORTS = 512, CORNERS = 4 };
 
-/* Vertices as four floats, and behind them as four shorts. */
+/* Vertices as four floats, followed by the same as four shorts. */
 typedef struct {
     float floats[VERTICES][4];
     int16_t shorts[SHORTS][4];
@@ -33,7 +34,7 @@ static unsigned long long state;
 static int step, pushed;
 static GLuint buffers[BUFFERS], arrays[ARRAYS], indices[2], program;
 
-/* xorshift64*: the same numbers everywhere. */
+/* xorshift64*, which gives the same numbers on every machine. */
 static int below(int count)
 {
     state ^= state >> 12;
@@ -47,7 +48,7 @@ static GLuint some_buffer(void)
     return buffers[below(BUFFERS)];
 }
 
-/* Bytes of vertices that lie wholly in a buffer, whatever the format is. */
+/* Offset from which vertices are completely inside a buffer, whatever the format is. */
 static GLintptr some_offset(void)
 {
     return 64 * below(DIRECTIONS) + (below(8) ? 0 : (GLintptr)offsetof(content, shorts));
@@ -58,7 +59,7 @@ static GLsizei some_stride(void)
     return below(8) ? 16 : 32;
 }
 
-/* Now and then what OpenGL refuses. */
+/* Sometimes a size that OpenGL refuses. */
 static GLint some_size(void)
 {
     return below(16) ? 2 + below(3) : 5;
@@ -87,7 +88,7 @@ static int bound_array(void)
     return bound;
 }
 
-/* Mostly the one in use. */
+/* Mostly the array in use. */
 static GLuint some_array(void)
 {
     int bound = bound_array();
@@ -104,7 +105,7 @@ static void pointers(void)
         else
             glVertexAttribPointer(0, some_size(), some_type(), GL_FALSE, below(16) ? some_stride() : -16, in_buffer(offset));
     } else {
-        /* Arrays in memory, which objects do not have. */
+        /* Arrays in memory, which vertex array objects cannot have. */
         glBindBuffer(GL_ARRAY_BUFFER, 0);
         glVertexPointer(3, GL_FLOAT, 16, contents[below(DIRECTIONS)].floats[below(4)]);
     }
@@ -151,7 +152,7 @@ static void bindings(void)
         glBindVertexBuffers(0, 2, list, offsets, strides);
         break;
     default:
-        /* The last is the name of no buffer. */
+        /* 9999 is the name of no buffer. */
         glBindVertexBuffer((GLuint)below(3), below(16) ? list[0] : 9999, offsets[0], strides[0]);
     }
 }
@@ -213,7 +214,7 @@ static void stack(void)
 static void objects(void)
 {
     int which = below(16), number = below(BUFFERS);
-    /* What is deleted while it is on the stack is for the driver to choose. */
+    /* If an object is deleted while it is on the stack, the result depends on the driver. */
     if (which < 2 && pushed > 0)
         return;
     if (which == 0) {
@@ -231,14 +232,17 @@ static void objects(void)
     } else if (which < 9) {
         below(2) ? glEnable(GL_PRIMITIVE_RESTART) : glDisable(GL_PRIMITIVE_RESTART);
     } else {
-        /* The last is the name of no array. */
+        /* 9999 is the name of no array. */
         glBindVertexArray(below(16) ? below(4) ? arrays[below(ARRAYS)] : 0 : 9999);
     }
 }
 
 static void (*const changes[])(void) = {pointers, pointers, switches, bindings, by_name, interleaved, stack, objects, objects};
 
-/* The place of a name in a list, from 1 on; Cupola has names, too. */
+/*
+ * Place of a name in a list, from 1 on. Names are not written to the file, because Cupola also
+ * creates names.
+ */
 static int place(GLint name, const GLuint *list, int count)
 {
     for (int i = 0; i < count; i++)
@@ -248,8 +252,9 @@ static int place(GLint name, const GLuint *list, int count)
 }
 
 /*
- * An array that would be read where there is nothing is switched off; what OpenGL says about it is written down. Draws by a
- * shader have positions from a generic attribute, others from glVertexPointer, mostly from the one that is on.
+ * Switches off an array that would be read outside of its buffer, and writes OpenGL's answers about
+ * the arrays to the file. Draws with a shader have positions from a generic attribute, others from
+ * glVertexPointer. Mostly the array that is on is used.
  */
 static void look(void)
 {
@@ -318,7 +323,9 @@ static void setup(app *a)
     glCreateVertexArrays(ARRAYS, arrays);
     for (int i = 0; i < BUFFERS; i++)
         fill(buffers[i]);
-    /* One begins at another vertex, so that the buffer of indices matters. */
+    /*
+     * One buffer of indices begins at another vertex, so that the choice of the buffer is visible.
+     */
     glCreateBuffers(2, indices);
     glNamedBufferData(indices[0], sizeof order, order, GL_STATIC_DRAW);
     glNamedBufferData(indices[1], sizeof order - 4 * sizeof order[0], order + 4, GL_STATIC_DRAW);

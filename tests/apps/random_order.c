@@ -1,8 +1,10 @@
 /*
- * OpenGL 1.x in random order: state, draws, lists, stacks, copies and reads, legal ones and some that are errors.
- * Everything that OpenGL answers is written down (--answers), so that two runs with one --seed can be compared.
+ * OpenGL 1.x in random order: state, draws, lists, stacks, copies and reads. Most calls are legal,
+ * some are errors. The program writes all answers of OpenGL to a file (--answers), so that two runs
+ * with the same --seed can be compared.
  *
- * What is drawn are rectangles whose borders lie on borders of pixels, so that no rounding decides what they cover.
+ * The rectangles have their borders on borders of pixels, so that rounding does not decide which
+ * pixels they cover.
  */
 #include "common/app.h"
 
@@ -17,7 +19,7 @@ static unsigned long long state;
 static int step, compiling, own_is_bound, matrix_depth[3], attribute_depth, client_depth, picture_known;
 static GLuint lists, textures[2], framebuffer, target_texture, query;
 
-/* xorshift64*: the same numbers everywhere. */
+/* xorshift64*, which gives the same numbers on every machine. */
 static unsigned next_number(void)
 {
     state ^= state >> 12;
@@ -99,7 +101,10 @@ static const question questions[] = {
     ASK(GL_CURRENT_FOG_COORD, 1), ASK(GL_EDGE_FLAG, 1), ASK(GL_ZOOM_X, 1),
 };
 
-/* Names that OpenGL gave are compared with what it answers, not written down: Cupola has some of its own. */
+/*
+ * Names are compared with those that OpenGL gave, and are not written to the file, because Cupola
+ * also creates names.
+ */
 static void ask_for_names(void)
 {
     GLint drawn = 0, read = 0, list = 0, base = 0, texture = 0;
@@ -132,7 +137,10 @@ static void ask_everything(void)
 
 static void corners(int x0, int y0, int x1, int y1, float z)
 {
-    /* In perspective a vertex is as far from the eye as its multiple of two says. */
+    /*
+     * In perspective the coordinates grow with the distance, so that each corner stays at its
+     * pixel.
+     */
     glVertex3f((float)x0 * -z, (float)y0 * -z, z);
     glVertex3f((float)x1 * -z, (float)y0 * -z, z);
     glVertex3f((float)x1 * -z, (float)y1 * -z, z);
@@ -251,7 +259,7 @@ static void raster(void)
     static unsigned char pixels[16 * 16 * 4];
     int kind = below(6), x = coordinate(), y = coordinate();
     say("raster", kind, x, y, 0);
-    /* Pixels are copied from whole pixels only: half of one would be for the driver to round. */
+    /* Pixels are copied only from whole pixels, because drivers round halves differently. */
     switch (kind) {
     case 0:
         glRasterPos3f((float)x + 0.5f, (float)y + 0.5f, -1.0f);
@@ -359,14 +367,17 @@ static void attributes(void)
 {
     int kind = below(4);
     say("attributes", kind, 0, 0, 0);
-    /* Draw buffers are a framebuffer's: what is pushed with one bound is not popped with another. */
+    /*
+     * Draw buffers belong to a framebuffer, so attributes must not be pushed with one framebuffer
+     * bound and popped with another.
+     */
     if (own_is_bound)
         return;
     if (kind == 0 && attribute_depth < 14 && !compiling) {
         glPushAttrib(PICK(attribute_bits));
         attribute_depth++;
     } else if (kind == 1 && !compiling) {
-        glPopAttrib(); /* an error where nothing is left */
+        glPopAttrib(); /* an error if the stack is empty */
         attribute_depth -= attribute_depth > 0;
     } else if (kind == 2 && client_depth < 8 && !compiling) {
         glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
@@ -497,7 +508,10 @@ static void setup(app *a)
 static void draw(app *a)
 {
     (void)a;
-    /* What a back buffer holds after a swap is for the driver to choose, so a frame begins with a clear. */
+    /*
+     * The content of a back buffer after a swap depends on the driver, so a frame begins with a
+     * clear.
+     */
     bind(0);
     glPushAttrib(GL_ALL_ATTRIB_BITS);
     glDrawBuffer(GL_BACK);
@@ -508,14 +522,14 @@ static void draw(app *a)
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     glPopAttrib();
     if (!picture_known) {
-        /* The first read may be answered from other pictures than the program's own. */
+        /* Cupola may answer the first read from other pictures than the program's own. */
         unsigned char pixel[4];
         glReadPixels(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, pixel);
         picture_known = 1;
     }
     for (int i = 0; i < STEPS; i++, step++) {
         actions[below((int)(sizeof actions / sizeof actions[0]))]();
-        /* While a list is compiled and executed at once, Cupola executes it when it is complete. */
+        /* Cupola executes a list that is also executed at once only when the list is complete. */
         if (!compiling)
             fprintf(answers, " error 0x%x", glGetError());
         fprintf(answers, "\n");

@@ -1,4 +1,7 @@
-/* Everything that reads the window's framebuffer must give what the program drew, and say so of itself. */
+/*
+ * Every way to read the window's framebuffer must give the picture that the program drew, and must
+ * name that framebuffer.
+ */
 #include "common/fixed.h"
 
 #include <math.h>
@@ -64,7 +67,7 @@ static void draw(app *a)
     image picture = image_read_framebuffer(a->window.width, a->window.height);
     app_check_cube_picture(a, &picture, "glReadPixels");
 
-    /* A part, in another format, with the pack state in use. */
+    /* Reads a part in another format with the current pack state. */
     unsigned char part[7 * 40 * 3];
     memset(part, 77, sizeof part);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -77,7 +80,7 @@ static void draw(app *a)
     app_check(a, part[0] == 77 && memcmp(part + 9, image_at(&picture, 100, picture.height - 1 - 60), 93) == 0,
               "a partial glReadPixels differs from the whole");
 
-    /* Into a pixel buffer. */
+    /* Reads into a pixel buffer. */
     GLuint buffer;
     glGenBuffers(1, &buffer);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
@@ -104,7 +107,7 @@ static void draw(app *a)
     glCopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 30, 5, 128, 64);
     check_texture(a, &picture, 30, 5, 128, 64, "glCopyTexSubImage2D");
 
-    /* From framebuffer 0 into one of the program's own. */
+    /* Copies from framebuffer 0 into a framebuffer of the program. */
     GLuint framebuffer, target;
     glGenTextures(1, &target);
     glBindTexture(GL_TEXTURE_2D, target);

@@ -1,6 +1,6 @@
 /*
- * glRect in a scene: the cube's faces -z and +z are tiled by 8 x 8 rectangles. glRect has one colour for
- * the whole rectangle: that of its middle.
+ * glRect in a scene: 8 x 8 rectangles tile the cube's faces -z and +z. With glRect the whole
+ * rectangle has one colour, that of its middle.
  */
 #include "common/fixed.h"
 

@@ -1,4 +1,4 @@
-/* Says how many requests a frame sends to the X server. */
+/* Prints the number of requests to the X server in a frame. */
 #include "common/fixed.h"
 
 #include <stdio.h>
@@ -13,7 +13,7 @@ static void draw(app *a)
 static void after(app *a)
 {
     unsigned long now = NextRequest(a->window.display);
-    /* The first frames set things up. */
+    /* The first frames create objects. */
     if (a->frame > 1)
         fprintf(stderr, "requests %lu\n", now - before);
     before = now;

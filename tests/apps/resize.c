@@ -1,6 +1,7 @@
 /*
- * Changes the size of its window after each of the first three frames, and then after every fiftieth; with --mode fixed only
- * after the first, as programs do that fix the size of their window when they have a context.
+ * Changes the size of its window after each of the first three frames, and then after every
+ * fiftieth frame. With --mode fixed it does so only after the first frame, as programs that fix the
+ * size of their window when they have a context.
  */
 #include "common/fixed.h"
 

@@ -1,17 +1,18 @@
 /*
- * Small things in all directions, at random places (--seed), drawn off screen: by Begin/End, a display list, arrays in memory
- * and in buffers, by the fixed-function pipeline and by shaders, as triangles, wide lines and points. The ways to show them
- * are one for each --mode:
+ * Small objects in all directions, at random places (--seed), drawn off screen: by Begin/End, a
+ * display list, arrays in memory and in buffers, by the fixed-function pipeline and by shaders, as
+ * triangles, wide lines and points. --mode selects how they are shown:
  *
- *   blit     into a texture, copied to the window (the default)
- *   samples  into multisampled renderbuffers, resolved into a texture, shown by a textured quad
- *   chain    into a texture, with two passes after it
- *   lamps    as chain; in between each lamp lights what the texture has where it is on the screen, and a board in the
- *            scene shows the texture at places of its own
+ *   blit     drawn into a texture that is copied to the window (the default)
+ *   samples  drawn into multisampled renderbuffers, resolved into a texture, shown by a textured
+ *            quad
+ *   chain    drawn into a texture, with two passes after it
+ *   lamps    as chain; in between each lamp lights the texture where the lamp is on the screen, and
+ *            a board in the scene shows the texture at other places
  *   ahead    as chain, with everything ahead of the viewer
- *   count    as ahead, while it is counted how many primitives there are
+ *   count    as ahead, while a query counts primitives
  *
- * --answers names a file for what the program reads of its texture.
+ * --answers names a file for the pixels that the program reads of its texture.
  */
 #include "common/app.h"
 #include "common/program.h"
@@ -24,7 +25,7 @@
 static const char thing_vertex[] =
     HEAD "attribute vec3 position;\nuniform mat4 MVP;\nvoid main() { gl_Position = MVP * vec4(position, 1.0); }\n";
 static const char thing_fragment[] = HEAD "uniform vec4 colour;\nvoid main() { gl_FragColor = colour; }\n";
-/* Asks where on the screen it is. */
+/* Reads the fragment's place on the screen. */
 static const char lamp_fragment[] =
     HEAD "uniform vec4 colour;\nuniform vec2 size;\nuniform sampler2D picture;\n"
          "void main() { gl_FragColor = colour * texture2D(picture, gl_FragCoord.xy / size); }\n";
@@ -54,7 +55,7 @@ static const char *mode = "blit";
 static unsigned long long state;
 static GLuint list, buffers[3], framebuffers[3], textures[2], thing, lamp, board, pass, last;
 
-/* xorshift64*: the same numbers everywhere, 0...1. */
+/* xorshift64*, which gives the same numbers on every machine, 0...1. */
 static double number(void)
 {
     state ^= state >> 12;
@@ -139,7 +140,7 @@ static void setup(app *a)
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-/* The model-view matrix of a thing somewhere around the viewer. */
+/* Model-view matrix of an object somewhere around the viewer. */
 static matrix4 somewhere(const app *a, double size)
 {
     double turn = 6.2831853 * number(), up = 2.0 * number() - 1.0, distance = 6.0 + 8.0 * number();
@@ -151,7 +152,7 @@ static matrix4 somewhere(const app *a, double size)
         z = -1.0;
     }
     matrix4 place = matrix_translate(distance * x, distance * y, distance * z);
-    /* Some are much larger than others: they are in several views. */
+    /* Some objects are much larger than others, so that they are in several views. */
     return matrix_multiply(a->view, matrix_multiply(place, matrix_scale(size * (number() < 0.1 ? 6.0 : 1.0))));
 }
 
@@ -175,7 +176,7 @@ static void done(void)
     glUseProgram(0);
 }
 
-/* Draws something, and says of how many primitives. */
+/* Draws an object and returns its number of primitives. */
 static GLuint draw_thing(const app *a)
 {
     int way = (int)(WAYS * number());
@@ -183,7 +184,7 @@ static GLuint draw_thing(const app *a)
     matrix4 modelview = somewhere(a, 0.3 + 0.5 * number());
     glMatrixMode(GL_MODELVIEW);
     glLoadMatrixf(modelview.m);
-    /* Others go on with the colour that the list left, though few views showed it. */
+    /* Other objects keep the colour that the list set, although few views showed the list. */
     if (number() < 0.5)
         glColor4fv(colour);
     switch (way) {

@@ -1,4 +1,7 @@
-/* Clears in parts of the window by the scissor, then the cube in a viewport of the left half only. */
+/*
+ * Clears parts of the window with the scissor, then draws the cube in a viewport of the left half
+ * only.
+ */
 #include "common/fixed.h"
 
 #include <stdlib.h>

@@ -1,4 +1,7 @@
-/* The cube through a program pipeline: a separable program for each stage, matrices set without a program in use. */
+/*
+ * The cube drawn with a program pipeline: a separable program for each stage. Matrices are set
+ * while no program is in use.
+ */
 #include "common/app.h"
 #include "common/mesh.h"
 

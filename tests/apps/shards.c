@@ -1,4 +1,7 @@
-/* White triangles on black, each much larger than what a lens keeps straight: their edges tell where they are drawn. */
+/*
+ * White triangles on black. Each is much larger than a lens keeps straight, so their edges show how
+ * they are drawn.
+ */
 #include "common/product.h"
 
 enum { SHARDS = 5, CORNERS = 3 * SHARDS };

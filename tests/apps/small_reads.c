@@ -1,4 +1,7 @@
-/* A read of one pixel costs far less than one of the whole window: only that pixel is made ready. */
+/*
+ * A read of one pixel takes much less time than a read of the whole window, because only that pixel
+ * is prepared.
+ */
 #include "common/fixed.h"
 #include "common/probe.h"
 
@@ -14,7 +17,10 @@ static double seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* The least time of reads, each after a small rectangle was drawn: what else runs on the machine does not count. */
+/*
+ * Shortest time of several reads, each after a small rectangle was drawn. The shortest excludes the
+ * time of other processes.
+ */
 static double time_of(int width, int height, unsigned char *pixels)
 {
     double least = 1e9;

@@ -1,6 +1,7 @@
 /*
- * Sets every kind of state to something unusual, then asks for all of it after each draw and after each
- * swap: nothing may have changed. A core context, so that the answer is the driver's and not a default.
+ * Sets every kind of state to unusual values, and asks for all of it after each draw and each swap.
+ * Nothing may have changed. It uses a core context, so that the answer is the driver's and not a
+ * default.
  */
 #include "common/app.h"
 #include "common/mesh.h"
@@ -25,7 +26,7 @@ static states before;
 static void compare(app *a, const char *when)
 {
     int different = states_compare(&before, when);
-    app_check(a, different == 0, "%d values are not what they were", different);
+    app_check(a, different == 0, "%d values have changed", different);
 }
 
 static void setup(app *a)

@@ -1,6 +1,7 @@
 /*
- * Is steered by keyboard and mouse: arrows turn the camera at each press, the key w as long as it is held, and the
- * pointer tilts it while the first button is down. Writes down what comes in each frame.
+ * Reacts to keyboard and mouse: the arrow keys turn the camera at each press, the key w as long as
+ * it is held. The pointer tilts the camera while the first button is down. The program writes the
+ * events of each frame to a file.
  */
 #include "common/fixed.h"
 
@@ -34,7 +35,7 @@ static void key(app *a, XKeyEvent *event, FILE *file)
 static void draw(app *a)
 {
     FILE *file = fopen(a->answers ? a->answers : "/dev/null", "a");
-    app_check(a, file != NULL, "what comes cannot be written down");
+    app_check(a, file != NULL, "the events cannot be written");
     while (file && XPending(a->window.display) > 0) {
         XEvent event;
         XNextEvent(a->window.display, &event);

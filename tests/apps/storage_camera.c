@@ -1,6 +1,6 @@
 /*
- * Direction test in a core 4.5 context by shaders that have their matrix in a storage block. The elements of arrays have
- * different lenses unless the form says otherwise. `--mode` names the form.
+ * Direction test in a core 4.5 context. The shaders have their matrix in a storage block. The
+ * elements of arrays have different lenses unless the form says otherwise. `--mode` names the form.
  */
 #include "common/app.h"
 #include "common/forms.h"

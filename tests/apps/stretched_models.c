@@ -1,6 +1,7 @@
 /*
- * A cube around the eye whose faces are models of their own, each with one model-view-projection matrix: three of them are
- * stretched or skewed, so that their matrices do not tell the lens. `--mode` says how: axes, skew.
+ * A cube around the eye. Each face is a model with its own model-view-projection matrix. Three of
+ * the models are stretched or skewed, so that their matrices do not show the lens. `--mode` says
+ * how: axes, skew.
  */
 #include "common/app.h"
 #include "common/forms.h"

@@ -1,4 +1,4 @@
-/* Text the old way: glRasterPos and glBitmap, and glDrawPixels, over the cube. */
+/* Text as old programs draw it: glRasterPos and glBitmap, and glDrawPixels, over the cube. */
 #include "common/fixed.h"
 
 #include <math.h>

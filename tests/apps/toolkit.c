@@ -1,6 +1,7 @@
 /*
- * Direction test in the manner of toolkits: a context without a window draws the scene into a texture, and another one,
- * which shares it, composes the window of it; with --mode docked only a part of the window.
+ * Direction test as a toolkit draws it: a context without a window draws the scene into a texture.
+ * Another context, which shares the texture, draws the window with it. With --mode docked the scene
+ * fills only a part of the window.
  */
 #include "common/fixed.h"
 

@@ -1,11 +1,12 @@
 /*
- * A colour, a normal and a texture coordinate that come after the last vertex of a primitive, as old
- * programs set what follows: the vertices before have what was current when they came.
+ * A colour, a normal and a texture coordinate follow the last vertex of a primitive, as old
+ * programs do to set the values of the next. The vertices before must keep the values that were
+ * current then.
  */
 #include "common/app.h"
 #include "common/gl.h"
 
-/* Ways to set an attribute, whose numbers the driver converts each in its own way. */
+/* Ways to set an attribute. The driver converts the numbers of each in another way. */
 static void set(int way)
 {
     switch (way) {
@@ -19,7 +20,7 @@ static void set(int way)
     case 7: glNormal3b(-100, 3, 127); break;
     case 8: glNormal3s(-30000, 5, 32767); break;
     case 9: glNormal3i(-2000000000, 7, 2147483647); break;
-    case 10: glTexCoord4s(-7, 1, 2, 3); break; /* fewer leave old components in place on Mesa */
+    case 10: glTexCoord4s(-7, 1, 2, 3); break; /* with fewer components Mesa keeps the old ones */
     case 11: glTexCoord4i(-7, 8, 9, 10); break;
     default: glTexCoord4d(0.1, 0.2, 0.3, 0.4); break;
     }
@@ -34,7 +35,7 @@ static void read_current(GLfloat values[12])
     glGetFloatv(GL_CURRENT_TEXTURE_COORDS, values + 8);
 }
 
-/* After the last vertex each way leaves what it leaves outside of a primitive. */
+/* Each way must leave the same values after the last vertex as outside of a primitive. */
 static void check_conversions(app *a)
 {
     for (int way = 0; way <= 12; way++) {

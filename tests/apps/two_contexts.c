@@ -1,4 +1,4 @@
-/* Direction test with a window that two contexts draw to, in turns, before it is swapped. */
+/* Direction test with a window to which two contexts draw by turns before it is swapped. */
 #include "common/fixed.h"
 
 #include <GL/glx.h>

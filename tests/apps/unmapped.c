@@ -1,4 +1,4 @@
-/* Takes its window from the screen after the second frame, and puts it back after the sixth. */
+/* Unmaps its window after the second frame and maps it again after the sixth. */
 #include "common/fixed.h"
 
 static void draw(app *a)

@@ -1,6 +1,6 @@
 /*
- * Direction test in a core 4.5 context by shaders whose matrices are elements of arrays of vec4, as translators from
- * other languages write them. `--mode` names the form.
+ * Direction test in a core 4.5 context. The matrices of the shaders are elements of arrays of vec4,
+ * as translators from other languages write them. `--mode` names the form.
  */
 #include "common/app.h"
 #include "common/forms.h"
@@ -17,12 +17,12 @@
 
 #define BODY(statements) "void main() { shade = colour; vec4 v = vec4(position, 1.0); " statements " }\n"
 
-/* As HLSLcc and Unity do. */
+/* As HLSLcc and Unity write it. */
 #define SUM(array) \
     "vec4 t = v.yyyy * " array "[1]; t = " array "[0] * v.xxxx + t; t = " array "[2] * v.zzzz + t; " \
     "gl_Position = " array "[3] * v.wwww + t;"
 
-/* As Cg does. */
+/* As Cg writes it. */
 #define PRODUCTS(a0, a1, a2, a3) \
     "vec4 r; r.x = dot(" a0 ", v); r.y = dot(" a1 ", v); r.z = dot(" a2 ", v.xyzw); r.w = dot(" a3 ".xyzw, v); " \
     "gl_Position = r;"
@@ -33,7 +33,7 @@ typedef struct {
     const char *name, *vertex;
     way way;
     bool rows;
-    int first, length; /* of the array */
+    int first, length; /* elements of the array */
 } form;
 
 static const form forms[] = {
@@ -42,18 +42,18 @@ static const form forms[] = {
     {"elements", HEAD "uniform vec4 m[4];\n" BODY(SUM("m")), ELEMENTS, false, 0, 4},
     {"scalars", HEAD "uniform vec4 m[4];\n" BODY(PRODUCTS("m[0]", "m[1]", "m[2]", "m[3]")), SCALARS, true, 0, 4},
     {"by_name", HEAD "uniform vec4 m[4];\n" BODY(SUM("m")), BY_NAME, false, 0, 4},
-    /* Wine's and other translations of all constant registers. */
+    /* As Wine and others translate all constant registers. */
     {"registers", HEAD "uniform vec4 m[96];\n" BODY(PRODUCTS("m[21]", "m[22]", "m[23]", "m[24]") " gl_Position += m[0];"),
      WHOLE, true, 21, 96},
-    /* As MojoShader does. */
+    /* As MojoShader writes it. */
     {"macros",
      HEAD "uniform vec4 m[12];\n#define c7 m[7]\n#define c8 m[8]\n#define c9 m[9]\n#define c10 m[10]\n"
      BODY(PRODUCTS("c7", "c8", "c9", "c10")), WHOLE, true, 7, 12},
-    /* As SPIRV-Cross does with flattened blocks. */
+    /* As SPIRV-Cross writes flattened blocks. */
     {"constructor", HEAD "uniform vec4 m[6];\n" BODY("gl_Position = mat4(m[2], m[3], m[4], m[5]) * v;"), WHOLE, false, 2, 6},
     {"constructor_rows", HEAD "uniform vec4 m[4];\n" BODY("gl_Position = v * mat4(m[0], m[1], m[2], m[3]);"), WHOLE, true,
      0, 4},
-    /* The text does not tell which elements. */
+    /* The text does not show which elements are used. */
     {"computed",
      HEAD "uniform vec4 m[12]; uniform int from;\n"
      BODY("for (int i = 0; i < 4; i++) gl_Position[i] = dot(m[from + i], v);"), WHOLE, true, 8, 12},
@@ -89,7 +89,7 @@ static GLint element(int index)
     return glGetUniformLocation(program, name);
 }
 
-/* `vectors` are those of the matrix, `all` those of the array. */
+/* Sets the elements. `vectors` are those of the matrix, `all` are those of the array. */
 static void set(float (*vectors)[4], float (*all)[4])
 {
     glUseProgram(program);
@@ -99,7 +99,7 @@ static void set(float (*vectors)[4], float (*all)[4])
     case WHOLE:
         glUniform4fv(element(0), used->length, all[0]);
         break;
-    case ELEMENTS: /* a part, and single elements */
+    case ELEMENTS: /* sets a part, and single elements */
         glUniform4fv(element(2), 2, vectors[2]);
         glUniform4fv(element(1), 1, vectors[1]);
         glUniform4fv(element(0), 1, vectors[0]);

@@ -1,5 +1,8 @@
-/* A geometry shader that draws to four viewports, set once and not whole numbers of pixels, one of them with a scissor of
- * its own: in the window, and in a framebuffer after glViewport has set all of them. */
+/*
+ * A geometry shader draws to four viewports. They are set once and are not whole numbers of pixels,
+ * and one of them has a scissor. It draws in the window, and in a framebuffer after glViewport has
+ * set all of them.
+ */
 #include "common/app.h"
 #include "common/probe.h"
 #include "common/program.h"

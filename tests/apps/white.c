@@ -1,4 +1,4 @@
-/* A white scene: what a rig makes of it is its blending alone. */
+/* A white scene: its picture under a rig shows the blending alone. */
 #include "common/app.h"
 
 static void draw(app *a)

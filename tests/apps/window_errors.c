@@ -1,4 +1,4 @@
-/* What a core context says of wrong commands on its window, and what it answers about programs. */
+/* Errors of a core context for wrong commands on its window, and its answers about programs. */
 #include "common/app.h"
 #include "common/program.h"
 

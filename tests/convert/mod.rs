@@ -1,4 +1,4 @@
-//! The command `convert`, for the tests of files.
+//! The command `convert`, for tests of calibration files.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -7,16 +7,16 @@ pub fn cupola(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_cupola")).args(arguments).output().unwrap()
 }
 
-/// Converts a file, and gives what the command answers.
+/// Converts a file and returns the command's answer.
 #[track_caller]
 pub fn convert(from: &str, to: &Path, more: &[&str]) -> serde_json::Value {
-    // An earlier run may have left files.
+    // An earlier run may have left files, therefore `--force`.
     let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json", "--force"], more].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// A file in a folder of the calling tests' own.
+/// Path of a file in a folder that only the calling test program uses.
 pub fn file(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME"));
     std::fs::create_dir_all(&folder).unwrap();

@@ -1,9 +1,9 @@
-//! Runs tests as `cargo test` does, but a test that finds that something is not installed counts as
-//! ignored.
+//! Runs tests as `cargo test` does. A test counts as ignored if something that it needs is not
+//! installed.
 //!
-//! A file lists its functions in [`tests!`]; one that is in no list is dead code, which does not
-//! compile. `CUPOLA_TEST_TIMES` names a file to which each test adds a line: its seconds and its
-//! name.
+//! A file lists its functions in [`tests!`]. A function that is in no list is dead code, which does
+//! not compile. `CUPOLA_TEST_TIMES` names a file to which each test adds a line with its seconds
+//! and its name.
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use std::cell::RefCell;
@@ -14,17 +14,17 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Instant;
 
-/// A test: its name as of `cargo test`, and what runs it.
+/// A test: its name in `cargo test`, and its function.
 pub type Test = (&'static str, fn());
 
 thread_local! {
-    /// Why this thread's test cannot run.
+    /// Reason why this thread's test cannot run.
     static MISSING: RefCell<Option<String>> = const { RefCell::new(None) };
-    /// What this thread's test printed, and its panic.
+    /// Lines that this thread's test printed, and its panic.
     static PRINTED: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Whether notes and panics are also printed at once, as with the option `--nocapture`.
+/// Whether notes and panics are also printed at once, as the option `--nocapture` asks.
 static PRINTS: AtomicBool = AtomicBool::new(false);
 
 /// Defines `tests()`: this module's tests and those of the `modules` below it.
@@ -42,8 +42,8 @@ macro_rules! tests {
 }
 pub(crate) use tests;
 
-/// Counts this thread's test as ignored, unless it fails. With `CUPOLA_REQUIRE_GL` in the
-/// environment it fails here.
+/// Counts this thread's test as ignored unless it fails. If `CUPOLA_REQUIRE_GL` is in the
+/// environment, the test fails.
 pub fn missing(what: impl Display) {
     assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "{what}");
     MISSING.with_borrow_mut(|missing| {
@@ -51,8 +51,8 @@ pub fn missing(what: impl Display) {
     });
 }
 
-/// Adds a line to what is printed if this thread's test fails, or prints it with the option
-/// `--nocapture`.
+/// Adds a line that is printed if this thread's test fails. With the option `--nocapture` the line
+/// is printed at once.
 #[allow(dead_code, reason = "not every user of this file has something to say")]
 pub fn note(line: impl Display) {
     print(&line);
@@ -81,12 +81,12 @@ pub fn outcome(test: fn()) -> Result<Completion, Failed> {
     }
 }
 
-/// Instead of the usual hook, which prints also the panics that controls expect.
+/// Panic hook. The usual hook would also print the panics that negative controls expect.
 fn keep_panic(info: &PanicHookInfo) {
     print(info);
 }
 
-/// Runs those tests that the command line asks for.
+/// Runs the tests that the command line selects.
 pub fn run(tests: Vec<Test>) -> ExitCode {
     std::panic::set_hook(Box::new(keep_panic));
     let times = std::env::var_os("CUPOLA_TEST_TIMES").map(|file| {
@@ -94,21 +94,21 @@ pub fn run(tests: Vec<Test>) -> ExitCode {
         &*Box::leak(Box::new(opened.unwrap_or_else(|error| panic!("{}: {error}", file.display()))))
     });
     let trial = |(path, test): Test| {
-        // Without the name of the crate.
+        // The name starts after that of the crate.
         let name = path.split_once("::").map_or(path, |(_, name)| name);
         Trial::ignorable_test(name, move || {
             let start = Instant::now();
             let outcome = outcome(test);
             if let Some(mut file) = times {
-                // One write, so that lines of several tests do not mix.
+                // A single write, so that lines of several tests do not mix.
                 let line = format!("{:.3} {name}\n", start.elapsed().as_secs_f64());
                 file.write_all(line.as_bytes())?;
             }
             outcome
         })
     };
-    // The usual harness takes this option, which `cargo test` gives to all; the times are in the
-    // file.
+    // `scripts/test` gives this option to all test programs. This harness does not know it and
+    // writes the times to a file instead.
     let mut arguments = Arguments::from_iter(std::env::args().filter(|argument| argument != "--report-time"));
     let threads = std::env::var("RUST_TEST_THREADS").ok().and_then(|number| number.parse().ok());
     arguments.test_threads = arguments.test_threads.or(threads);

@@ -1,11 +1,11 @@
-// What scripts/page looks at in the page of `cupola serve`: brightness of each picture, and times.
+// Measurements for scripts/page in the page of `cupola serve`: brightness of each picture, and times.
 'use strict';
 window.probe = (() => {
   const small = Object.assign(document.createElement('canvas'), { width: 64, height: 64 });
   const context = small.getContext('2d', { willReadFrequently: true });
   const probe = { pictures: [], input: 0, waitsFor: null };
 
-  // Mean of the picture that came, 0 to 255.
+  // Mean brightness of a received picture, 0 to 255.
   function brightness(bitmap) {
     context.drawImage(bitmap, 0, 0, 64, 64);
     const { data } = context.getImageData(0, 0, 64, 64);
@@ -14,7 +14,7 @@ window.probe = (() => {
     return sum / (3 * 64 * 64);
   }
 
-  // Each picture is looked at after it was painted on the dome.
+  // Each picture is recorded after it was painted on the dome.
   const { setFrame, paint } = Dome.prototype;
   let pending = null;
   Dome.prototype.setFrame = function (bitmap, rects) {
@@ -29,7 +29,7 @@ window.probe = (() => {
     const last = probe.pictures[probe.pictures.length - 1], wanted = probe.waitsFor;
     if (!wanted || !probe.input || !wanted.test(last.mean)) return;
     probe.waitsFor = null;
-    // It is painted when the browser's graphics say so.
+    // The picture is painted when the browser's GPU has finished.
     const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     const look = () => gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED ? wanted.done(performance.now() - probe.input) : setTimeout(look, 1);
@@ -40,7 +40,7 @@ window.probe = (() => {
   const sleep = milliseconds => new Promise(done => setTimeout(done, milliseconds));
   const median = list => [...list].sort((a, b) => a - b)[list.length >> 1];
 
-  // Brightness of the pictures after those that are on their way.
+  // Brightness of the next pictures, after the pictures that are already sent.
   probe.settle = async () => {
     await sleep(600);
     const first = probe.pictures.length;
@@ -57,7 +57,7 @@ window.probe = (() => {
     setTimeout(() => failed(new Error('no changed picture within 15 s')), 15000);
   });
 
-  // The dome as it is painted: the part of its pixels that are not dark.
+  // Part of the pixels of the painted dome that are not dark.
   probe.litPixels = () => {
     const { gl, canvas } = page.dome;
     page.dome.paint();
@@ -68,12 +68,12 @@ window.probe = (() => {
     return lit / (bytes.length / 4);
   };
 
-  // A number that is the same at each run.
+  // Pseudo-random numbers that are the same in each run.
   let seed = 12345;
   const random = () => { seed = (Math.imul(seed, 1103515245) + 12345) >>> 0; return seed / 4294967296; };
   const one = list => list[Math.floor(random() * list.length)];
 
-  // Random changes of keys, every second one wrong. What is right leaves most of the picture in its place.
+  // Random changes of keys. Every second change is wrong. The right changes move the picture only a little.
   probe.edits = async count => {
     const start = await command({ do: 'keys' });
     const gentle = start.filter(key => key.type === 'number' && !key.count && key.value !== null && /\.(yaw|pitch|roll)$/.test(key.key) ||
@@ -108,14 +108,14 @@ window.probe = (() => {
         if (isRight) found.rightRefused.push(`${change}: ${error.message}`.slice(0, 300));
         if ((await command({ do: 'state' })).version !== version) found.changedByWrong++;
       }
-      // A person is not faster.
+      // Waits, since a person is not faster.
       await sleep(15);
     }
     const means = probe.pictures.slice(firstPicture).map(picture => picture.mean);
     return { ...found, pictures: means.length, darkest: Math.min(...means), median: median(means) };
   };
 
-  // Requests of random content: none may be accepted by chance to change something but those that are well formed.
+  // Requests with random content. Only well-formed requests may be accepted.
   probe.fuzz = async count => {
     const words = ['do', 'set', 'undo', 'pattern', 'start', 'rig', 'save', 'keys', 'state', 'changes', 'name', 'program', 'command', 'parts', 'at', 'step', 'only'];
     const value = depth => one([() => null, () => random() * 1e9, () => one(words), () => '\u0000\ud800', () => -1, () => true, () => 'x'.repeat(3000 * random()),
@@ -126,7 +126,7 @@ window.probe = (() => {
       const body = kind === 0 ? JSON.stringify(value(3)) : kind === 1 ? JSON.stringify({ do: one(['set', 'pattern', 'get', 'nothing', 7]), ...value(0), changes: value(2), parts: value(2), at: value(2), step: value(0) })
         : Array.from({ length: 200 * random() }, () => String.fromCharCode(65536 * random())).join('');
       const path = kind === 3 ? one([`/frame?after=${value(0)}&side=${value(0)}`.slice(0, 400), '/overlay?kind=' + one(words), '/../etc/passwd', '/%00', '/frame?side=99999999999&after=0', '/scene?' + 'a'.repeat(3000)]) : '/do';
-      // A frame that never comes is not waited for.
+      // The server must not wait for a frame that never comes.
       const answer = await fetch(path, { method: kind === 3 ? 'GET' : 'POST', body: kind === 3 ? undefined : body, headers: { 'X-Cupola-Token': token } });
       statuses[answer.status] = (statuses[answer.status] || 0) + 1;
       await answer.arrayBuffer();

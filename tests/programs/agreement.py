@@ -1,8 +1,9 @@
 # usage: agreement.py PLAIN.png DOME.png LEFT RIGHT BOTTOM TOP
 #
-# Prints which part of a fisheye's pixels within a program's lens, in thousandths, agrees with the program's own picture.
-# The lens is that of the statistics: tangents of its sides. The fisheye is 180 degrees wide, with the program's axis in
-# its middle. There it shows the picture smaller, so both are smoothed; 26 of 255 are allowed.
+# Prints the part of a fisheye's pixels, in thousandths, that agree with the program's own picture. Only pixels within
+# the program's lens are compared. The lens is given as in the statistics, by the tangents of its sides. The fisheye is
+# 180 degrees wide, and the program's axis is in its middle. It shows the picture smaller there, so both pictures are
+# smoothed, and a difference of 26 of 255 is allowed.
 import sys
 
 import numpy
@@ -25,7 +26,7 @@ def main(plain, dome, *lens):
     across, up = (x * tangent - left) / (right - left), (top - y * tangent) / (top - bottom)
     inside = (radius < 0.98) & (across > 0.02) & (across < 0.98) & (up > 0.02) & (up < 0.98)
     at = (up[inside] * height).astype(int), (across[inside] * width).astype(int)
-    # A pixel of the fisheye is as wide as several of the picture: the nearest of the neighbours counts.
+    # A pixel of the fisheye is as wide as several pixels of the picture, so the most similar neighbour counts.
     best = numpy.full(inside.sum(), 255.0)
     for down in (-2, 0, 2):
         for aside in (-2, 0, 2):

@@ -1,4 +1,4 @@
-# Cards and a model of Panda3D around the camera, with shaders that it makes itself. scripts/compat runs it.
+# Cards and models of Panda3D around the camera, with shaders that Panda3D generates. scripts/compat runs it.
 import math
 import sys
 

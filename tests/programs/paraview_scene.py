@@ -1,5 +1,5 @@
-# A sphere with edges and a cone in a view of ParaView, in Python's own process: pvbatch has no window. scripts/compat
-# runs it.
+# A sphere with edges and a cone in a view of ParaView. It runs in Python's own process, because pvbatch has no window.
+# scripts/compat runs it.
 from paraview.simple import Cone, GetActiveView, Render, Show, Sphere
 
 Show(Sphere()).SetRepresentationType("Surface With Edges")

@@ -1,4 +1,4 @@
-# Points and a grid in a turntable view of vispy, which clips by gl_FragCoord. scripts/compat runs it.
+# Points and a grid in a turntable view of vispy. vispy clips by gl_FragCoord. scripts/compat runs it.
 import numpy
 from vispy import app, scene
 

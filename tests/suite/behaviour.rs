@@ -1,4 +1,4 @@
-//! Programs that judge themselves: OpenGL must answer them as it does without Cupola.
+//! Programs that check OpenGL's answers themselves. The answers must be the same as without Cupola.
 
 use crate::harness::tests;
 use crate::programs::Run;
@@ -12,8 +12,8 @@ fn judges_itself_under(program: &str, frames: usize, rigs: &[&str]) {
     let Some(plain) = run.plain() else { return };
     plain.expect_success();
     for rig in rigs {
-        // Cupola ends a program with status 0; here the program must come to its own end and
-        // verdict.
+        // At its last frame Cupola would end the program with status 0. This program must reach its
+        // own end and its own verdict.
         let run = Run { cupola_frames: frames + 1, ..run.clone() };
         if let Some(finished) = run.under(rig) {
             finished.expect_success();
@@ -53,8 +53,8 @@ behaviour! {
     viewports: 3,
 }
 
-/// Under a rig of projectors, which show less than the program sees, the depth of what no view
-/// shows is that of an empty window; all other depths are right there, too.
+/// The projectors of a rig show less than the program's own picture. Where no view shows anything,
+/// the depth must be that of an empty window. All other depths must be correct, too.
 fn a_first_read_of_depth() {
     judges_itself_under("first_depth", 4, &["identity", "identity-captured", "fisheye"]);
     let run = Run { frames: 4, extra: &["--mode", "partial"], ..Run::new("first_depth") };
@@ -65,7 +65,7 @@ fn a_first_read_of_depth() {
     }
 }
 
-/// In a large window, where all of it would be a thousand times as much.
+/// Reads single pixels in a large window, where a read of the whole window takes much longer.
 fn a_read_of_one_pixel_is_cheap() {
     for samples in ["0", "4"] {
         let extra = ["--samples", samples];

@@ -1,4 +1,4 @@
-//! The light of all projectors together, on a white scene: the same everywhere.
+//! The sum of the light of all projectors is the same everywhere for a white scene.
 
 use crate::harness::tests;
 use crate::picture::Picture;
@@ -13,7 +13,7 @@ tests! {
 
 const GAMMA: f64 = 2.2;
 
-/// The light of a projector at a place of its picture, between its four nearest pixels.
+/// Light of a projector at a place of its picture, interpolated between the four nearest pixels.
 fn light(picture: &Picture, [x, y]: [f64; 2], gamma: f64) -> f64 {
     let decoded = |x: f64, y: f64| {
         let column = x.clamp(0.0, picture.width as f64 - 1.0) as usize;
@@ -27,7 +27,7 @@ fn light(picture: &Picture, [x, y]: [f64; 2], gamma: f64) -> f64 {
     (1.0 - v) * upper + v * lower
 }
 
-/// Least and greatest sum of light over every `step`-th pixel of all projectors that shines on the
+/// Least and greatest sum of light, over every `step`-th pixel of each projector that lights the
 /// screen.
 fn extremes(projectors: &[Projector], dome: &Dome, pictures: &[Picture], gamma: f64, step: usize) -> (f64, f64) {
     let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
@@ -36,7 +36,7 @@ fn extremes(projectors: &[Projector], dome: &Dome, pictures: &[Picture], gamma: 
         for index in (0..width * height).step_by(step) {
             let (column, row) = (index % width, index / width);
             let Some(point) = projector.hit(dome, column as f64 + 0.5, row as f64 + 0.5) else { continue };
-            // Half a pixel at the screen's rim may be lit in part.
+            // Pixels at the screen's rim may be lit only in part.
             if dome.within_screen(point) < 1.0 {
                 continue;
             }
@@ -50,11 +50,12 @@ fn extremes(projectors: &[Projector], dome: &Dome, pictures: &[Picture], gamma: 
     extremes
 }
 
-/// The bar: how far the light may be from even, in 8 bits, wherever at least one projector shines.
+/// Bound on the deviation of the summed light from 1 where at least one projector shines, with
+/// pictures of 8 bits.
 const BAR: f64 = 0.006;
 
-/// The projectors' own resolution, as an audience sees it: by `cupola simulate`, which follows the
-/// viewer's rays.
+/// The projectors have their full resolution. `cupola simulate` follows the viewer's rays and so
+/// computes the light that an audience sees.
 fn the_light_of_planetarium_6_keeps_the_bar() {
     let run = Run { cupola: &["--offscreen"], frames: 2, cupola_frames: 2, ..Run::new("white") };
     let Some(finished) = run.under("planetarium-6") else { return };
@@ -63,12 +64,12 @@ fn the_light_of_planetarium_6_keeps_the_bar() {
     let number = |name: &str| answer["uniformity"][name].as_f64().unwrap_or(f64::NAN);
     assert!(number("max") <= BAR && number("rms") <= BAR / 2.0, "{answer:#}");
     assert!((number("mean") - 1.0).abs() < 1e-3, "{answer:#}");
-    // The circle, but for a rim where pixels are in part off the screen.
+    // The circle without its rim, where pixels lie partly off the screen.
     let circle = std::f64::consts::FRAC_PI_4 * 512.0 * 512.0;
     assert!(number("pixels") > 0.99 * circle, "{answer:#}");
 
-    // The same pictures judged without Cupola's geometry, from the projectors' pixels: every
-    // seventeenth is coprime to the pictures' rows, so that all columns have their turn.
+    // The same pictures, examined from the projectors' pixels without Cupola's geometry. The step
+    // of 17 is coprime to the width of the pictures, so that all columns are examined.
     let rig = rigs::projectors("planetarium-6", (1920, 1080), 1);
     let pictures: Vec<Picture> =
         rig.projectors.iter().map(|projector| finished.picture(&format!("capture-{}.png", projector.name))).collect();
@@ -96,10 +97,11 @@ fn small_pictures_add_up_and_wrong_ones_do_not() {
     let pictures: Vec<Picture> =
         rig.projectors.iter().map(|projector| finished.picture(&format!("capture-{}.png", projector.name))).collect();
     let (least, greatest) = extremes(&rig.projectors, &rig.dome, &pictures, GAMMA, 1);
-    // Wider than the bar: pictures this small add what interpolation between pixels loses.
+    // The tolerance is wider here, because interpolation between the pixels of such small pictures
+    // adds an error.
     assert!(least > 0.985 && greatest < 1.015, "the summed light is {least:.4} to {greatest:.4}");
 
-    // Negative controls: a wrong response, and a projector that stands elsewhere.
+    // Negative controls: a wrong response, and a projector that is turned.
     let (least, greatest) = extremes(&rig.projectors, &rig.dome, &pictures, 1.8, 1);
     assert!(greatest - least > 0.05, "a wrong gamma is not noticed: {least:.4} to {greatest:.4}");
     rig.projectors[0].turn.yaw += 2.0;

@@ -1,4 +1,4 @@
-//! What a start computes is kept for the next one, and changes no picture.
+//! Results of a start are cached for the next start and change no picture.
 
 use crate::compare::expect_identical;
 use crate::harness::tests;
@@ -25,21 +25,21 @@ fn files(folder: &Path, kind: &str) -> Vec<PathBuf> {
     files
 }
 
-/// A run whose results are kept in `folder`.
+/// A run whose results are cached in `folder`.
 fn run(program: &str, rig: &str, folder: &Path, cupola: &[&str]) -> Option<Finished> {
     let environment = [("CUPOLA_CACHE", folder.to_str().expect("a UTF-8 path"))];
     let run = Run { size: (160, 120), environment: &environment, cupola, ..Run::new(program) };
     Some(run.under(rig)?.expect_success().expect_no_gl_errors())
 }
 
-/// Results that were found in files, found nowhere, written.
+/// Number of results that were read from files, were missing, and were written.
 fn counts(finished: &Finished) -> [u64; 3] {
     let statistics = finished.statistics();
     assert!(statistics["own_errors"].is_null() || statistics["own_errors"] == 0, "{statistics}");
     ["read", "missing", "written"].map(|name| statistics["cache"][name].as_u64().expect("a number"))
 }
 
-/// The picture of a run; all of the others have to have it.
+/// Picture of the first run. The other runs must show the same.
 struct Same {
     what: String,
     picture: crate::picture::Picture,
@@ -79,7 +79,8 @@ fn the_second_start_computes_nothing_and_shows_the_same() {
     }
 }
 
-/// The file with other bytes from `from` on, but for the header that says what they should be.
+/// Inverts the bytes of the file from byte `from` of its content on, and puts the right checksum
+/// into the header.
 fn replaced(path: &Path, from: usize) {
     let mut bytes = std::fs::read(path).expect("a file");
     let (header, content) = bytes.split_at_mut(56);
@@ -106,7 +107,7 @@ fn what_is_damaged_is_computed_again() {
             std::fs::write(path, &bytes[..bytes.len() - 1]).expect("written");
         }),
         ("contents that say they are whole", &|path| replaced(path, 0)),
-        // The driver's own kind of program, of something that it did not make.
+        // The file has the driver's format of a program but content that the driver did not write.
         ("programs", &|path| replaced(path, if path.to_string_lossy().contains("/program-") { 12 } else { 0 })),
     ];
     for (what, damage) in damage {
@@ -138,7 +139,7 @@ fn vulkan_programs_start_from_it_too() {
     let second = start().expect("a display");
     same.expect(&second, "capture.png");
     let [read, _, written] = counts(&second);
-    // Mesa's lavapipe gives out no pipelines.
+    // Mesa's lavapipe returns no pipeline data.
     assert_eq!([read >= 2, written == 0], [true, true], "{read} {written}");
 }
 

@@ -1,5 +1,5 @@
 //! Random OpenGL calls of all entry points: OpenGL answers as without Cupola. `cupola-lab calls`
-//! plays and compares them.
+//! makes and compares the calls.
 
 use crate::display;
 use crate::harness::{note, tests};
@@ -12,12 +12,13 @@ tests! {
     a_call_that_is_lost_is_found,
 }
 
-/// Compares with a rig. The laboratory's exit code and words; `None` where there is no display.
+/// Compares the answers without Cupola and with a rig. Returns whether the laboratory succeeded,
+/// and its output. `None` if there is no display.
 fn compare(arguments: &[&str]) -> Option<(bool, String)> {
     compare_with(arguments, &[])
 }
 
-/// The same with variables in the environment of both players.
+/// As [`compare`], with variables in the environment of both players.
 fn compare_with(arguments: &[&str], environment: &[(&str, &str)]) -> Option<(bool, String)> {
     display::get()?;
     let folder = scratch("calls");
@@ -56,16 +57,16 @@ fn what_was_found_before_has_the_same_answers() {
     expect_same(&arguments);
 }
 
-/// The control: calls between Cupola and the driver are lost, one in each run. More of them are
-/// found than the list makes itself, so that some are Cupola's own, which put state back after a
-/// swap.
+/// Negative control: one call between Cupola and the driver is lost in each run. The test must find
+/// more lost calls than the list itself contains, so that some of them are Cupola's own calls,
+/// which restore state after a swap.
 fn a_call_that_is_lost_is_found() {
     let Some(folder) = vendor() else { return };
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/calls/control/swap.calls");
     let text = std::fs::read_to_string(&list).expect("the list of the control");
     let file = list.to_str().expect("a UTF-8 path");
     let arguments = ["--keep", "--kinds", "compatibility", "--set", "CUPOLA_GLX_REAL=calls", "--replay", file];
-    // `cupola` puts its own folder in front of this list.
+    // `cupola` puts a folder of its own in front of this list.
     let environment = [("LD_LIBRARY_PATH", folder)];
     let Some((same, words)) = compare_with(&arguments, &environment) else { return };
     assert!(same, "without a fault: {words}");
@@ -87,8 +88,8 @@ fn a_call_that_is_lost_is_found() {
     }
 }
 
-/// Functions whose calls are lost.
+/// Functions of which a call is lost.
 const CONTROLS: [&str; 3] = ["glBindTexture", "glUseProgram", "glBindVertexArray"];
 
-/// Number of calls of a function that are tried.
+/// Number of calls of each function of which one is lost in turn.
 const MOST_CALLS: usize = 8;

@@ -1,5 +1,5 @@
-//! Shaders that compute places of the scene from pixels, or pixels from places: each view has its
-//! own matrices.
+//! Shaders that compute places of the scene from pixels, or pixels from places. Each view gets
+//! matrices of its own.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};
@@ -54,7 +54,7 @@ fn places_on_the_screen_are_the_view_s() {
     right(&["place_all", "place_shared", "place_texture", "place_geometry", "place_lamp"]);
 }
 
-/// The program's own picture is the same to the byte.
+/// The program's own picture stays the same to the byte.
 fn own_pictures_are_the_program_s() {
     for form in ["sky_all", "sky_vertices", "sky_inverted", "light_apart"] {
         let extra = ["--mode", form, "--shot", "shot.ppm"];

@@ -17,18 +17,18 @@ tests! {
 
 const FRAMES: usize = 6;
 
-/// Runs the program that moves by time, and waits in this way in each frame.
+/// Runs the program that moves by time. It waits in each frame in the way of `mode`.
 fn by_time(mode: &str, cupola: &[&str]) -> Option<Finished> {
     let extra = ["--answers", "answers.txt", "--mode", mode];
     Run { frames: FRAMES, cupola_frames: FRAMES, extra: &extra, cupola, ..Run::new("by_time") }.under("fisheye")
 }
 
-/// What it read in its frames.
+/// The values that the program read in its frames.
 fn answers(run: &Finished) -> String {
     std::fs::read_to_string(run.directory.join("answers.txt")).expect("the program writes down what it reads")
 }
 
-/// Its time in each frame, in seconds.
+/// The program's time in each frame, in seconds.
 fn times(run: &Finished) -> Vec<f64> {
     let time = |line: &str| line.split(' ').nth(1).and_then(|time| time.parse().ok()).expect("a time");
     let times: Vec<f64> = answers(run).lines().map(time).collect();
@@ -55,7 +55,7 @@ fn two_runs_are_equal() {
     }
 }
 
-/// The control of the test above.
+/// Negative control of the test above.
 fn without_the_clock_two_runs_differ() {
     let (Some(one), Some(other)) = (by_time("draw", &[]), by_time("draw", &[])) else { return };
     assert_ne!(answers(&one), answers(&other));
@@ -83,13 +83,13 @@ fn a_wait_within_a_frame_moves_no_frame() {
     }
 }
 
-/// A program that limits itself to 30 frames in a second shows each for two frames of a display
-/// of 60.
+/// A program that limits itself to 30 frames per second shows each frame for two frames of a
+/// display of 60.
 fn limiters_keep_their_rate() {
     for mode in ["limit", "spin"] {
         let Some(run) = by_time(mode, &["--clock", "60"]) else { return };
         for (frame, time) in times(&run).iter().enumerate() {
-            // Its shortest sleep is a millisecond.
+            // The program's shortest sleep is a millisecond.
             assert!((time - frame as f64 / 30.0).abs() < 1.1e-3, "{mode}: frame {frame} is at {time} s");
         }
     }

@@ -8,73 +8,73 @@ use std::path::{Path, PathBuf};
 
 /// Greatest difference of a channel, in 255ths.
 pub const TOLERANCE: f64 = 2.0;
-/// Pixels this near to an edge of the cube, and black ones this near to what is shown, are not
-/// compared.
+/// Width of the zone along the cube's edges that is not compared, in pixels. Black pixels this near
+/// to others are not compared either.
 pub const EDGE: f64 = 1.5;
 
-/// What a comparison allows.
+/// Tolerances of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Greatest difference of a channel, in 255ths.
     pub tolerance: f64,
-    /// Pixels this near to another cell are not compared.
+    /// Pixels that are nearer than this to another cell are not compared.
     pub edge: f64,
-    /// Nor those as near to black: a filter may read from cells that begin where nothing is shown
-    /// any more.
+    /// Whether pixels as near to black are not compared either. A filter may read cells that begin
+    /// where nothing is shown any more.
     pub rim: bool,
 }
 
 impl From<f64> for Limits {
-    /// The usual ones with this `edge`.
+    /// The usual limits with this `edge`.
     fn from(edge: f64) -> Self {
         Self { tolerance: TOLERANCE, edge, rim: false }
     }
 }
 
-/// What a place in a picture shows.
+/// Expected content at a place of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
     /// A direction of the world.
     Direction(Vector),
     /// Black, because nothing is shown there.
     Black,
-    /// Anything.
+    /// Not known: any colour is accepted.
     Unknown,
 }
 
-/// What a comparison found.
+/// Result of a comparison.
 pub struct Report {
     /// Pixels whose direction is known and that are far enough from edges.
     pub compared: usize,
-    /// Those of them that are wrong.
+    /// Number of compared pixels that are wrong.
     pub wrong: usize,
     /// Greatest difference of a channel, in 255ths.
     pub worst: f64,
-    /// Where that is: column and row.
+    /// Column and row of the pixel with that difference.
     pub worst_at: (usize, usize),
     /// Pixels that should be black.
     pub black: usize,
-    /// Those of them that are not.
+    /// Number of those pixels that are not black.
     pub lit: usize,
-    /// Differences times 32, for people to look at.
+    /// Differences times 32, to look at.
     pub picture: Picture,
 }
 
 impl Report {
-    /// Nothing is wrong, and enough was compared to say so.
+    /// Whether nothing is wrong and more than half of the pixels were compared.
     pub fn good(&self) -> bool {
         self.wrong == 0 && self.lit == 0 && self.share() > 0.5
     }
 
-    /// Pixels that were compared, as a part of all.
+    /// Compared pixels as a part of all.
     pub fn share(&self) -> f64 {
         self.compared as f64 / self.picture.pixels.len() as f64
     }
 }
 
-/// Compares every pixel with the colour that `colour` gives to the direction that `shown` gives to
-/// the pixel's centre (in pixels from the top left), unless there is another `cell` within the
-/// `limits`.
+/// Compares every pixel with its expected colour. `shown` gives the direction at the pixel's centre
+/// (in pixels from the top left), and `colour` gives the colour of that direction. A pixel is left
+/// out if there is another `cell` within the `limits`.
 pub fn compare_with(
     picture: &Picture,
     limits: impl Into<Limits>,
@@ -139,14 +139,14 @@ pub enum Kind {
     Unknown,
 }
 
-/// What is shown around each pixel's centre. Where all the centres that a circle encloses show one
-/// thing, so does the circle; only elsewhere the circle's own places are looked up.
+/// Content around each pixel's centre. If all pixel centres inside a circle have the same content,
+/// so has the circle. Only otherwise the points of the circle itself are computed.
 pub struct Surroundings<F, C> {
     shown: F,
     cell: C,
-    /// Places around a pixel's centre at which it must still be the same kind of thing.
+    /// Points around a pixel's centre that must have the same kind of content.
     ring: Vec<(f64, f64)>,
-    /// Number of pixels beyond the picture's edges of which `centres` and `kinds` know.
+    /// Number of pixels beyond the picture's edges that `centres` and `kinds` contain.
     margin: usize,
     width: usize,
     centres: Vec<Shown>,
@@ -154,7 +154,7 @@ pub struct Surroundings<F, C> {
 }
 
 impl<F: Fn(f64, f64) -> Shown, C: Fn(Vector) -> usize> Surroundings<F, C> {
-    /// For circles of `edge` pixels.
+    /// Prepares circles with a radius of `edge` pixels.
     pub fn new(size: (usize, usize), edge: f64, shown: F, cell: C) -> Self {
         let ring = (0..16)
             .map(|index| (f64::from(index) * std::f64::consts::TAU / 16.0).sin_cos())
@@ -178,12 +178,13 @@ impl<F: Fn(f64, f64) -> Shown, C: Fn(Vector) -> usize> Surroundings<F, C> {
         }
     }
 
-    /// What a pixel's centre shows.
+    /// Content at a pixel's centre.
     pub fn centre(&self, x: usize, y: usize) -> Shown {
         self.centres[(y + self.margin) * self.width + x + self.margin]
     }
 
-    /// Whether all places around a pixel's centre fulfil `condition`, which the centre does.
+    /// Whether all points around a pixel's centre fulfil `condition`. The centre itself must fulfil
+    /// it.
     pub fn all(&self, x: usize, y: usize, condition: impl Fn(Kind) -> bool) -> bool {
         let own = self.kinds[(y + self.margin) * self.width + x + self.margin];
         let side = 2 * self.margin + 1;
@@ -191,7 +192,7 @@ impl<F: Fn(f64, f64) -> Shown, C: Fn(Vector) -> usize> Surroundings<F, C> {
         rows.all(|row| row[..side].iter().all(|kind| *kind == own)) || self.all_of_ring(x, y, condition)
     }
 
-    /// [`Self::all`], but by the circle's own places alone.
+    /// As [`Self::all`], but computes the points of the circle in any case.
     pub fn all_of_ring(&self, x: usize, y: usize, condition: impl Fn(Kind) -> bool) -> bool {
         let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
         self.ring.iter().all(|(dx, dy)| condition(self.kind((self.shown)(x + dx, y + dy))))
@@ -203,7 +204,7 @@ pub fn compare(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
     compare_with(picture, EDGE, shown, cube_colour, cube_face)
 }
 
-/// Panics where the report is not good, and leaves the wrong picture and the differences under
+/// Panics if the report is not good, and leaves the wrong picture and the differences under
 /// target/.
 pub fn expect_good(report: &Report, picture: &Picture, what: &str) {
     if report.good() {
@@ -228,12 +229,12 @@ pub fn expect_good(report: &Report, picture: &Picture, what: &str) {
     );
 }
 
-/// Panics where two pictures differ at all, and leaves both under target/.
+/// Panics if two pictures differ at all, and leaves both under target/.
 pub fn expect_identical(found: &Picture, expected: &Picture, what: &str) {
     expect_similar(found, expected, 0, 0.0, what);
 }
 
-/// Panics where two runs did not capture the same outputs, or the pictures differ at all.
+/// Panics if two runs did not capture the same outputs, or if the pictures differ at all.
 pub fn expect_identical_captures(found: &Finished, expected: &Finished, what: &str) {
     let (found, expected) = (found.captures(), expected.captures());
     assert!(found.keys().eq(expected.keys()), "{what}: {:?} instead of {:?}", found.keys(), expected.keys());
@@ -242,8 +243,8 @@ pub fn expect_identical_captures(found: &Finished, expected: &Finished, what: &s
     }
 }
 
-/// Panics where more than `part` of the pixels differ or one of them by more than `step`, and
-/// leaves both under target/.
+/// Panics if more than `part` of the pixels differ or if one of them differs by more than `step`,
+/// and leaves both pictures under target/.
 pub fn expect_similar(found: &Picture, expected: &Picture, step: u8, part: f64, what: &str) {
     let (count, worst) = found.difference(expected);
     note(format_args!("{what}: {count} pixels differ, the worst by {worst}/255"));
@@ -269,14 +270,14 @@ fn failure_path(what: &str, kind: &str) -> PathBuf {
     directory.join(format!("{name}-{kind}.png"))
 }
 
-/// How many pixels of two pictures differ by more than 4/255, as a part of all.
+/// Part of the pixels of two pictures that differ by more than 4/255.
 pub fn far(found: &Picture, expected: &Picture) -> f64 {
     let off = |i: &usize| (0..3).any(|c| found.pixels[*i][c].abs_diff(expected.pixels[*i][c]) > 4);
     (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
 }
 
-/// By how much a channel of `found` is beyond the channel's values in `expected` within `radius`
-/// pixels around: the most, in 255ths, and the column and row of the pixel.
+/// Greatest distance of a channel of `found` from the range of that channel in `expected` within
+/// `radius` pixels around. Returns it in 255ths, with the column and row of the pixel.
 pub fn beyond_neighbours(found: &Picture, expected: &Picture, radius: usize) -> (u8, (usize, usize)) {
     assert_eq!((found.width, found.height), (expected.width, expected.height), "the pictures' sizes differ");
     let around = |at: usize, length: usize| at.saturating_sub(radius)..(at + radius + 1).min(length);
@@ -304,12 +305,12 @@ pub fn beyond_neighbours(found: &Picture, expected: &Picture, radius: usize) -> 
     most
 }
 
-/// Panics where a pixel of either picture is more than `step` beyond what the other shows within a
-/// pixel around, and leaves both under target/: outlines may be a pixel apart, and not one pixel
-/// may show something else.
+/// Panics if a pixel of either picture is more than `step` beyond the values of the other picture
+/// within one pixel around, and leaves both under target/. Outlines may be displaced by a pixel,
+/// but no pixel may show something else.
 pub fn expect_alike(found: &Picture, expected: &Picture, step: u8, what: &str) {
     let [(there, at), (back, _)] = [beyond_neighbours(found, expected, 1), beyond_neighbours(expected, found, 1)];
-    note(format_args!("{what}: beyond what is around by {there}/255 at {at:?}, and by {back}/255"));
+    note(format_args!("{what}: {there}/255 at {at:?} and {back}/255 beyond the values around"));
     if there.max(back) > step {
         let paths = [failure_path(what, "picture"), failure_path(what, "expected")];
         found.save(&paths[0]);
@@ -319,8 +320,8 @@ pub fn expect_alike(found: &Picture, expected: &Picture, step: u8, what: &str) {
     }
 }
 
-/// Panics unless the points of the direction test's cube that are drawn on `background` have the
-/// colours of their places.
+/// Panics unless the points of the direction test's cube on `background` have the colours of their
+/// places.
 pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64, f64) -> Shown) {
     let (mut lit, mut worst) = (0, 0.0f64);
     for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
@@ -334,8 +335,8 @@ pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64,
         let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
         worst = worst.max(off.into_iter().fold(0.0, f64::max));
     }
-    // A point is drawn at the pixel that its place is in: at most 0.7 pixels, each 1.6/255 at most,
-    // off its centre.
+    // A point is drawn at the pixel that contains its place: at most 0.7 pixels off the pixel's
+    // centre, each pixel 1.6/255 at most.
     assert!(lit > 8_000, "{lit} points are seen of about 12000");
     assert!(worst < 2.5, "a point is off by {worst:.2}/255");
 }

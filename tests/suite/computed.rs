@@ -1,4 +1,4 @@
-//! OpenGL programs whose compute shaders make what is shown of the scene.
+//! OpenGL programs whose compute shaders make pictures of the scene.
 
 use crate::compare::{EDGE, Limits, TOLERANCE, compare_with, expect_good, expect_identical};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
@@ -21,8 +21,8 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { fov, yaw, pitch, extra, frames: 6, cupola_frames: 6, ..Run::new("computed") }
 }
 
-/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the
-/// program's own lens the same as without Cupola, to the byte.
+/// Each mode shows the predicted picture without Cupola and on a dome. With the program's own lens
+/// it shows the same as without Cupola, to the byte.
 fn right(modes: &[&str], limits: Limits) {
     for mode in modes {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
@@ -42,12 +42,12 @@ fn right(modes: &[&str], limits: Limits) {
     }
 }
 
-/// One more image is rounded to bytes.
+/// One more image rounds its values to bytes.
 const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
 
-/// One dispatch that samples the scene, loads from it or changes it, or reads its depth, also with
-/// matrices of the camera in its text that it does not use; what it makes is drawn or blitted to
-/// the window.
+/// One dispatch that samples the scene, loads from it, changes it or reads its depth. Its text may
+/// also have matrices of the camera that it does not use. The result is drawn or blitted to the
+/// window.
 fn pictures_that_compute_shaders_make() {
     right(&["sampled", "stored", "same", "indirect", "depths", "declared", "pipeline", "blit"], ROUNDED);
     planetarium_of("computed", &["--mode", "sampled"], |run, rig| {
@@ -60,12 +60,12 @@ fn an_image_of_half_the_size() {
     right(&["half"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
 }
 
-/// A sum over the picture in a buffer is that of the program's own picture.
+/// A sum over the picture, in a buffer, is the sum over the program's own picture.
 fn sums_of_the_whole_picture_are_made_once() {
     right(&["exposure"], ROUNDED);
 }
 
-/// A compute shader that takes pixels to places takes those of the view.
+/// A compute shader that computes places from pixels gets the matrices of the view.
 fn matrices_of_compute_shaders_are_those_of_the_view() {
     right(&["light"], ROUNDED);
     planetarium_of("computed", &["--mode", "light"], |run, rig| {
@@ -73,9 +73,10 @@ fn matrices_of_compute_shaders_are_those_of_the_view() {
     });
 }
 
-/// What cannot be had for each view is flat, and the statistics say why: values of each place in a
-/// buffer, also with atomic functions on other variables; images of three dimensions; pictures that
-/// are changed together with a buffer; sums in an image together with a picture.
+/// A result that cannot be made for each view is flat, and the statistics say why. Such results are
+/// values of each place in a buffer (also with atomic functions on other variables), images of
+/// three dimensions, pictures that are changed together with a buffer, and sums in an image
+/// together with a picture.
 fn values_of_each_place_are_not_followed() {
     for mode in ["places", "tiles", "volume", "dots", "gathered"] {
         let extra = ["--mode", mode];

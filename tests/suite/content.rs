@@ -1,4 +1,5 @@
-//! Programs whose window is already projected: each pixel is a place of the program's own picture.
+//! Programs whose window is already projected: the outputs show the pixels of the program's own
+//! picture.
 
 use crate::harness::{note, tests};
 use crate::picture::Picture;
@@ -15,11 +16,12 @@ tests! {
     wrong_content_is_refused,
 }
 
-/// A projector in a tilted dome, for a viewer who is not in its centre.
+/// A projector in a tilted dome. The viewer is not in the dome's centre.
 const PROJECTOR: &str = "[dome]\nradius = 4.0\ntilt = 30.0\ncoverage = 200.0\n[viewer]\nposition = [0.5, -0.4, 1.0]\n\
     [[output]]\nkind = \"projector\"\nposition = [0.0, -0.5, 1.2]\npitch = 35.0\nfov = [100.0, 80.0]\n";
 
-/// Direction from the dome's centre that the projector's pixel shows, in a window of 256 × 256.
+/// Direction from the dome's centre to the point that a pixel of the projector lights, in a window
+/// of 256 × 256.
 fn projected(x: f64, y: f64) -> Option<Vector> {
     let (viewer, turn) = ([0.5, -0.4, 1.0], Turn::default());
     let dome = Dome { radius: 4.0, tilt: 30.0, coverage: 200.0, viewer, viewer_turn: turn, camera_turn: turn };
@@ -36,21 +38,22 @@ fn projected(x: f64, y: f64) -> Option<Vector> {
     (dome.within_screen(point) > 0.0).then(|| normalised(point))
 }
 
-/// A content's picture in a part of the window: x, y, width and height in pixels from the top left.
+/// Part of the window that holds a content's picture: x, y, width and height in pixels from the top
+/// left.
 #[derive(Clone, Copy)]
 struct Part([f64; 4]);
 
-/// The kinds of content that are computed here on their own.
+/// Kinds of content, computed here independently of Cupola.
 #[derive(Clone, Copy)]
 enum Content {
-    /// Equidistant; degrees.
+    /// Equidistant fisheye, in degrees.
     Domemaster { aperture: f64, tilt: f64 },
-    /// Of all directions, its middle turned.
+    /// Picture of all directions. Its middle is turned.
     Equirectangular(Turn),
 }
 
 impl Content {
-    /// Where a direction is, as parts of the picture from the top left.
+    /// Place of a direction, as parts of the picture from the top left.
     fn place(self, direction: Vector) -> Option<[f64; 2]> {
         match self {
             Self::Domemaster { aperture, tilt } => {
@@ -69,8 +72,8 @@ impl Content {
     }
 }
 
-/// The picture at a place, in pixels from the top left: the mean of the four nearest pixels of the
-/// part, weighted by nearness.
+/// Colour of the picture at a place, in pixels from the top left: the weighted mean of the four
+/// nearest pixels of the part.
 fn bilinear(picture: &Picture, [x, y]: [f64; 2], Part([left, top, width, height]): Part, wraps: bool) -> Vector {
     let pixel = |column: f64, row: f64| {
         let within = column - left;
@@ -86,13 +89,13 @@ fn bilinear(picture: &Picture, [x, y]: [f64; 2], Part([left, top, width, height]
     })
 }
 
-/// What is expected of a picture.
+/// Expected picture.
 struct Expected<'a> {
     /// The program's own picture.
     plain: &'a Picture,
     content: Content,
     part: Part,
-    /// The direction from the dome's centre that an output's pixel shows.
+    /// Direction from the dome's centre for a pixel of the output.
     direction: &'a dyn Fn(f64, f64) -> Option<Vector>,
 }
 
@@ -103,7 +106,7 @@ impl Expected<'_> {
         Some([left + across * width, top + down * height])
     }
 
-    /// The greatest difference of a channel, in 255ths.
+    /// Greatest difference of a channel, in 255ths.
     fn worst(&self, shown: &Picture, what: &str) -> f64 {
         let (mut compared, mut lit, mut worst) = (0, 0, 0.0f64);
         for (row, column) in (0..shown.height).flat_map(|row| (0..shown.width).map(move |column| (row, column))) {
@@ -112,7 +115,7 @@ impl Expected<'_> {
             let beside = beside.map(|(by_x, by_y)| self.place(x + by_x, y + by_y).is_some());
             let found = shown.at(column, row);
             match self.place(x, y) {
-                // Rounding decides at the very rim.
+                // At the rim rounding decides whether a pixel is black.
                 _ if beside.contains(&true) && beside.contains(&false) => {}
                 None => assert_eq!(found, [0; 3], "{what}: {x}, {y} shows something"),
                 Some(place) => {
@@ -134,7 +137,7 @@ impl Expected<'_> {
         let worst = self.worst(shown, what);
         note(format!("{what}: at most {worst:.2} of 255"));
         assert!(worst <= 2.0, "{what}: {worst} of 255");
-        // Control: the content turned by three degrees.
+        // Negative control: the content turned by three degrees.
         let content = match self.content {
             Content::Domemaster { aperture, tilt } => Content::Domemaster { aperture, tilt: tilt + 3.0 },
             Content::Equirectangular(turn) => Content::Equirectangular(Turn { yaw: turn.yaw + 3.0, ..turn }),
@@ -143,7 +146,7 @@ impl Expected<'_> {
         assert!(turned > 4.0, "{what}: {turned} of 255, turned");
     }
 
-    /// The same without a look at what is black.
+    /// As [`Self::worst`], without the check of the black pixels.
     fn worst_of_lit(&self, shown: &Picture) -> f64 {
         let mut worst = 0.0f64;
         for (row, column) in (0..shown.height).flat_map(|row| (0..shown.width).map(move |column| (row, column))) {
@@ -163,7 +166,7 @@ fn rig_file(text: &str) -> String {
     file.display().to_string()
 }
 
-/// A run with content, in which each draw is issued once.
+/// Runs the program with content, and checks that each draw is issued once.
 fn with_content(run: &Run, content: &str, rig: &str, vulkan: bool) -> Option<Finished> {
     let options = ["--content", content, "--frames", "3"];
     let run = Run { cupola: if vulkan { &options } else { &options[..2] }, ..run.clone() };
@@ -257,8 +260,8 @@ fn outputs_in_a_window_share_the_content() {
     }
 }
 
-/// A domemaster on a domemaster is what the program drew; places are right to a few thousandths of
-/// a pixel, so that codes may round the other way.
+/// A domemaster that is shown on a domemaster is the picture that the program drew. Places are
+/// exact to a few thousandths of a pixel, so that colours may be rounded differently.
 fn a_whole_circle_is_the_programs_own_picture() {
     let run = Run::new("hud");
     let Some(plain) = run.under("identity") else { return };
@@ -271,7 +274,7 @@ fn a_whole_circle_is_the_programs_own_picture() {
     });
     let (count, worst) = finished.picture("capture.png").difference(&cut);
     assert!(worst <= 2, "{count} pixels differ, by {worst} at most");
-    assert!(plain.difference(&cut).1 > 50, "the picture fills its corners");
+    assert!(plain.difference(&cut).1 > 50, "the corners of the program's picture are black");
 }
 
 fn each_eye_gets_its_half() {
@@ -291,7 +294,7 @@ fn each_eye_gets_its_half() {
     }
 }
 
-/// Nobody enlarges a window on a screen that nobody sees.
+/// Cupola itself makes a window larger if it is on a screen that is not visible.
 fn a_headless_window_is_as_large_as_the_outputs_need() {
     let rig = "[[output]]\nkind = \"domemaster\"\nname = \"a\"\nsize = [200, 150]\n\
         [[output]]\nkind = \"domemaster\"\nname = \"b\"\nsize = [180, 170]\n";

@@ -1,4 +1,4 @@
-//! The judges judged: each comparer passes a right picture and fails wrong ones.
+//! Tests of the tests: each comparison accepts a right picture and refuses wrong ones.
 
 use crate::compare::{Shown, compare};
 use crate::dialects::{shown_by_fisheye, shown_by_projector, shown_by_window};
@@ -28,7 +28,7 @@ tests! {
 
 const CAMERA: ProgramCamera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
 
-/// The ideal picture of what is shown.
+/// Ideal picture for `shown`.
 fn ideal(size: (usize, usize), shown: impl Fn(f64, f64) -> Shown) -> Picture {
     Picture::from_fn(size.0, size.1, |x, y| match shown(x as f64 + 0.5, y as f64 + 0.5) {
         Shown::Direction(direction) => cube_colour(direction).map(|channel| (255.0 * channel).round() as u8),
@@ -68,7 +68,7 @@ fn the_domemaster_comparer_fails_wrong_pictures() {
     spot.pixels[100 * 256 + 77][2] ^= 0x20;
     assert!(!judge(&spot).good(), "one wrong pixel is not noticed");
     assert!(!judge(&Picture::from_fn(256, 256, |_, _| [0; 3])).good(), "a black picture is not noticed");
-    // Nothing to compare is no success.
+    // A comparison of no pixels does not succeed.
     assert!(!compare(&picture, |_, _| Shown::Unknown).good());
 }
 
@@ -106,7 +106,8 @@ fn the_projector_comparer_fails_wrong_pictures() {
     assert!(!judge(&picture_of(&right, &Dome { coverage: 130.0, ..dome })), "a smaller screen is not noticed");
 }
 
-/// The reference against itself: what it projects, it hits; what it turns, it turns back.
+/// Consistency of the reference: a point that is projected is hit again, and a direction that is
+/// turned turns back.
 fn the_reference_is_consistent() {
     let (projector, dome) = projector();
     for (x, y) in [(0.5, 0.5), (100.0, 75.0), (13.25, 140.5), (199.5, 3.0)] {
@@ -129,8 +130,8 @@ fn the_reference_is_consistent() {
     );
     assert!(close(Turn { yaw: 0.0, pitch: 90.0, roll: 0.0 }.outward(forward), up), "pitch is up-positive");
     assert!(close(Turn { yaw: 0.0, pitch: 0.0, roll: 90.0 }.outward(up), [1.0, 0.0, 0.0]), "roll is clockwise");
-    // The fulldome convention: the zenith in the centre, the front at the bottom edge, right at the
-    // right.
+    // The fulldome convention: the zenith is in the centre, the front at the bottom edge, right at
+    // the right.
     let master = Fisheye { width: 100.0, height: 100.0, aperture: 180.0, tilt: 0.0 };
     assert!(close(master.direction(50.0, 50.0), up));
     assert!(close(master.direction(50.0, 100.0), forward));
@@ -151,8 +152,8 @@ fn the_picture_comparers_fail_wrong_pictures() {
     wrong.pixels[17][1] += 2;
     assert!(catch_unwind(|| expect_similar(&wrong, &right, 1, 1e-3, "control")).is_err(), "2/255 are too many");
 
-    // An outline may be a pixel apart, not two; and no single pixel may be of another colour, in
-    // either picture.
+    // An outline may be displaced by one pixel but not by two. In neither picture may a single
+    // pixel have another colour.
     let half = |at: usize| Picture::from_fn(40, 30, |x, _| if x < at { [200, 30, 30] } else { [0; 3] });
     expect_alike(&half(20), &half(21), 0, "control");
     assert!(catch_unwind(|| expect_alike(&half(20), &half(22), 100, "control")).is_err(), "two pixels are too many");
@@ -165,7 +166,7 @@ fn the_picture_comparers_fail_wrong_pictures() {
     assert!(catch_unwind(|| expect_alike(&half(20), &wrong, 200, "control")).is_err(), "a pixel is wrong");
 }
 
-/// Ignored without a display, for the next test.
+/// Counts as ignored if there is no display. The next test runs it.
 fn a_display_is_there() {
     let _ = display::get();
 }
@@ -206,7 +207,8 @@ fn the_harness_tells_what_became_of_a_test() {
 }
 
 fn the_place_of_vkcube_is_judged() {
-    // 16.4 and 28.8 pixels from the middle are the outlines of the balls in the cube and around it.
+    // The ball inside the cube and the ball around it have outlines 16.4 and 28.8 pixels from the
+    // middle.
     let cube = |radius, moved_by| vkcube::cube(&vkcube::disc(radius, moved_by));
     assert!(matches!(cube(20.0, 0.0), Ok(1200..=1320)), "{:?}", cube(20.0, 0.0));
     for (radius, moved_by) in [(0.0, 0.0), (14.0, 0.0), (31.0, 0.0), (20.0, 12.0), (20.0, 100.0)] {

@@ -1,4 +1,4 @@
-//! Draws that a view cannot show are left out of it, and no pixel changes by that.
+//! Draws that a view cannot show are left out of that view. No pixel changes.
 
 use crate::compare::{expect_identical, expect_identical_captures};
 use crate::harness::tests;
@@ -20,12 +20,13 @@ tests! {
     what_is_read_of_an_image_is_whole,
 }
 
-/// The same picture to the byte, with and without; the statistics of the run with.
+/// Checks that the picture is the same to the byte with and without culling. Returns the statistics
+/// of the run with culling.
 fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
     same(Run::new(program), rig)
 }
 
-/// As [`same_picture`], for a run.
+/// As [`same_picture`], for any run.
 fn same(with: Run, rig: &str) -> Option<serde_json::Value> {
     let program = [with.program, " ", &with.extra.join(" ")].concat();
     let without = Run { cupola: &["--no-cull"], ..with.clone() };
@@ -45,7 +46,7 @@ fn same(with: Run, rig: &str) -> Option<serde_json::Value> {
     Some(counts)
 }
 
-/// Draws off screen: for each view how many it got, and how many were left out of it.
+/// For each view the number of off-screen draws that it got, and the number that was left out.
 fn off_screen(counts: &serde_json::Value) -> Vec<[u64; 2]> {
     let views = counts["views"].as_array().expect("views").iter();
     let number = |view: &serde_json::Value, key: &str| view[key].as_u64().expect("a number");
@@ -59,13 +60,14 @@ fn pictures_stay_what_they_are() {
         let Some(counts) = same_picture(program, "fisheye") else { return };
         let views = counts["views"].as_array().expect("views").iter();
         let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
-        // Others show all directions in one draw, or have nothing that is known to be elsewhere.
+        // Other programs show all directions in one draw, or none of their draws is known to be
+        // elsewhere.
         assert!(culled > 0 || !["immediate", "display_list", "occlusion"].contains(&program), "{program}: {counts:#}");
     }
 }
 
 fn views_to_the_sides_get_nothing_of_what_is_ahead() {
-    // What is in buffers is known from the second frame on, so that the first draws to all views.
+    // The content of buffers is known from the second frame on. The first frame draws to all views.
     for (program, frames) in [("ahead", 0), ("fixed_buffers", 1), ("buffers", 1)] {
         let run = Run { frames: 4, cupola_frames: 4, ..Run::new(program) };
         let Some(counts) = same(run.clone(), "fisheye-210") else { return };
@@ -74,7 +76,7 @@ fn views_to_the_sides_get_nothing_of_what_is_ahead() {
     }
 }
 
-/// In all but the first `unknown` of `frames` frames, some views get nothing.
+/// Checks that some views get nothing in all but the first `unknown` of `frames` frames.
 fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64) {
     for counts in counts {
         let views = counts["views"].as_array().expect("views");
@@ -82,9 +84,9 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
         let seen = counts["draws_seen"].as_u64().expect("a number");
         assert!(views.iter().any(|v| number(v, "draws_issued") > 0), "{counts:#}");
         let left_out = counts["batches_left_out"].as_u64().expect("a number");
-        assert!(left_out > 0, "views that hold nothing were corrected: {counts:#}");
+        assert!(left_out > 0, "empty views were corrected: {counts:#}");
         let narrowed = counts["outputs_narrowed"].as_u64().expect("a number");
-        assert!(narrowed > 0, "all of the output was corrected: {counts:#}");
+        assert!(narrowed > 0, "the whole output was corrected: {counts:#}");
         let each = seen / frames;
         let empty = views.iter().filter(|v| number(v, "draws_issued") == unknown * each);
         assert!(empty.clone().count() >= 1, "{counts:#}");
@@ -94,8 +96,8 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
     }
 }
 
-/// Once it is known that a frame has few draws, another view costs less than what straddles two:
-/// five upright ones.
+/// Once a frame is known to have few draws, one more view costs less than draws that cross the
+/// border of two views. The plan then has five upright views.
 fn a_program_of_few_draws_gets_the_views_that_suit_it() {
     let run = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("ahead") };
     let names = |counts: &serde_json::Value| -> Vec<String> {
@@ -111,9 +113,10 @@ fn a_program_of_few_draws_gets_the_views_that_suit_it() {
         .iter()
         .map(|v| v["draws_issued"].as_u64().expect("a number"))
         .collect();
-    // One view shows it all; the last one gets the list behind the eye, because it sets a colour.
+    // One view shows everything. The last view gets the list behind the viewer, because the list
+    // sets a colour.
     assert_eq!(issued.iter().filter(|n| **n == 0).count(), 3, "{late:#}");
-    // A rig that says what it favours keeps its views.
+    // If the rig sets `favour`, the views stay.
     let rig = concat!(env!("CARGO_TARGET_TMPDIR"), "/favour.toml");
     let text = "[views]\nfavour = \"cpu\"\n[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\ntilt = 90\n";
     std::fs::write(rig, text).expect("can be written");
@@ -130,7 +133,7 @@ fn state_that_a_draw_leaves_survives_being_left_out() {
     }
 }
 
-/// Ways in which what is in a buffer, or which buffer is drawn, can change.
+/// Ways to change the content of a buffer, or to change which buffer is drawn.
 const CHANGES: [&str; 16] = [
     "sub_data",
     "data",
@@ -158,7 +161,7 @@ fn what_changes_in_a_buffer_is_seen() {
     for mode in &*arguments.leak() {
         let Some(counts) = same(run(mode), "fisheye") else { return };
         assert!(counts["bounded_draws"].as_u64() > Some(0), "{mode:?}: {counts:#}");
-        // The change can be seen at all.
+        // Control: the change is visible.
         let changed = run(mode).under("fisheye").expect("there is a display").expect_success().picture("capture.png");
         assert!(changed.difference(&still).0 > 100, "{mode:?} changes nothing");
     }
@@ -170,8 +173,9 @@ fn positions_of_every_form_are_where_they_are_drawn() {
     for rig in ["fisheye", "planetarium-6"] {
         let Some(counts) = same(Run { frames: 4, cupola_frames: 4, ..Run::new("positions") }, rig) else { return };
         let number = |key: &str| counts[key].as_u64().expect("a number");
-        // Not followed are the ring with a fourth coordinate, the one that restarts its strip, and
-        // the four whose shader moves them; in the first of four frames none is.
+        // Bounds are not known for the ring with a fourth coordinate, for the one that restarts its
+        // strip, and for the four whose shader moves them. In the first of four frames no bounds
+        // are known.
         assert_eq!(number("bounded_draws"), number("draws_seen") / 4 * 3 * 11 / 17, "{counts:#}");
         let views = counts["views"].as_array().expect("views").iter();
         let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
@@ -179,7 +183,7 @@ fn positions_of_every_form_are_where_they_are_drawn() {
     }
 }
 
-/// The same for scenes that a program draws into framebuffers of its own, and then shows.
+/// The same for scenes that a program draws into framebuffers of its own and then shows.
 fn views_to_the_sides_get_nothing_of_what_is_ahead_off_screen() {
     for program in ["ahead", "fixed_buffers"] {
         let run = Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new(program) };
@@ -194,7 +198,7 @@ fn views_to_the_sides_get_nothing_of_what_is_ahead_off_screen() {
     }
 }
 
-/// State and counts, of which the programs judge what they are told.
+/// Queries of state and counts. The programs check the answers themselves.
 fn what_opengl_answers_about_draws_off_screen_stays() {
     for (program, extra) in [
         ("ahead", ["--fbo"].as_slice()),
@@ -211,7 +215,7 @@ fn what_opengl_answers_about_draws_off_screen_stays() {
     }
 }
 
-/// Some of them have nothing that can be left out.
+/// In some of these programs nothing can be left out.
 fn pictures_that_are_drawn_off_screen_stay_what_they_are() {
     let programs = ["positions", "outlines", "immediate_ways", "rectangles", "gles2", "gles3", "counting", "occlusion"];
     for program in programs {
@@ -224,7 +228,7 @@ fn pictures_that_are_drawn_off_screen_stay_what_they_are() {
     }
 }
 
-/// Things in all directions, by every kind of draw, through every way to the window.
+/// Objects in all directions, drawn with every kind of draw and shown in the window in every way.
 fn random_scenes_off_screen_stay_what_they_are() {
     for mode in ["blit", "samples", "chain", "lamps", "ahead"] {
         for (seed, rig) in [("1", "fisheye"), ("2", "fisheye-210"), ("3", "fisheye")] {
@@ -243,7 +247,7 @@ fn random_scenes_off_screen_stay_what_they_are() {
     }
 }
 
-/// What the program reads of its image has everything in it, whatever the views show.
+/// A program that reads its image gets the whole picture, whatever the views show.
 fn what_is_read_of_an_image_is_whole() {
     let extra = ["--mode", "chain", "--answers", "own.ppm"];
     let run = Run { frames: 4, cupola_frames: 4, extra: &extra, ..Run::new("scattered") };
@@ -255,16 +259,17 @@ fn what_is_read_of_an_image_is_whole() {
     assert!(off_screen(&counts).iter().any(|[_, culled]| *culled > 0), "{counts:#}");
     let own = [plain, with, without].map(|finished| finished.expect_success().picture("own.ppm"));
     expect_identical(&own[1], &own[2], "scattered, what it reads, culled");
-    // The view that it reads has the program's own lens and size, so that nothing is resampled.
+    // The view that the program reads has the program's own lens and size, so that nothing is
+    // resampled.
     expect_identical(&own[1], &own[0], "scattered, what it reads, without Cupola");
-    // Negative control: what the camera shows a degree aside.
+    // Negative control: the picture of a camera that is turned by a degree.
     let Some(turned) = (Run { yaw: run.yaw + 1.0, ..run }).plain() else { return };
     let (different, _) = turned.expect_success().picture("own.ppm").difference(&own[0]);
-    assert!(different > 1_000, "{different} pixels tell of a turned camera");
+    assert!(different > 1_000, "only {different} pixels differ for a turned camera");
 }
 
-/// A program that leaves out what is beside its own picture is told so, and how to widen it; others
-/// are not.
+/// The log says if a program leaves out draws beside its own picture, and how to prevent that. It
+/// says nothing about other programs.
 fn what_a_program_leaves_out_is_told() {
     for (mode, told) in [("culled", true), ("all", false), ("ahead", false)] {
         let extra = ["--mode", mode];
@@ -277,9 +282,9 @@ fn what_a_program_leaves_out_is_told() {
     }
 }
 
-/// A program that makes planes of the projection matrix that it reads draws all around with
-/// `answer_wide`, here of a profile that the library takes because of another library of the
-/// program.
+/// A program that reads the projection matrix and computes clipping planes from it draws everything
+/// around the viewer if `answer_wide` is set. A profile sets it here. The library chooses the
+/// profile because of a library that the program loads.
 fn planes_that_a_program_asks_for_are_wide() {
     let folder = scratch("profiles");
     let profiles = folder.join("cupola/profiles");
@@ -301,8 +306,8 @@ fn planes_that_a_program_asks_for_are_wide() {
     };
     assert!(asked.words().contains("profile wide (") && asked.words().contains(", for libX11.so"), "{}", asked.words());
     expect_identical(&asked.picture("capture.png"), &all.picture("capture.png"), &format!("beside, asked, {rig}"));
-    // Control: the program's own planes leave out what lies at the sides.
+    // Negative control: with its own planes the program leaves out what lies at the sides.
     assert!(!without.words().contains("profile"), "{}", without.words());
     let (different, _) = without.picture("capture.png").difference(&all.picture("capture.png"));
-    assert!(different > 1_000, "{rig}: {different} pixels show that the program leaves out something");
+    assert!(different > 1_000, "{rig}: only {different} pixels differ, so the program leaves out nothing");
 }

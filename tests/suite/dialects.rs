@@ -1,4 +1,5 @@
-//! The direction test: each dialect, unmodified, shows in every pixel what the reference predicts.
+//! The direction test: unmodified programs of each dialect show the predicted colour in every
+//! pixel.
 
 use crate::compare::{
     EDGE, Limits, Report, Shown, TOLERANCE, compare, compare_with, expect_good, expect_identical, expect_similar,
@@ -22,27 +23,27 @@ tests! {
     ; modules immediate, display_list, client_arrays, glsl120, core330_p_mv, core330_mvp, core330_block, geometry, tessellation, gles2, gles3, draws, rectangles
 }
 
-/// Lenses and turns of the camera; all views, and the seams between them, are seen by some of them.
+/// Lens, yaw and pitch of the camera. Together they show all views and the seams between them.
 pub const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
 
-/// What a domemaster shows for the program's camera.
+/// Expected content of a domemaster for the program's camera.
 pub fn shown_by_fisheye(fisheye: Fisheye, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
     move |x, y| {
         if fisheye.inside_by(x, y) < 0.0 {
-            // Half a pixel at the rim may be lit in part.
+            // Pixels at the rim may be lit only in part.
             return if fisheye.inside_by(x, y) < -1.0 { Shown::Black } else { Shown::Unknown };
         }
         Shown::Direction(camera.to_world(fisheye.direction(x, y)))
     }
 }
 
-/// What the program itself shows.
+/// Expected content of the program's own picture.
 pub fn shown_by_window(size: (usize, usize), fov: f64, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
     let opening = Opening::vertical(fov, size.0 as f64 / size.1 as f64);
     move |x, y| Shown::Direction(camera.to_world(opening.direction(x / size.0 as f64, y / size.1 as f64)))
 }
 
-/// What a projector shows.
+/// Expected content of a projector's picture.
 pub fn shown_by_projector(projector: &Projector, dome: &Dome, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
     move |x, y| match projector.hit(dome, x, y) {
         Some(point) if dome.within_screen(point) > 0.0 => Shown::Direction(camera.to_world(dome.eye_direction(point))),
@@ -55,8 +56,8 @@ pub fn camera_of(run: &Run) -> ProgramCamera {
     ProgramCamera { yaw: run.yaw, pitch: run.pitch }
 }
 
-/// The programs of this suite draw a cube whose colour is that of the point; `rectangles` tiles two
-/// faces.
+/// Compares a picture of a program. The programs of this suite draw a cube whose colour depends on
+/// the point. `rectangles` divides two faces into tiles.
 fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
     if program != "rectangles" {
         return compare(picture, shown);
@@ -77,12 +78,12 @@ fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) ->
         let [x, y, _] = cube_point(direction);
         100 * cube_face(direction) + 10 * tile(x) as usize + tile(y) as usize
     };
-    // Tiles differ where they meet, and a view's texels there may be wider than the picture's
-    // pixels.
+    // Tiles have different colours, and the texels of a view may be wider than the pixels of the
+    // picture.
     compare_with(picture, Limits { edge: 2.5, tolerance: TOLERANCE, rim: true }, shown, colour, cell)
 }
 
-/// Without Cupola: the programs draw what the reference says that they draw.
+/// Without Cupola the programs draw the predicted picture.
 pub fn plain(program: &str) {
     for (fov, yaw, pitch) in CAMERAS {
         let run = Run { fov, yaw, pitch, size: (256, 192), extra: &["--shot", "shot.ppm"], ..Run::new(program) };
@@ -93,7 +94,7 @@ pub fn plain(program: &str) {
     }
 }
 
-/// The default rig, with every lens and turn.
+/// The default rig, with every camera of [`CAMERAS`].
 pub fn fisheye(program: &str, extra: &[&str]) {
     for (fov, yaw, pitch) in CAMERAS {
         let run = Run { fov, yaw, pitch, extra, ..Run::new(program) };
@@ -106,8 +107,8 @@ pub fn fisheye(program: &str, extra: &[&str]) {
     }
 }
 
-/// A program whose shader has no matrix, under a rig that says what its lens is, and under one that
-/// does not.
+/// A program whose shader has no matrix, under a rig that gives the lens and under a rig that does
+/// not.
 pub fn given_lens<'a>(name: &str, run: &Run<'a>, under: impl Fn(&Run<'a>, &str) -> Option<Finished>) {
     let fov = run.fov;
     let dome = "[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n";
@@ -133,7 +134,7 @@ fn a_shader_without_a_matrix() {
     given_lens("opengl", &Run { fov, yaw, pitch, ..Run::new("no_matrix") }, Run::under);
 }
 
-/// What the X server shows is what Cupola captures.
+/// The X server shows the picture that Cupola captures.
 pub fn presented(program: &str) {
     let run = Run { extra: &["--shot", "shot.ppm"], frames: 4, ..Run::new(program) };
     let Some(finished) = run.under("fisheye") else { return };
@@ -147,7 +148,7 @@ pub fn planetarium(program: &str) {
     planetarium_of(program, &[], |run, rig| Some(run.under(rig)?.expect_success().expect_no_gl_errors()));
 }
 
-/// The same for a program with options that is started by `start`.
+/// As [`planetarium`], for a program with options that `start` starts.
 pub fn planetarium_of<'a>(
     program: &'a str,
     extra: &'a [&'a str],
@@ -169,8 +170,8 @@ pub fn planetarium_of<'a>(
     }
 }
 
-/// Rig `identity`: what is presented and what is read are byte for byte what they are without
-/// Cupola.
+/// Rig `identity`: the presented picture and the pixels that the program reads are the same as
+/// without Cupola, to the byte.
 pub fn identity(program: &str) {
     let extra: &[&str] = &["--shot", "shot.ppm", "--dump", "dump.ppm"];
     let run = Run { extra, frames: 4, ..Run::new(program) };
@@ -181,8 +182,9 @@ pub fn identity(program: &str) {
     }
 }
 
-/// Rig `identity-captured`: as the window but for the rounding of a turned raster; as an FBO to the
-/// byte.
+/// Rig `identity-captured`: the picture differs from the window only by rounding, because the rows
+/// of a window are in the opposite order. It equals a picture that the program draws into an FBO of
+/// its own, to the byte.
 pub fn identity_captured(program: &str) {
     let run = Run { extra: &["--shot", "shot.ppm"], frames: 4, ..Run::new(program) };
     let into_fbo = Run { extra: &["--shot", "shot.ppm", "--fbo"], ..run.clone() };
@@ -202,7 +204,7 @@ pub fn identity_captured(program: &str) {
     expect_identical(&shot, &own, &format!("{program} identity-captured against its own FBO"));
 }
 
-/// The tests of one dialect, each a test of its own so that a failure names both.
+/// Tests of one dialect. Each is a separate test, so that a failure names the dialect and the test.
 macro_rules! dialect {
     ($name:ident) => {
         mod $name {
@@ -258,9 +260,9 @@ fn a_multisampled_window() {
     fisheye("display_list", &["--samples", "4"]);
 }
 
-/// The program's planes just hold the cube. Turned views see its corners, which are farther than
-/// the far plane is along their axes, and its faces at a slant, nearer than the near plane: nothing
-/// may be cut.
+/// The near and the far plane just enclose the cube. The axes of turned views reach its corners,
+/// which are farther than the far plane, and its oblique faces, which are nearer than the near
+/// plane. Nothing may be cut off.
 fn tight_planes() {
     for program in ["immediate", "core330_mvp"] {
         for yaw in [0.0, 45.0] {
@@ -274,7 +276,7 @@ fn tight_planes() {
     }
 }
 
-/// A window that encodes what is written to it as sRGB.
+/// A window that encodes written colours as sRGB.
 fn an_srgb_window() {
     let encoded = |direction: Vector| {
         cube_colour(direction).map(|c| if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 })
@@ -296,7 +298,7 @@ fn an_srgb_window() {
     }
 }
 
-/// `--camera zoom` scales the tangents of what the program draws.
+/// `--camera zoom` scales the tangents of the angles in the program's scene.
 fn a_zoomed_camera() {
     let run = Run { cupola: &["--camera", "zoom=2"], ..Run::new("core330_p_mv") };
     let Some(finished) = run.under("fisheye") else { return };
@@ -310,7 +312,7 @@ fn a_zoomed_camera() {
     expect_good(&compare(&picture, shown), &picture, "core330_p_mv fisheye zoom 2");
 }
 
-/// A planetarium's domemaster: the zenith in the middle, the front at the bottom.
+/// A domemaster for a planetarium: the zenith is in the middle, the front at the bottom.
 fn a_domemaster_of_210_degrees() {
     let run = Run::new("core330_mvp");
     let Some(finished) = run.under("fisheye-210") else { return };
@@ -320,7 +322,7 @@ fn a_domemaster_of_210_degrees() {
     expect_good(&report, &picture, "core330_mvp fisheye-210");
 }
 
-/// A rig for a wall of screens, tried out in a smaller window.
+/// A rig for several screens, used in a smaller window.
 fn an_output_outside_of_the_window_costs_nothing_and_the_others_are_as_without_it() {
     let dome = "[dome]\nradius = 5\n[[output]]\nname = \"dome\"\nkind = \"domemaster\"\nwindow = [0, 0, 240, 240]\n";
     let outside =

@@ -1,4 +1,4 @@
-//! The two X servers of the whole suite, and Wayland compositors.
+//! Two X servers that the whole suite shares, and Wayland compositors.
 
 use crate::harness::missing;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
 
-/// A private X server, its display's name, and the connection that keeps it alive.
+/// A private X server: the name of its display, and the connection that keeps it running.
 pub struct Display {
     /// Value for the variable `DISPLAY`.
     pub name: String,
@@ -20,9 +20,9 @@ pub struct Display {
 }
 
 impl Display {
-    /// Ends the server, as if its screen were gone.
+    /// Ends the server, as if its screen were disconnected.
     pub fn kill(self) {
-        // The shell's own: a bare Debian has no such program.
+        // `kill` is built into the shell. A minimal Debian has no such program.
         let _ = Command::new("sh").args(["-c", &format!("kill -s KILL {}", self.process)]).status();
     }
 
@@ -38,17 +38,17 @@ impl Display {
     }
 }
 
-/// Width and height of a place: no window on the screen that all share is larger.
+/// Width and height of a place. No window on the shared screen is larger.
 pub const PLACE: (usize, usize) = (600, 400);
-/// Columns and rows of places on the screen; more than tests run at the same time on a usual
-/// machine.
+/// Columns and rows of places on the screen. There are more places than tests that usually run at
+/// the same time.
 const PLACES: (usize, usize) = (4, 4);
 
-/// A part of the screen for one program alone: the X server hands out the picture of what lies on
-/// top.
+/// A part of the screen that one program has to itself. The X server returns the pixels of the
+/// topmost window.
 pub struct Place {
     index: usize,
-    /// Its left upper corner.
+    /// Upper left corner of the place.
     pub corner: (usize, usize),
 }
 
@@ -76,14 +76,14 @@ impl Drop for Place {
     }
 }
 
-/// Starts the server at the first call. `None` where there is no Xvfb.
+/// Starts the server at the first call. `None` if Xvfb is not installed.
 pub fn get() -> Option<&'static Display> {
     static DISPLAY: OnceLock<Result<Display, String>> = OnceLock::new();
     started(&DISPLAY)
 }
 
-/// The server for programs that choose the places of their windows, as vkcube does: they would
-/// cover others' pictures.
+/// The server for programs that choose the place of their window, as vkcube does. On the other
+/// server they would cover windows of other tests.
 pub fn for_installed_programs() -> Option<&'static Display> {
     static DISPLAY: OnceLock<Result<Display, String>> = OnceLock::new();
     started(&DISPLAY)
@@ -94,15 +94,15 @@ fn started(display: &'static OnceLock<Result<Display, String>>) -> Option<&'stat
     display.get_or_init(|| start(24)).as_ref().inspect_err(refused).ok()
 }
 
-/// A server of its own, for programs that choose where their windows are, whose screen has `depth`
-/// bits for a pixel (30: ten for each colour). `None` where there is none.
+/// A separate server for programs that choose the place of their window. Its screen has `depth`
+/// bits per pixel (30: ten per colour). `None` if it cannot be started.
 pub fn own(depth: u32) -> Option<Display> {
     let refused = |reason: &String| missing(format_args!("no X server of {depth} bits: {reason}"));
     start(depth).inspect_err(refused).ok()
 }
 
-/// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this
-/// process.
+/// The server ends by itself (`-terminate`) when its last client has gone. The connection of this
+/// process ends with this process.
 fn start(depth: u32) -> Result<Display, String> {
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate", "-screen", "0"])
@@ -135,7 +135,7 @@ fn connect(number: &str) -> std::io::Result<UnixStream> {
     Ok(stream)
 }
 
-/// A Wayland compositor whose screen is nowhere, with a folder of its own.
+/// A Wayland compositor without a visible screen, with a folder of its own.
 pub struct Compositor {
     process: Child,
     folder: PathBuf,
@@ -146,7 +146,7 @@ impl Compositor {
     pub const SIZE: (usize, usize) = (320, 240);
     const SOCKET: &str = "cupola";
 
-    /// Starts one. `None` where there is none.
+    /// Starts a compositor. `None` if it cannot be started.
     pub fn start() -> Option<Self> {
         let refused = |reason: &String| missing(format_args!("no Wayland compositor: {reason}"));
         Self::started().inspect_err(refused).ok()
@@ -155,7 +155,8 @@ impl Compositor {
     fn started() -> Result<Self, String> {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        // Not among the project's files: the path of a socket may have about a hundred characters.
+        // The folder is not in the target folder, because the path of a socket is limited to about
+        // a hundred characters.
         let folder = std::env::temp_dir().join(format!("cupola-wayland-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
         let process = Command::new("weston")
@@ -182,7 +183,7 @@ impl Compositor {
         Ok(this)
     }
 
-    /// What its programs find in their environment.
+    /// Variables for the environment of the compositor's programs.
     pub fn environment(&self) -> [(&'static str, PathBuf); 2] {
         [("XDG_RUNTIME_DIR", self.folder.clone()), ("WAYLAND_DISPLAY", Self::SOCKET.into())]
     }

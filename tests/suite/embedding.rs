@@ -1,4 +1,4 @@
-//! A program that draws its own views, through the C interface.
+//! Programs that draw their own views and use the C interface.
 
 use crate::compare::{Shown, compare, expect_good, expect_similar};
 use crate::dialects::{shown_by_fisheye, shown_by_window};
@@ -22,15 +22,15 @@ tests! {
     the_validation_layer_is_heard,
 }
 
-/// `embed` judges status codes, error texts, kept state and exact directions itself; its pictures
-/// are judged here.
+/// `embed` itself checks status codes, error texts, unchanged state and exact directions. This test
+/// checks its pictures.
 fn the_c_interface_without_a_window() {
     let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
     expect_pictures_of_embed(&finished.expect_success());
 }
 
-/// The same program, compiled with the headers of 0.1 as they were first published: all of it has
-/// to work and to look as it did.
+/// The same program, compiled with the published headers of version 0.1. It must work and look the
+/// same.
 fn a_program_of_the_first_version() {
     let Some(finished) = embedding_of_first_version("embed", &["256", "33", "-17"]) else { return };
     let first = finished.expect_success();
@@ -40,13 +40,13 @@ fn a_program_of_the_first_version() {
     for file in ["views.ppm", "callback.ppm", "moved.ppm"] {
         assert_eq!(first.picture(file).difference(&current.picture(file)), (0, 0), "{file}");
     }
-    // The two programs are not one file.
+    // Control: the two headers differ.
     let headers = ["include/cupola.h", "tests/abi/0.1/cupola.h"]
         .map(|path| std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).expect("a header"));
     assert!(headers[0].contains("cupola_abi_version") && !headers[1].contains("cupola_abi_version"));
 }
 
-/// A program of a later version, whose structs are larger.
+/// A program of a later version with larger structs.
 fn a_program_of_a_later_version() {
     let Some(finished) = embedding("embed_versions", &["256", "33", "-17"], &[]) else { return };
     let picture = finished.expect_success().picture("later.ppm");
@@ -62,8 +62,8 @@ fn expect_pictures_of_embed(finished: &Finished) {
         let circle = Fisheye { width: size as f64, height: size as f64, aperture: 180.0, tilt: 90.0 };
         expect_good(&compare(&picture, shown_by_fisheye(circle, camera)), &picture, &format!("embed {file}"));
     }
-    // The viewer has moved in the preset's dome of 5 m: each pixel is the same point of the dome,
-    // seen from there.
+    // The viewer has moved in the preset's dome of 5 m. Each pixel is the same point of the dome,
+    // seen from the new position.
     let picture = finished.picture("moved.ppm");
     let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
     let moved = |[right, up, backward]: [f64; 3]| {
@@ -78,11 +78,11 @@ fn expect_pictures_of_embed(finished: &Finished) {
         }
     };
     expect_good(&compare(&picture, moved([2.0, -0.5, 1.0])), &picture, "embed moved.ppm");
-    // Negative control: the old viewer's picture is another one.
+    // Negative control: the picture for the old position differs.
     assert!(!compare(&picture, moved([0.0; 3])).good());
 }
 
-/// A program whose shader projects to the picture itself, with the library's functions in its text.
+/// A program whose own shader projects to the output, with the library's functions in its text.
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     let Some(finished) = embedding("embed_vertex", &["256", "33", "-17"], &[]) else { return };
     let finished = finished.expect_success();
@@ -90,14 +90,14 @@ fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     for file in ["vertex.ppm", "fragment.ppm"] {
         let picture = finished.picture(file);
         expect_good(&compare(&picture, shown(180.0)), &picture, &format!("embed_vertex {file}"));
-        // Negative control: a lens of another opening.
+        // Negative control: a lens with another opening angle.
         assert!(!compare(&picture, shown(176.0)).good(), "{file}");
     }
 }
 
 const CAMERA: ProgramCamera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
 
-/// For `vk_dome`: a domemaster of 256 × 256 pixels.
+/// Options of `vk_dome` for a domemaster of 256 × 256 pixels.
 const DOMEMASTER: [&str; 10] =
     ["--yaw", "33", "--pitch", "-17", "--size", "256x256", "--frames", "5", "--picture", "dome.ppm"];
 
@@ -105,7 +105,7 @@ fn vulkan(options: &[&str]) -> Option<Picture> {
     Some(validated("vk_dome", &[&DOMEMASTER[..], options].concat())?.picture("dome.ppm"))
 }
 
-/// Without Cupola: the example draws what the reference says that it draws.
+/// Without Cupola the example draws the predicted picture.
 fn the_vulkan_example_without_cupola() {
     let options = ["--yaw", "33", "--pitch", "-17", "--size", "256x192", "--picture", "plain.ppm"];
     let Some(finished) = validated("vk_plain", &options) else { return };
@@ -113,7 +113,7 @@ fn the_vulkan_example_without_cupola() {
     expect_good(&compare(&picture, shown_by_window((256, 192), 75.0, CAMERA)), &picture, "vk_plain");
 }
 
-/// The same example, compiled with the headers of 0.1 as they were first published.
+/// The same example, compiled with the published headers of version 0.1.
 fn the_vulkan_example_of_the_first_version() {
     for views in ["atlas", "layers", "images"] {
         let options = ["--views", views, "--one-by-one", "--own-images"];
@@ -124,8 +124,8 @@ fn the_vulkan_example_of_the_first_version() {
     }
 }
 
-/// However the views lie in memory, and whoever made the images: what f64 predicts, and what OpenGL
-/// shows.
+/// For each arrangement of the views in memory, with images of the program or of Cupola, the
+/// picture is the predicted one and equals that of OpenGL.
 fn the_vulkan_example_in_every_arrangement() {
     let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
     let forms: [&[&str]; 6] = [
@@ -140,16 +140,15 @@ fn the_vulkan_example_in_every_arrangement() {
     for form in forms {
         let Some(picture) = vulkan(form) else { return };
         expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, &format!("vk_dome {form:?}"));
-        // Layers are drawn at more than the planned resolution, so that their texels are other
-        // ones.
+        // Layers have more than the planned resolution, so that their texels differ.
         if let Some(opengl) = opengl.as_ref().filter(|_| form[1] != "layers") {
             expect_similar(&picture, opengl, 1, 1.0, &format!("vk_dome {form:?} against OpenGL"));
         }
     }
 }
 
-/// Drawn all at once. Mesa's lavapipe draws triangles that it has to clip into a wrong view, as
-/// without Cupola.
+/// Draws all layers at once. Mesa's lavapipe draws triangles that it has to clip into a wrong view,
+/// also without Cupola.
 fn the_vulkan_example_with_multiview() {
     let Some(at_once) = vulkan(&["--views", "layers"]) else { return };
     let Some(one_by_one) = vulkan(&["--views", "layers", "--one-by-one"]) else { return };
@@ -157,7 +156,7 @@ fn the_vulkan_example_with_multiview() {
     assert!(differing * 10 < at_once.pixels.len(), "{differing} pixels differ");
 }
 
-/// Projectors, tables, masks and pictures of black, whose values the first command buffer copies.
+/// Projectors, tables, masks and pictures of black. The first command buffer copies their values.
 fn the_vulkan_example_with_other_rigs() {
     let masked = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rigs/masked-fisheye.toml");
     let black = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("black.toml");
@@ -172,15 +171,15 @@ fn the_vulkan_example_with_other_rigs() {
         let Some(images) = vulkan(&options("images")) else { return };
         let Some(layers) = vulkan(&options("layers")) else { return };
         expect_similar(&images, &atlas, 1, 1e-3, &format!("{rig}, images against an atlas"));
-        // Layers have texels of their own: a third of the pixels are off by 1/255, a few of them by
-        // 2/255.
+        // Layers have other texels: a third of the pixels differ by 1/255, a few of them by 2/255.
         expect_similar(&layers, &atlas, 2, 0.5, &format!("{rig}, layers against an atlas"));
         let lit = atlas.pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
         assert!(lit * 10 > atlas.pixels.len(), "{rig}: {lit} pixels are lit");
     }
 }
 
-/// Control: when the layer has something to say, it is heard. No device takes so wide an image.
+/// Control: messages of the validation layer are noticed. No device supports an image of this
+/// width.
 fn the_validation_layer_is_heard() {
     let Some(finished) = watched("vk_plain", &["--size", "100000x16"]) else { return };
     assert!(finished.messages().contains("VUID-VkImageCreateInfo"), "{}", finished.messages());

@@ -1,4 +1,4 @@
-//! Programs end as they would without Cupola, in whatever order the parts of the process are
+//! Programs end as they do without Cupola, in whatever order the parts of the process are
 //! destroyed.
 
 use crate::compare::{compare, expect_good};
@@ -16,7 +16,7 @@ tests! {
     a_program_ends_when_its_time_is_over,
 }
 
-/// Ways to end of the program `ending`.
+/// Ways in which the program `ending` ends.
 const WAYS: [&str; 12] = [
     "exit",
     "early",
@@ -32,17 +32,18 @@ const WAYS: [&str; 12] = [
     "closed-current",
 ];
 
-/// Exit status of a program that ends by SIGSEGV, as a shell tells it.
+/// Exit status that a shell gives for a program that SIGSEGV ended.
 const FAULT: i32 = 139;
 
 fn end_alike(way: &str, windows: &[&str], rigs: &[&str]) {
     let extra: Vec<&str> = ["--mode", way].iter().chain(windows).copied().collect();
-    // Before the first swap, and after some.
+    // The program ends before the first swap, and after some swaps.
     for frames in [1, 3] {
-        // Threads that still draw may draw many frames before the process ends.
+        // Threads that continue to draw may draw many frames before the process ends.
         let cupola_frames = if way == "drawing" { 1_000_000 } else { frames + 1 };
         let run = Run { frames, extra: &extra, cupola_frames, ..Run::new("ending") };
-        // Mesa alone ends 3 of 120 processes by a fault whose threads still draw: then once more.
+        // With threads that continue to draw, Mesa alone ends 3 of 120 processes by SIGSEGV. Such a
+        // run is repeated.
         let attempts = if way == "drawing" { 3 } else { 1 };
         let again = |start: &dyn Fn() -> Option<Finished>| {
             let mut finished = start();
@@ -76,7 +77,7 @@ fn a_program_that_unloads_opengl() {
     under.expect_success();
 }
 
-/// The frame that was asked for is the one that the program ends in.
+/// The program ends during the frame that is to be captured.
 fn a_picture_is_captured_though_it_is_never_swapped() {
     for way in ["exit", "early", "late", "thread"] {
         let extra = ["--mode", way];
@@ -90,10 +91,10 @@ fn a_picture_is_captured_though_it_is_never_swapped() {
     }
 }
 
-/// More frames than a program draws before it is ended.
+/// A frame number that the program does not reach before it is ended.
 const MANY_FRAMES: &[&str] = &["--frames", "1000000"];
 
-/// Runs a program that is ended; its picture and its statistics have to be there.
+/// Runs a program that is ended, and checks that its picture and its statistics exist.
 fn expect_report(way: &str, options: &[&str], status: i32) {
     let extra = ["--mode", way];
     let run = Run { frames: 3, extra: &extra, cupola_frames: 0, cupola: options, ..Run::new("ending") };
@@ -109,7 +110,7 @@ fn a_signal_leaves_captures_and_statistics() {
     for (way, signal) in [("terminate", libc::SIGTERM), ("abort", libc::SIGABRT), ("fault", libc::SIGSEGV)] {
         expect_report(way, &[], 128 + signal);
     }
-    // The frame that is drawn after the signal is the last one, or the last one that was drawn is.
+    // The captured frame is the one that is drawn after the signal, or else the last one before it.
     expect_report("killed", MANY_FRAMES, 128 + libc::SIGTERM);
     expect_report("killed", &[], 128 + libc::SIGTERM);
     expect_report("killed-idle", &[], 128 + libc::SIGTERM);
@@ -118,6 +119,6 @@ fn a_signal_leaves_captures_and_statistics() {
 fn a_program_ends_when_its_time_is_over() {
     expect_report("busy", &["--seconds", "0.5"], 0);
     expect_report("busy", &["--seconds", "0.5", MANY_FRAMES[0], MANY_FRAMES[1]], 0);
-    // One that draws nothing more is ended by a signal.
+    // A program that draws no more frames is ended by a signal.
     expect_report("idle", &["--seconds", "0.5"], 0);
 }

@@ -1,10 +1,10 @@
-//! Faults of the driver: whatever it refuses or lacks, the program goes on and shows its own
-//! picture.
+//! Faults of the driver: whatever the driver refuses or lacks, the program keeps running and shows
+//! its own picture.
 //!
-//! `tests/apps/preload/calls.c` stands between Cupola and the driver and has one fault in each run.
-//! The rig does not change the picture, so the window has to show the same as without Cupola,
-//! whether the fault makes Cupola give up or not. `CUPOLA_ALL_FAULTS=1` tries each fault instead of
-//! a sample.
+//! `tests/apps/preload/calls.c` is between Cupola and the driver and has one fault in each run. The
+//! rig does not change the picture. So the window must show the same as without Cupola, whether
+//! Cupola gives up because of the fault or not. `CUPOLA_ALL_FAULTS=1` tries each fault instead of a
+//! sample.
 
 use crate::harness::{note, tests};
 use crate::picture::Picture;
@@ -20,24 +20,24 @@ tests! {
 
 const RIG: &str = "identity-captured";
 
-/// What a run of the program left behind.
+/// Results of a run of the program.
 struct Outcome {
     succeeded: bool,
     window: Picture,
     /// Number of calls of each function.
     calls: BTreeMap<String, u64>,
-    /// What was printed on stderr.
+    /// The text on stderr.
     words: String,
 }
 
-/// Whether a window shows the program's own picture. Colours between vertices are rounded in
-/// another order by Cupola.
+/// Whether a window shows the program's own picture. Cupola rounds colours between vertices in
+/// another order.
 fn is_own(window: &Picture, right: &Picture) -> bool {
     let (_, worst) = window.difference(right);
     worst <= 1
 }
 
-/// Runs the program between a rig and a driver with a fault. `None` where that is not possible.
+/// Runs the program with a rig and a driver that has the fault. `None` if that is not possible.
 fn run(rig: &str, fault: &str) -> Option<Outcome> {
     let folder = vendor()?;
     let environment = [
@@ -46,7 +46,7 @@ fn run(rig: &str, fault: &str) -> Option<Outcome> {
         ("CALLS_REPORT", "calls.txt"),
         ("CALLS_FAULT", fault),
     ];
-    // Four frames: the first two may be lost where the driver refuses each correction.
+    // Four frames: the first two may be lost if the driver refuses each correction.
     let extra = ["--shot", "window.ppm"];
     let run = Run { frames: 4, cupola_frames: 1000, extra: &extra, environment: &environment, ..Run::new("immediate") };
     let finished = Run { size: (96, 96), ..run }.under(rig)?;
@@ -62,8 +62,8 @@ fn run(rig: &str, fault: &str) -> Option<Outcome> {
     })
 }
 
-/// The functions that Cupola calls and the program does not, each with the number of its calls; and
-/// the right picture.
+/// Functions that Cupola calls and the program does not call, each with the number of its calls,
+/// and the right picture.
 fn calls_of_cupola() -> Option<(BTreeMap<String, u64>, Picture)> {
     let (plain, ours) = (run("identity", "")?, run(RIG, "")?);
     assert!(plain.succeeded && ours.succeeded, "{}", ours.words);
@@ -73,7 +73,8 @@ fn calls_of_cupola() -> Option<(BTreeMap<String, u64>, Picture)> {
     Some((own, plain.window))
 }
 
-/// Tries faults, or a sample of them, and lists those after which something is wrong.
+/// Tries all faults or a sample of them, and panics with a list of those after which something is
+/// wrong.
 fn expect_the_own_picture(faults: &[String], sample: usize, right: &Picture) {
     let step = if std::env::var_os("CUPOLA_ALL_FAULTS").is_some() { 1 } else { faults.len().div_ceil(sample) };
     let mut wrong = Vec::new();
@@ -82,14 +83,14 @@ fn expect_the_own_picture(faults: &[String], sample: usize, right: &Picture) {
         let Some(outcome) = run(RIG, fault) else { return };
         tried += 1;
         if !outcome.succeeded || !is_own(&outcome.window, right) {
-            wrong.push(format!("{fault}: ended well: {}; {}", outcome.succeeded, outcome.words.trim()));
+            wrong.push(format!("{fault}: succeeded: {}; {}", outcome.succeeded, outcome.words.trim()));
         }
     }
     note(format_args!("{tried} of {} faults were tried", faults.len()));
     assert!(wrong.is_empty(), "{} of {tried} faults:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Whether a driver may have no memory for what the function makes or draws.
+/// Whether a driver may refuse the function because it has no memory.
 fn may_be_refused(function: &str) -> bool {
     const MAKES: [&str; 17] = [
         "glGen",
@@ -125,8 +126,8 @@ fn calls_that_are_refused() {
 
 fn functions_that_are_missing() {
     let Some((own, right)) = calls_of_cupola() else { return };
-    // The program's vertices, which Cupola repeats by other functions of OpenGL 1.0 than the
-    // program itself.
+    // Cupola repeats the program's vertices with other functions of OpenGL 1.0 than the program
+    // used.
     let repeats =
         |name: &str| name.starts_with("glColor") || name.starts_with("glVertex3") || name.starts_with("glVertex4");
     let faults: Vec<_> = own.keys().filter(|name| !repeats(name)).map(|name| format!("missing {name}")).collect();
@@ -153,7 +154,8 @@ fn answers_that_are_absurd() {
     expect_the_own_picture(&faults, 12, &right);
 }
 
-/// The control: what the program itself draws with is refused, and the test sees it.
+/// Negative control: calls with which the program itself draws are refused. The test must notice
+/// it.
 fn a_fault_of_the_program_s_own_calls_is_seen() {
     let Some(right) = run("identity", "") else { return };
     let Some(refused) = run("identity", "call glBegin 1 1000") else { return };

@@ -1,4 +1,4 @@
-//! What a run of a program left behind: its status, words, files and pictures.
+//! Results of a finished run of a program: its status, words, files and pictures.
 
 use crate::display::{self, Display};
 use crate::harness::note;
@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// No program of the suite needs a tenth of this.
+/// Time after which a program is ended. No program of the suite needs a tenth of it.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
-/// What a run left behind.
+/// Results of a run.
 pub struct Finished {
-    /// The folder it ran in; relative file names of its options are there.
+    /// Folder of the run. Relative file names in the program's options are in it.
     pub directory: PathBuf,
     what: String,
     output: Output,
@@ -26,18 +26,19 @@ impl Finished {
         Some(Self::on(display::get()?, command, program, rig))
     }
 
-    /// Runs a program on a display.
+    /// Runs a program on `display`.
     pub fn on(display: &Display, mut command: Command, program: &str, rig: &str) -> Self {
         command.env("DISPLAY", &display.name);
         Self::run(command, program, rig)
     }
 
-    /// Runs a program, and ends it after the time limit.
+    /// Runs a program. Ends it and panics after the time limit.
     pub fn run(mut command: Command, program: &str, rig: &str) -> Self {
         let what = format!("{program} ({rig})");
         let directory = command.get_current_dir().map_or_else(|| scratch(program), Path::to_owned);
         let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
-        // Not the user's own; that runs share it is a test of its own.
+        // The tests do not use the user's own cache. That programs may share a cache is part of the
+        // test.
         if !command.get_envs().any(|(name, _)| name == "CUPOLA_CACHE") {
             command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
         }
@@ -56,8 +57,8 @@ impl Finished {
                 break status;
             }
             if started.elapsed() > TIME_LIMIT {
-                // The whole group: the program is a child of `cupola run`.
-                // The shell's own: a bare Debian has no such program.
+                // Kills the whole process group, since the program is a child of `cupola run`.
+                // `kill` is built into the shell. A minimal Debian has no such program.
                 let _ = Command::new("sh").args(["-c", &format!("kill -s KILL -- -{}", child.id())]).status();
                 let _ = child.wait();
                 panic!("{what} hangs; its files are in {}", directory.display());
@@ -69,7 +70,7 @@ impl Finished {
         Self { directory, what, output }
     }
 
-    /// Panics, with what the program printed, unless it ended with exit status 0.
+    /// Panics with the output of the program unless it ended with exit status 0.
     pub fn expect_success(self) -> Self {
         assert!(
             self.output.status.success(),
@@ -88,21 +89,22 @@ impl Finished {
         self.output.status.success()
     }
 
-    /// The exit status as shells say it: 128 and the number of the signal that ended the program.
+    /// Exit status as shells give it: 128 plus the number of the signal if a signal ended the
+    /// program.
     pub fn status(&self) -> i32 {
         let status = self.output.status;
         status.code().or(status.signal().map(|signal| 128 + signal)).unwrap_or(-1)
     }
 
-    /// The kinds of messages of the validation layer.
+    /// Kinds of messages of the validation layer.
     pub fn kinds_of_messages(&self) -> BTreeSet<String> {
         let kind = |line: &str| line.split(['(', ' ']).next().unwrap_or_default().to_owned();
         let is_message = |line: &&str| ["VUID", "UNASSIGNED", "SYNC"].iter().any(|kind| line.starts_with(kind));
         self.messages().lines().filter(is_message).map(kind).collect()
     }
 
-    /// Panics unless a file has `count` numbers of pages that were resident, and those of the last
-    /// quarter exceed those of the second by no more than a set of atlases.
+    /// Panics unless the file has `count` numbers of resident pages, and unless the greatest of the
+    /// last quarter exceeds that of the second quarter by no more than a set of atlases.
     pub fn expect_flat_memory(&self, file: &str, count: usize) {
         let pages: Vec<u64> = self.text(file).lines().map(|line| line.parse().expect("a number of pages")).collect();
         note(format_args!("{}: resident pages: {pages:?}", self.what));
@@ -113,7 +115,7 @@ impl Finished {
         assert!(*late < early + 4096, "{}: resident pages grow from {early} to {late}: {pages:?}", self.what);
     }
 
-    /// Panics unless the validation layer was there and said nothing.
+    /// Panics unless the validation layer was loaded and wrote no message.
     pub fn expect_no_validation_messages(self) -> Self {
         let words = self.words();
         assert!(words.contains("VK_LAYER_KHRONOS_validation"), "{}: the layer is not loaded:\n{words}", self.what);
@@ -127,7 +129,7 @@ impl Finished {
         self.directory.join(name).exists()
     }
 
-    /// What it printed on stderr.
+    /// The text that the program wrote to stderr.
     pub fn words(&self) -> std::borrow::Cow<'_, str> {
         String::from_utf8_lossy(&self.output.stderr)
     }
@@ -138,7 +140,7 @@ impl Finished {
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
     }
 
-    /// What it printed on stdout, as the validation layer does.
+    /// The text that the program wrote to stdout. The validation layer writes its messages there.
     pub fn messages(&self) -> std::borrow::Cow<'_, str> {
         String::from_utf8_lossy(&self.output.stdout)
     }
@@ -156,8 +158,7 @@ impl Finished {
         Picture::load(&path)
     }
 
-    /// The pictures of all outputs that the run captured, by the names of their files; there is one
-    /// at least.
+    /// Captured pictures of all outputs, by the names of their files. There is at least one.
     pub fn captures(&self) -> BTreeMap<String, Picture> {
         let files = std::fs::read_dir(&self.directory).expect("the folder of a run").flatten();
         let names = files.filter_map(|file| file.file_name().into_string().ok());
@@ -167,7 +168,7 @@ impl Finished {
         pictures
     }
 
-    /// What `cupola simulate` says of the captured pictures, on a dome of `size` × `size` pixels.
+    /// Answer of `cupola simulate` for the captured pictures, on a dome of `size` × `size` pixels.
     pub fn simulate(&self, rig: &str, size: u32) -> serde_json::Value {
         let output = Command::new(env!("CARGO_BIN_EXE_cupola"))
             .current_dir(&self.directory)
@@ -186,7 +187,7 @@ impl Finished {
         serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
     }
 
-    /// Panics unless Cupola says that it made no GL error of its own.
+    /// Panics unless the statistics say that Cupola itself caused no GL error.
     pub fn expect_no_gl_errors(self) -> Self {
         let statistics = self.statistics();
         assert_eq!(
@@ -200,7 +201,7 @@ impl Finished {
 }
 
 impl Drop for Finished {
-    /// Keeps the files of a failing test only.
+    /// Removes the files of the run unless the test fails.
     fn drop(&mut self) {
         if !std::thread::panicking() {
             let _ = std::fs::remove_dir_all(&self.directory);

@@ -1,5 +1,5 @@
-//! Fragment shaders that ask where in the window they are: in a view, as in a window that shows the
-//! view.
+//! Fragment shaders that read their place in the window. In a view it is the place in the view, as
+//! if the view filled the window.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};
@@ -26,7 +26,7 @@ fn finished(run: &Run, rig: &str) -> Option<Finished> {
     Some(run.under(rig)?.expect_success().expect_no_gl_errors())
 }
 
-/// What is beside the window is discarded by the shader.
+/// The shader discards fragments beside the window.
 fn what_is_cut_at_the_window_fills_the_dome() {
     for form in FORMS {
         let mode = format!("clip-{form}");
@@ -42,8 +42,8 @@ fn what_is_cut_at_the_window_fills_the_dome() {
     }
 }
 
-/// Greatest difference of a view from the places of its pixels, which go from `low` to 1; of 255.
-/// What is black is not drawn to.
+/// Greatest difference of a view's colours from the places of its pixels, in 255ths. Places go from
+/// `low` to 1.
 fn worst(view: &Picture, low: f64) -> f64 {
     let place = |at: usize, length: usize| low + (1.0 - low) * (at as f64 + 0.5) / length as f64;
     let mut worst: f64 = 0.0;
@@ -75,7 +75,7 @@ fn each_view_is_a_window() {
     }
 }
 
-/// The program's own picture is the same to the byte.
+/// The program's own picture stays the same to the byte.
 fn own_pictures_are_as_before() {
     for mode in ["gradient-core", "gradient-upper", "gradient-part", "gradient-off"] {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
@@ -87,8 +87,8 @@ fn own_pictures_are_as_before() {
     }
 }
 
-/// Places in the window that a geometry shader computes from positions are those of the view, as
-/// `gl_FragCoord` is.
+/// A geometry shader that computes places in the window from positions gets the places in the view,
+/// as with `gl_FragCoord`.
 fn surfaces_with_edges() {
     for (fov, yaw, pitch) in CAMERAS {
         let run = Run { fov, yaw, pitch, extra: &["--shot", "shot.ppm"], ..Run::new("edges") };

@@ -1,5 +1,5 @@
-//! What cannot be seen is not done, and no pixel of an output changes by that: what no output
-//! samples is closed for drawing, and windows that are not on the screen are not corrected.
+//! Work that cannot be seen is left out, and no pixel of an output changes. Texels that no output
+//! samples are closed for drawing. Windows that are not visible on the display are not corrected.
 
 use crate::compare::{expect_identical, expect_identical_captures};
 use crate::harness::tests;
@@ -13,9 +13,10 @@ tests! {
     a_capture_of_a_window_that_is_not_on_the_screen_is_corrected,
 }
 
-/// The same picture to the byte with and without; the statistics of the run with.
+/// Checks that the picture is the same to the byte with and without the mask. Returns the
+/// statistics of the run with the mask.
 fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
-    // Large enough for much to be hidden.
+    // Large enough to have a large unsampled area.
     same_picture_of((480, 480), program, rig)
 }
 
@@ -24,7 +25,7 @@ fn same_picture_of(size: (usize, usize), program: &str, rig: &str) -> Option<ser
     let without = Run { cupola: &["--no-mask"], environment: &[], ..with.clone() };
     let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
     let (counts, all) = (with.statistics(), without.statistics());
-    assert_eq!(all["closings"], 0, "{program}: --no-mask closes nothing");
+    assert_eq!(all["closings"], 0, "{program}: --no-mask closes texels");
     let what = format!("{program} {rig}, what is hidden closed");
     expect_identical_captures(&with, &without, &what);
     Some(counts)
@@ -60,7 +61,7 @@ fn windows_that_are_not_on_the_screen_are_not_corrected() {
     let after = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("unmapped") }.under("fisheye");
     let (Some(before), Some(back)) = (after(2), after(9)) else { return };
     let [before, back] = [before, back].map(|finished| finished.expect_success().expect_no_gl_errors());
-    // The swap after the window went finds out.
+    // The first swap after the window was unmapped detects it.
     let count = |finished: &crate::programs::Finished| finished.statistics()["hidden_frames"].as_u64();
     assert!(matches!(count(&back), Some(3..=4)), "{:?}", count(&back));
     assert_eq!(count(&before), Some(0));

@@ -20,7 +20,7 @@ const IN_TURN: &[&str] = &["--duplicate", "in-turn"];
 
 fn run<'a>(program: &'a str, extra: &'a [&'a str], cupola: &'a [&'a str]) -> Run<'a> {
     let (fov, yaw, pitch) = CAMERAS[1];
-    // Four views for each frame on the dome.
+    // The plan has four views, so each frame on the dome needs four frames of the program.
     Run { fov, yaw, pitch, extra, cupola, frames: 100, cupola_frames: 6, ..Run::new(program) }
 }
 
@@ -28,7 +28,7 @@ fn finished(run: &Run, rig: &str) -> Option<Finished> {
     Some(run.under(rig)?.expect_success().expect_no_gl_errors())
 }
 
-/// What a program shows is what the reference predicts.
+/// The program shows the predicted picture.
 fn right(program: &str, mode: &str, limits: impl Into<Limits>) {
     let extra = ["--mode", mode];
     let run = run(program, &extra, IN_TURN);
@@ -38,11 +38,11 @@ fn right(program: &str, mode: &str, limits: impl Into<Limits>) {
     expect_good(&report, &picture, &format!("{program} {mode} in turn"));
 }
 
-/// One more image is rounded to bytes.
+/// One more image rounds its values to bytes.
 const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
 
-/// Pictures that compute shaders make beside images of three dimensions, and beside sums: with
-/// copies per view they are flat.
+/// Compute shaders that make pictures together with images of three dimensions or with sums. With
+/// copies per view these pictures are flat.
 fn what_cannot_be_followed_is_right() {
     right("computed", "volume", ROUNDED);
     right("computed", "gathered", ROUNDED);
@@ -54,8 +54,8 @@ fn what_cannot_be_followed_is_right() {
     assert!(!report.good(), "the comparison finds nothing wrong with a flat picture");
 }
 
-/// Blits, copies from the window, depth, samples, several passes; skies and lights from depth, also
-/// in compute shaders.
+/// Blits, copies from the window, depth, samples and several passes. Also skies and lights that are
+/// computed from depth, in compute shaders, too.
 fn passes_and_matrices_are_those_of_the_view() {
     for mode in ["light", "samples", "copied_window", "blit", "depth"] {
         right("passes", mode, EDGE);
@@ -72,17 +72,17 @@ fn six_projectors() {
     });
 }
 
-/// Squares over the scene lie where they lie when all views are drawn in each frame.
+/// Squares over the scene are at the same places as if all views were drawn in each frame.
 fn flat_drawing_is_shown_once() {
     let all = run("hud", &[], &[]);
     let turns = run("hud", &[], IN_TURN);
     let (Some(all), Some(turns)) = (finished(&all, "fisheye"), finished(&turns, "fisheye")) else { return };
-    // Views have the window's size in turn, and another one else.
+    // With views in turn each view has the window's size, and otherwise another size.
     expect_alike(&turns.picture("capture.png"), &all.picture("capture.png"), 3, "flat drawing in turn");
 }
 
-/// A frame on the dome is as many frames of the program as there are views, and with a warm-up
-/// more.
+/// A frame on the dome takes as many frames of the program as there are views. With `warm_up` it
+/// takes more.
 fn a_round_is_one_frame() {
     let extra = ["--mode", "light"];
     let counts = |cupola: &[&str]| -> Option<(u64, u64, u64)> {
@@ -95,7 +95,7 @@ fn a_round_is_one_frame() {
     assert_eq!(turns.1, all.1 * turns.2, "draws to the window in all turns");
 }
 
-/// A rig whose only view is the program's own has nothing to turn.
+/// If the program's own view is the rig's only view, there are no views to draw in turn.
 fn the_programs_own_picture_is_left_alone() {
     let extra = ["--mode", "sampled", "--shot", "shot.ppm"];
     let run = Run { extra: &extra, cupola: IN_TURN, frames: 6, cupola_frames: 6, ..Run::new("computed") };

@@ -1,4 +1,4 @@
-//! The ways into a program besides `cupola run`, and the ways to stay out of it.
+//! Other ways to load Cupola into a program than `cupola run`, and ways to keep it out.
 
 use crate::compare::{compare, expect_good, expect_identical};
 use crate::dialects::shown_by_fisheye;
@@ -14,7 +14,7 @@ tests! {
     the_kill_switch_works_under_the_launcher,
 }
 
-/// `LD_PRELOAD` alone gives the domemaster that `cupola run` gives.
+/// `LD_PRELOAD` alone gives the same domemaster as `cupola run`.
 fn preloaded(program: &str) {
     let run = Run { fov: 90.0, yaw: 33.0, pitch: -17.0, ..Run::new(program) };
     let Some(finished) = run.preloaded("fisheye") else { return };
@@ -36,11 +36,11 @@ fn preloaded_into_a_program_that_uses_egl() {
     preloaded("gles3");
 }
 
-/// What can keep Cupola out of a program.
+/// Settings that keep Cupola out of a program.
 const STAY_OUT: [(&str, &str); 3] =
     [("CUPOLA", "0"), ("CUPOLA_RIG", "/no/such/rig.toml"), ("CUPOLA_CAMERA", "zoom=nothing")];
 
-/// The kill switch, and settings that are wrong, leave the program its own picture and exit status.
+/// With the kill switch or with wrong settings the program keeps its own picture and exit status.
 fn a_program_that_is_left_alone_shows_its_own_picture() {
     for program in ["immediate", "gles3"] {
         let run = Run { extra: &["--shot", "shot.ppm"], ..Run::new(program) };

@@ -13,7 +13,7 @@ tests! {
 
 const PAGE: &[(&str, &str)] = &[("CUPOLA_INSPECT", "inspect.html")];
 
-/// The page without the bytes of its pictures, and their number.
+/// The page without the bytes of its pictures, and the number of the pictures.
 fn page(finished: &Finished) -> (String, usize) {
     let text = finished.text("inspect.html");
     let mut parts = text.split("base64,");
@@ -38,17 +38,18 @@ fn passes_and_matrices_of_an_opengl_program() {
     let run = Run { environment: PAGE, ..plain.clone() };
     let (Some(plain), Some(finished)) = (plain.under("fisheye"), run.under("fisheye")) else { return };
     let [plain, finished] = [plain, finished].map(|finished| finished.expect_success().expect_no_gl_errors());
-    // To look changes nothing.
+    // The inspection does not change the picture.
     expect_identical(&finished.picture("capture.png"), &plain.picture("capture.png"), "an inspected program");
     let (text, pictures) = page(&finished);
-    // A map in a corner, the scene, a pass over it, the window; the map is drawn once.
+    // The passes are a map in a corner, the scene, a pass over the scene, and the window. Draws to
+    // the map are issued once.
     expect(
         &text,
         &["<th>passes<td>4<", "2 scene, 2 pass over the screen", "<code>MVP</code> (uniform)", "75.00° × 75.00°"],
     );
     expect(&text, &["Draws are issued once: it was not seen to fill the window.", "RGBA8, 256 × 256"]);
     let views = finished.statistics()["views"].as_array().map_or(0, Vec::len);
-    // The outputs, the views, the panel, and three framebuffers.
+    // The pictures are the output, the views, the panel, and three framebuffers.
     assert_eq!(pictures, 1 + views + 1 + 3, "{text}");
 }
 
@@ -72,7 +73,7 @@ fn draws_of_a_vulkan_program() {
     assert!(pictures > 2, "{text}");
 }
 
-/// The frame after the signal is described.
+/// The page describes the frame after the signal.
 fn a_program_that_a_signal_ends() {
     let run = Run { extra: &["--mode", "killed"], cupola_frames: 0, environment: PAGE, ..Run::new("ending") };
     let Some(finished) = run.under("fisheye") else { return };

@@ -1,4 +1,4 @@
-//! The rig's file changes while a program runs with it.
+//! The rig's file changes while a program runs with the rig.
 
 use crate::compare::{expect_alike, expect_identical, expect_similar, far};
 use crate::harness::{note, tests};
@@ -27,22 +27,22 @@ tests! {
 const RIG: &str =
     "[[output]]\nkind = \"domemaster\"\n[output.blend]\nramps = [{ angle = \"polar\", zero = 90, full = 80 }]\n";
 
-/// What says that the file was read again.
+/// Text in the log after the file was read again.
 const FOLLOWED: &str = "windows follow it (1)";
 const FOLLOWED_TWICE: &str = "windows follow it (2)";
 const REFUSED: &str = "the rig stays as it was";
 
-/// How long a rig stays as it is that is changed twice.
+/// Time between two changes of the same rig.
 const WHILE: Duration = Duration::from_secs(1);
 
-/// How long a program may take to notice that its rig has changed.
+/// Longest time that a program may take to notice a change of its rig.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 const POLL: Duration = Duration::from_millis(20);
 
-/// Frames of a run, and of one after the change was noticed.
+/// Number of frames of a run, and of the frames after the change was noticed.
 const FRAMES: usize = 20;
 
-/// Whether something becomes true before long.
+/// Whether a condition becomes true within [`LONGEST_WAIT`].
 fn becomes_true(is_true: impl Fn() -> bool) -> bool {
     (0..LONGEST_WAIT.as_millis() / POLL.as_millis()).any(|_| {
         std::thread::sleep(POLL);
@@ -50,12 +50,12 @@ fn becomes_true(is_true: impl Fn() -> bool) -> bool {
     })
 }
 
-/// A program and the rig that it starts with: a file of this test's own.
+/// A program and the rig with which it starts. The rig is a file that only this test uses.
 struct Case<'a> {
     run: Run<'a>,
     vulkan: bool,
     name: &'a str,
-    /// Changes that the file has from the start.
+    /// Changes of the file before the program starts.
     start: fn(&Path),
 }
 
@@ -75,15 +75,15 @@ impl<'a> Case<'a> {
         file
     }
 
-    /// `frames`: of the program; it ends by itself.
+    /// Runs the program with [`FRAMES`] frames. The program ends by itself.
     fn under(&self, run: Run, file: &Path) -> Option<Finished> {
         let run = Run { frames: FRAMES, cupola_frames: 0, ..run };
         let rig = file.to_string_lossy();
         if self.vulkan { run.vulkan_under(&rig) } else { run.under(&rig) }
     }
 
-    /// Changes the rig when the program has drawn some frames. Some frames after its log says
-    /// `message` the program ends. `None` where there is no display.
+    /// Changes the rig after the program has drawn some frames. The program ends some frames after
+    /// its log contains `message`. `None` if there is no display.
     fn changed_meanwhile(&self, change: fn(&Path), message: &'static str) -> Option<Finished> {
         let (file, directory) = (self.rig(), scratch(self.name));
         let (changing, watched) = (file.clone(), directory.clone());
@@ -105,26 +105,26 @@ impl<'a> Case<'a> {
         Some(finished)
     }
 
-    /// What a run shows from the start whose rig has these changes, once its views are planned for
-    /// its number of draws.
+    /// Runs the program with a rig that has these changes from the start. Enough frames are drawn
+    /// for the views to be planned for the number of draws.
     fn started_with(&self, change: fn(&Path)) -> Option<Finished> {
         let file = self.rig();
         change(&file);
         self.under(self.run.clone(), &file)
     }
 
-    /// The picture is that of the changed rig.
+    /// Checks that a program whose rig changes shows the picture of the changed rig.
     fn follows(&self, change: fn(&Path)) -> Option<Finished> {
         self.follows_as(change, expect_identical)
     }
 
-    /// The same, to be judged by `expect`.
+    /// As [`Self::follows`], with `expect` as the comparison.
     fn follows_as(&self, change: fn(&Path), expect: fn(&Picture, &Picture, &str)) -> Option<Finished> {
         let found = self.changed_meanwhile(change, FOLLOWED)?;
         let (expected, before) = (self.started_with(change)?, self.started_with(|_| ())?);
         let picture = expected.picture("capture.png");
         expect(&found.picture("capture.png"), &picture, self.run.program);
-        // Negative control: the change is one that shows.
+        // Negative control: the change is visible.
         assert!(before.picture("capture.png").difference(&picture).0 > 1_000);
         Some(found)
     }
@@ -197,8 +197,7 @@ fn ramps_follow_the_file_on_vulkan() {
     Case::vulkan(Run::new("vk_cube"), "vulkan").follows(ramps);
 }
 
-/// Other views: the program makes a new swapchain, and keeps the pictures that it draws its scene
-/// to.
+/// Other views: the program makes a new swapchain and keeps the images to which it draws its scene.
 fn scenes_off_screen_follow_the_file_on_vulkan() {
     for way in ["post", "chain", "blit"] {
         let extra = ["--way", way];
@@ -215,12 +214,12 @@ fn a_file_with_a_mistake_changes_nothing() {
     assert!(words.contains("aperture") && words.contains(":3:"), "{words}");
 }
 
-/// How many views there are at the end.
+/// Number of views at the end.
 fn views(finished: &Finished) -> usize {
     finished.statistics()["views"].as_array().map_or(0, Vec::len)
 }
 
-/// The picture stays, with as many views as before, and the log says why, once.
+/// Checks that the picture and the number of views stay, and that the log gives the reason once.
 fn stays(case: &Case, change: fn(&Path), why: &str) -> Option<()> {
     let found = case.changed_meanwhile(change, FOLLOWED)?;
     let expected = case.started_with(|_| ())?;
@@ -230,13 +229,13 @@ fn stays(case: &Case, change: fn(&Path), why: &str) -> Option<()> {
     Some(())
 }
 
-/// What the log says of a program whose shaders know nothing of outputs' lenses.
+/// Message in the log about a program whose shaders do not contain the lenses of outputs.
 const NOT_PROJECTED: &str = "vertices are projected after a new start: outputs that ask for it are made by method";
 const NOT_DIVIDED: &str = "primitives are divided after a new start: outputs that ask for it are made by method";
-/// And where a window follows that is made anew, which `vk_cube` never does.
+/// Message in the log if the change applies only to the next swapchain. `vk_cube` never makes one.
 const NEXT_SWAPCHAIN: &str = "a window follows when the program makes its next swapchain";
 
-/// Shaders and lists that were made for views know nothing else.
+/// Shaders and lists that were made for views cannot project vertices.
 fn methods_that_project_vertices_need_a_new_start() {
     for change in [vertex as fn(&Path), primitive] {
         let opengl = Case::opengl(Run::new("core330_mvp"), "later");
@@ -251,8 +250,8 @@ fn methods_that_project_vertices_need_a_new_start() {
     }
 }
 
-/// Where vertices are projected from the start, what lies between them may be divided later, with
-/// shaders and without.
+/// If vertices are projected from the start, the primitives between them may be divided later, with
+/// shaders and with the fixed-function pipeline.
 fn methods_follow_the_file() {
     for program in ["core330_mvp", "immediate"] {
         let case = Case { start: vertex, ..Case::opengl(Run::new(program), "divided") };
@@ -266,7 +265,7 @@ fn methods_follow_the_file() {
     }
 }
 
-/// By which stage is what the file says now.
+/// The stage that divides is the one that the file gives now.
 fn the_stage_that_divides_follows_the_file() {
     let case = Case { start: tessellation, ..Case::opengl(Run::new("core330_mvp"), "stage") };
     let Some(found) = case.changed_meanwhile(geometry, FOLLOWED) else { return };
@@ -274,11 +273,11 @@ fn the_stage_that_divides_follows_the_file() {
     let picture = expected.picture("capture.png");
     expect_identical(&found.picture("capture.png"), &picture, "the stage");
     let (differ, worst) = before.picture("capture.png").difference(&picture);
-    note(format_args!("{differ} pixels tell the stages apart, the worst by {worst}/255"));
-    assert!(differ > 20, "the stages cannot be told apart");
+    note(format_args!("{differ} pixels differ between the stages, the worst by {worst}/255"));
+    assert!(differ > 20, "both stages give the same picture");
 }
 
-/// From divided primitives to views and back.
+/// From divided primitives to views and back to divided primitives.
 fn there_and_back(case: &Case) -> Option<()> {
     let found = case.changed_meanwhile(fragment_and_primitive, FOLLOWED_TWICE)?;
     let expected = case.started_with(|_| ())?;
@@ -287,8 +286,7 @@ fn there_and_back(case: &Case) -> Option<()> {
     Some(())
 }
 
-/// Lists that the driver compiled before primitives were to be divided cannot be divided: the
-/// window gets views.
+/// Lists that the driver compiled earlier cannot be divided. The window then gets views.
 fn lists_get_views_where_primitives_are_divided_later() {
     let case = Case { start: vertex, ..Case::opengl(Run::new("display_list"), "lists") };
     let Some(found) = case.changed_meanwhile(primitive, FOLLOWED) else { return };
@@ -299,13 +297,14 @@ fn lists_get_views_where_primitives_are_divided_later() {
     assert_eq!(found.words().matches("by method \"fragment\" instead").count(), 1, "{}", found.words());
 }
 
-/// Shaders that know lenses, and those that do not, round a pixel here and there otherwise.
+/// Shaders with lenses and shaders without them round a few pixels differently.
 fn expect_rounded(found: &Picture, expected: &Picture, what: &str) {
     expect_similar(found, expected, 1, 0.001, what);
 }
 
-/// A device that was made for division goes to views and back with a new swapchain each time; one
-/// that was made for vertices gets views where primitives are to be divided.
+/// A device that was created for division can change to views and back, with a new swapchain each
+/// time. A device that was created for the method `vertex` gets views if primitives are to be
+/// divided.
 fn methods_follow_the_file_on_vulkan() {
     let case = |extra, start, name| {
         let run = Run { extra, ..Run::new("vk_scenes") };
@@ -325,7 +324,7 @@ fn methods_follow_the_file_on_vulkan() {
     assert_eq!(found.words().matches(NOT_DIVIDED).count(), 1, "{}", found.words());
 }
 
-/// A program that makes no new swapchain keeps the picture that it has.
+/// A program that makes no new swapchain keeps its picture.
 fn a_vulkan_window_that_is_not_made_anew_stays_as_it_is() {
     let case = Case { start: primitive, ..Case::vulkan(Run::new("vk_cube"), "kept") };
     stays(&case, fragment, NEXT_SWAPCHAIN);

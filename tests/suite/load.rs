@@ -1,5 +1,6 @@
-//! Loads: much of something, and windows of odd shapes, work as little of it does; or Cupola says
-//! what does not fit and what to change. `CUPOLA_ALL_LOADS=1` tries the largest loads.
+//! Loads: many draws, contexts, threads or outputs, and windows of odd shapes, give the same result
+//! as small loads. Otherwise Cupola says what does not fit and what to change. `CUPOLA_ALL_LOADS=1`
+//! tries the largest loads.
 
 use crate::compare::{compare, expect_good, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -24,13 +25,13 @@ fn tries_all() -> bool {
     std::env::var_os("CUPOLA_ALL_LOADS").is_some()
 }
 
-/// The load, or as much of it as an everyday test has time for.
+/// The full load, or a smaller one that does not take long.
 fn load(all: usize, usual: usize) -> String {
     if tries_all() { all } else { usual }.to_string()
 }
 
-/// A run of the Vulkan cube that is not watched over by the validation layer, which takes most of
-/// the time. `None` where that cannot be done.
+/// Runs the Vulkan cube without the validation layer, which takes most of the time. `None` if that
+/// is not possible.
 fn vulkan(rig: &str, size: &str, cupola: &[&str], extra: &[&str]) -> Option<Finished> {
     let program = vulkan_apps()?.join("vk_cube");
     let cupola = [cupola, &["--capture", "capture.png", "--stats", "stats.json"]].concat();
@@ -54,7 +55,7 @@ fn expect_corrected(finished: &Finished, what: &str) {
     assert_eq!(statistics["panel_draws"], 0, "{what}: {statistics:#}");
 }
 
-/// The narrowest windows, and the widest ones that the renderer has.
+/// The smallest window, and the widest and highest that the renderer supports.
 fn windows_of_any_shape() {
     for (width, height) in [(1, 1), (16384, 1), (1, 16384)] {
         for rig in ["fisheye", "identity-captured"] {
@@ -73,13 +74,13 @@ fn windows_of_any_shape() {
     }
 }
 
-/// Six outputs have no room in a window of a pixel: the program goes on, and the log says what to
-/// change.
+/// Six outputs do not fit into a window of one pixel. The program keeps running, and the log says
+/// what to change.
 fn windows_that_are_too_small_for_a_rig() {
     let says = |finished: &Finished| {
         let words = finished.words();
         assert!(words.contains("keeps") && words.contains("in a larger window"), "{words}");
-        // It is captured and counted as it is.
+        // The program's own picture is captured and counted.
         assert!(finished.wrote("capture.png") && finished.statistics()["frames"] == 3);
     };
     let run = Run { size: (1, 1), extra: &["--seed", "12"], ..Run::new("load") };
@@ -89,7 +90,7 @@ fn windows_that_are_too_small_for_a_rig() {
     says(&vulkan);
 }
 
-/// 100,000 draws, each with a matrix of its own.
+/// 100,000 draws with one matrix each.
 fn many_draws_in_a_frame() {
     let count = load(100_000, 5_000);
     let circle = Fisheye { width: 128.0, height: 128.0, aperture: 180.0, tilt: 90.0 };
@@ -125,7 +126,7 @@ fn many_contexts() {
     expect_similar(&under.picture("window.ppm"), &right, 1, 1.0, "many contexts");
 }
 
-/// 64 threads, each of which has a display, a window and a context, and reads what it has drawn.
+/// 64 threads. Each has a display, a window and a context, and reads the pixels that it has drawn.
 fn many_threads_with_contexts() {
     let count = load(64, 24);
     let extra = ["--mode", "threads", "--seed", &count];
@@ -137,7 +138,8 @@ fn many_threads_with_contexts() {
     }
 }
 
-/// A rig of outputs side by side that show all around; columns, rows, and the size of each.
+/// A rig of outputs side by side that together show all directions around: columns, rows, and the
+/// size of each output.
 fn rig_of(columns: usize, rows: usize, (width, height): (usize, usize)) -> String {
     let mut text = "name = \"load\"\n".to_owned();
     let (across, up) = (360.0 / columns as f64, 120.0 / rows as f64);
@@ -149,20 +151,20 @@ fn rig_of(columns: usize, rows: usize, (width, height): (usize, usize)) -> Strin
             "[[output]]\nname = \"{column}-{row}\"\nkind = \"perspective\"\nyaw = {yaw}\npitch = {pitch}\n\
              fov = [{across}, {up}]\nwindow = [{x}, {y}, {width}, {height}]"
         )
-        .expect("a string takes all");
+        .expect("a string can be written");
     }
     text
 }
 
-/// The path of a rig file with this text.
+/// Path of a rig file with this text.
 fn rig_file(text: &str) -> String {
     let path = scratch("load").join("rig.toml");
     std::fs::write(&path, text).expect("a file can be written");
     path.display().to_string()
 }
 
-/// As many outputs as a rig may have, each with a view of its own: they show what views that they
-/// share show.
+/// As many outputs as a rig may have. With one view per output they show the same as with shared
+/// views.
 fn sixty_four_outputs() {
     let dedicated = rig_of(8, 8, (40, 30));
     let (own, shared) =
@@ -175,7 +177,7 @@ fn sixty_four_outputs() {
         expect_corrected(finished, what);
         assert_eq!(finished.statistics()["views"].as_array().map(Vec::len), Some(64), "{what}");
         for (name, picture) in finished.captures() {
-            // Colours between vertices are rounded in other places.
+            // Colours between vertices are rounded differently.
             expect_similar(&picture, &shared_views.picture(&name), 2, 1.0, &format!("{what}, {name}"));
         }
     }
@@ -195,8 +197,8 @@ fn twelve_outputs_of_4k() {
     expect_corrected(&vulkan, "twelve outputs, Vulkan");
 }
 
-/// Views that are finer than an atlas of the greatest size has room for are drawn as fine as it
-/// has, and the statistics say so.
+/// If the views need more texels than the largest atlas has, they are drawn as finely as the atlas
+/// allows, and the statistics say so.
 fn views_that_do_not_fit_an_image() {
     let text = "name = \"fine\"\n[views]\nquality = 8.0\n[[output]]\nkind = \"domemaster\"\n";
     let rig = rig_file(text);

@@ -1,10 +1,10 @@
-//! End to end: little C programs, unmodified, under `cupola run`, against pictures predicted in
-//! f64.
+//! End-to-end tests: small unmodified C programs run under `cupola run`, and their pictures are
+//! compared with pictures predicted in f64.
 //!
-//! Nothing here uses Cupola's own geometry: [`reference`] computes from a rig's numbers which
-//! direction a pixel shows, on its own. See `docs/testing.md`.
+//! Nothing here uses Cupola's own geometry: [`reference`] computes the direction that a pixel shows
+//! from a rig's numbers. See `docs/testing.md`.
 
-// A test that is in no list.
+// A test that is in no list is dead code.
 #![deny(dead_code)]
 
 mod behaviour;

@@ -1,5 +1,4 @@
-//! Cameras in the forms in which programs have them: arrays of vectors, row vectors, elements of
-//! arrays.
+//! Forms of camera matrices in programs: arrays of vectors, row vectors, elements of arrays.
 
 use crate::compare::{Report, compare, expect_good};
 use crate::dialects::{CAMERAS, camera_of, shown_by_fisheye, shown_by_window};
@@ -25,7 +24,7 @@ fn run<'a>(program: &'a str, extra: &'a [&'a str]) -> Run<'a> {
     Run { fov, yaw, pitch, extra, ..Run::new(program) }
 }
 
-/// A form of a program on a dome.
+/// Runs a form of a program on a dome.
 fn on_dome(program: &str, form: &str, rig: &str) -> Option<(Finished, Picture, Report)> {
     let extra = ["--mode", form];
     let run = run(program, &extra);
@@ -36,7 +35,7 @@ fn on_dome(program: &str, form: &str, rig: &str) -> Option<(Finished, Picture, R
     Some((finished, picture, report))
 }
 
-/// Forms of a program show what the reference predicts, without Cupola and on a dome.
+/// The forms of a program show the predicted picture, without Cupola and on a dome.
 fn right(program: &str, forms: &[&str]) {
     for form in forms {
         let extra = ["--mode", form, "--shot", "shot.ppm"];
@@ -70,8 +69,8 @@ fn an_element_of_an_array() {
     right("matrix_arrays", &["block_constant", "block_uniform", "block_same", "block_index"]);
 }
 
-/// A form whose lens cannot be known is flat, which is said, and right with a rig that gives the
-/// lens.
+/// A form whose lens cannot be determined is flat, and the log says so. With a rig that gives the
+/// lens the picture is right.
 fn flat_but_for_a_given_lens(program: &str, form: &str) {
     let Some((finished, _, report)) = on_dome(program, form, "fisheye") else { return };
     assert!(report.wrong > 1000, "control: without a lens it is flat");
@@ -105,8 +104,9 @@ fn a_storage_block() {
     flat_but_for_a_given_lens("storage_camera", "instance");
 }
 
-/// Matrices of stretched models do not tell the lens; that of the other models is used. Where the
-/// camera looks along the axes of a stretched model, its matrix looks like that of another lens.
+/// Matrices of stretched models do not show the lens, so that of the other models is used. If the
+/// camera looks along the axes of a stretched model, the model's matrix looks like that of another
+/// lens.
 fn a_model_that_is_stretched() {
     for (yaw, pitch) in [(0.0, 0.0), (CAMERAS[1].1, CAMERAS[1].2)] {
         for form in ["axes", "skew"] {
@@ -124,7 +124,8 @@ fn a_model_that_is_stretched() {
     }
 }
 
-/// The vertex shader is the last stage of another program, for which it was changed.
+/// The vertex shader is the last stage of another program. Cupola has changed the shader for that
+/// program.
 fn a_vertex_shader_of_two_programs() {
     right("geometry", &["shared"]);
 }

@@ -16,10 +16,10 @@ tests! {
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
 
-/// Nobody is late on a busy machine.
+/// A time-out that no node exceeds on a busy machine.
 pub const PATIENT: [&str; 2] = ["--time-out", "60000"];
 
-/// The preset with projectors of few pixels.
+/// The preset with small pictures.
 pub fn rig() -> PathBuf {
     let preset = cupola::rig::presets().iter().find(|preset| preset.name == "planetarium-6").expect("a preset");
     let text = preset.text.replace("size = [1920, 1080]", "size = [96, 54]");
@@ -29,7 +29,7 @@ pub fn rig() -> PathBuf {
     path
 }
 
-/// Runs the program that moves by time and random numbers: `cupola run` or `cupola node`.
+/// Runs the program that moves by time and random numbers, with `cupola run` or `cupola node`.
 pub fn by_time(rig: &Path, mode: &str, frames: usize, cupola: &[&str]) -> Option<Finished> {
     let run = Run { frames: 0, size: (96, 96), extra: &["--mode", mode], ..Run::new("by_time") };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
@@ -65,13 +65,13 @@ fn four_nodes_show_what_one_process_shows() {
             "{words}"
         );
         assert!(words.contains("all alike") && !words.contains("draws something else"), "{words}");
-        // Control: the pictures move.
+        // Control: the pictures change.
         assert!(before.is_none_or(|before| !are_equal(&rig, &before, &nodes)));
         before = Some(nodes);
     }
 }
 
-/// The control of the test above.
+/// Negative control of the test above.
 fn with_their_own_clocks_nodes_differ() {
     let rig = rig();
     let nodes = ["node", "--local", "2", "--own-clocks", PATIENT[0], PATIENT[1]];
@@ -83,7 +83,7 @@ fn with_their_own_clocks_nodes_differ() {
 
 fn a_program_that_reads_past_the_clock_is_named() {
     let nodes = ["node", "--local", "2", "--unpaced", PATIENT[0], PATIENT[1]];
-    // The program reads the counter from its third frame on: for a matrix, or for a number of a
+    // The program reads the counter from its third frame on, for a matrix or for a number in a
     // shader.
     for mode in ["counter", "uniform"] {
         let Some(nodes) = by_time(&rig(), mode, 6, &nodes) else { return };
@@ -92,7 +92,8 @@ fn a_program_that_reads_past_the_clock_is_named() {
     }
 }
 
-/// Each node has its own direction, or all have the same.
+/// With `0` all nodes have the same direction. With the number of the node each has another
+/// direction.
 fn a_vulkan_program_that_differs_is_named() {
     let Some(folder) = crate::programs::vulkan_apps() else { return };
     for (yaw, words) in
@@ -117,7 +118,7 @@ fn a_vulkan_program_that_differs_is_named() {
     }
 }
 
-/// Children of a process that run this program.
+/// Child processes that run this program.
 pub fn children(parent: u32, program: &str) -> Vec<u32> {
     let text = std::fs::read_to_string(format!("/proc/{parent}/task/{parent}/children")).unwrap_or_default();
     let name = |id: &u32| std::fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default();
@@ -125,12 +126,12 @@ pub fn children(parent: u32, program: &str) -> Vec<u32> {
 }
 
 pub fn kill(signal: &str, process: u32) {
-    // The shell's own: a bare Debian has no such program.
+    // `kill` is built into the shell. A minimal Debian has no such program.
     let status = Command::new("sh").args(["-c", &format!("kill -s {signal} {process}")]).status();
     assert!(status.expect("a shell").success(), "{signal} {process}");
 }
 
-/// A node of a show that runs.
+/// A running node of a show.
 pub struct RunningNode {
     pub sidecar: u32,
     pub program: u32,
@@ -138,19 +139,19 @@ pub struct RunningNode {
 }
 
 impl RunningNode {
-    /// The newest frame that all may show, as far as its command knows.
+    /// Newest frame that all nodes may show, as far as the node's command knows.
     pub fn newest(&self) -> u64 {
         self.page.newest()
     }
 
-    /// The frame whose end its program has reached.
+    /// Frame whose end the node's program has reached.
     pub fn frame(&self) -> u64 {
         let newest = || self.page.arrival(u64::MAX, Duration::ZERO).map(|arrival| arrival.frame);
-        std::iter::from_fn(|| Some(newest())).flatten().next().expect("it goes on")
+        std::iter::from_fn(|| Some(newest())).flatten().next().expect("the node reaches further frames")
     }
 }
 
-/// Starts the program of a node in a folder of its own, `node-N`.
+/// Starts the program of a node in a separate folder, `node-N`.
 pub const IN_OWN_FOLDER: &str = "folder=node-${CUPOLA_NODE%/*} && mkdir -p $folder && cd $folder && exec \"$0\" \"$@\"";
 
 /// Nodes with a time-out of 0.3 s.
@@ -160,7 +161,7 @@ pub struct Show {
     pub directory: PathBuf,
 }
 
-/// Waits for something that comes within seconds.
+/// Waits for a result that comes within seconds.
 pub fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
@@ -173,7 +174,7 @@ pub fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
 }
 
 impl Show {
-    /// Starts so many nodes with options of `cupola node` and a program.
+    /// Starts `count` nodes with options of `cupola node` and a program.
     pub fn start(count: usize, cupola: &[&str], program: &str, arguments: &[&str]) -> Option<Self> {
         let display = display::get()?;
         let run = Run { frames: 0, size: (96, 96), extra: arguments, ..Run::new(program) };
@@ -234,7 +235,7 @@ impl Drop for Show {
 fn stopped_and_killed_nodes_do_not_stop_the_others() {
     let Some(show) = Show::start(3, &[], "by_time", &[]) else { return };
     let distance = |one: usize, other: usize| show.nodes[one].frame().abs_diff(show.nodes[other].frame());
-    // A machine that hangs: the command and the program.
+    // A machine stops responding: both the command and the program are stopped.
     kill("STOP", show.nodes[2].sidecar);
     kill("STOP", show.nodes[2].program);
     let stopped = show.nodes[2].frame();
@@ -245,23 +246,23 @@ fn stopped_and_killed_nodes_do_not_stop_the_others() {
     kill("CONT", show.nodes[2].sidecar);
     show.says("node 2 is in step again");
     until("it is in step", || (distance(1, 2) <= 1).then_some(()));
-    // Its command alone: its program goes on without it, and comes back.
+    // Only the command is stopped. Its program continues without it and joins again.
     kill("STOP", show.nodes[2].sidecar);
     show.says("node 2: the other nodes do not answer in time");
     (0..3).for_each(|node| show.goes_on(node, 20));
     kill("CONT", show.nodes[2].sidecar);
     show.says("node 2: this program is in step with the other nodes again");
     until("it is in step", || (distance(1, 2) <= 1).then_some(()));
-    // A command that ends: its program goes on alone.
+    // A command ends. Its program continues alone.
     kill("KILL", show.nodes[1].sidecar);
     show.says("node 1 has ended unexpectedly");
     show.says("node 1: this program has lost the other nodes");
     (0..3).for_each(|node| show.goes_on(node, 20));
-    // What started them: nothing happens.
+    // The launcher is killed. Nothing changes.
     kill("KILL", show.launcher.id());
     (0..3).for_each(|node| show.goes_on(node, 20));
     until("the others are in step", || (distance(0, 2) <= 1).then_some(()));
-    // Node 0.
+    // The command of node 0 is killed.
     kill("KILL", show.nodes[0].sidecar);
     show.says("node 2: node 0 cannot be reached any more");
     show.says("node 2: this program has lost the other nodes");

@@ -1,4 +1,4 @@
-//! Programs that draw their scene off screen: each view gets a picture of its own.
+//! Programs that draw their scene off screen: each view gets a copy of the picture.
 
 use crate::compare::{EDGE, Limits, TOLERANCE, compare, compare_with, expect_good, expect_identical};
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
@@ -31,15 +31,15 @@ tests! {
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
-/// Passes that blur mix the colours of both sides of the cube's edges.
+/// Distance from the cube's edges that is not compared if passes blur the picture.
 const BLURRED_EDGE: f64 = 6.0;
 
-/// Where a pixel of the window is the mean of four texels: that and the two filters after it reach
-/// so far, and it rounds to codes twice, so that without Cupola, too, it is off by 0.97 of a code,
-/// other programs by 0.50.
+/// Limits for windows in which a pixel is the mean of four texels. The mean and the two filters
+/// after it mix colours up to this distance from an edge. Values are rounded to codes twice. So
+/// also without Cupola the error is 0.97 of a code, and that of other programs is 0.50.
 const SUPERSAMPLED: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: 3.0, rim: false };
 
-/// A mode of `passes` under the default rig; how right it is, and how far from the cube's edges.
+/// Checks a mode of `passes` under the default rig within `limits`.
 fn passes(mode: &str, limits: impl Into<Limits>, cupola: &[&str]) -> Option<Finished> {
     let run = Run { extra: &["--mode", mode], frames: 6, cupola_frames: 6, cupola, ..Run::new("passes") };
     let finished = run.under("fisheye")?.expect_success().expect_no_gl_errors();
@@ -49,13 +49,13 @@ fn passes(mode: &str, limits: impl Into<Limits>, cupola: &[&str]) -> Option<Fini
     Some(finished)
 }
 
-/// As [`passes`] for modes that blur nothing.
+/// As [`passes`], for modes without blur.
 fn sharp(mode: &str) {
     passes(mode, EDGE, &[]);
 }
 
-/// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is
-/// a scene for every view. GLES 2 shows it by a quad without filtering.
+/// If a program draws its scene into an FBO of its own and shows it by a copy or by a textured
+/// quad, the scene is drawn for every view. GLES 2 shows it by a quad without filtering.
 fn a_program_with_its_own_fbo() {
     for program in ["immediate", "client_arrays", "glsl120", "core330_mvp", "core330_block", "gles2", "gles3"] {
         fisheye(program, &["--fbo"]);
@@ -67,13 +67,13 @@ fn a_program_with_its_own_fbo() {
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(1), "{statistics:#}");
 }
 
-/// A multisampled window shows it as well.
+/// The same with a multisampled window.
 fn a_multisampled_window_of_a_program_with_its_own_fbo() {
     fisheye("immediate", &["--fbo", "--samples", "4"]);
     fisheye("post_process", &["--samples", "4"]);
 }
 
-/// What a program reads back is its own picture, also while the dome shows each view's.
+/// A program that reads its FBO gets its own picture, although the dome shows the views.
 fn an_own_fbo_that_is_read_back() {
     let run = Run { extra: &["--fbo", "--dump", "dump.ppm"], ..Run::new("core330_mvp") };
     let Some(finished) = run.under("fisheye") else { return };
@@ -90,8 +90,8 @@ fn an_own_fbo_that_is_read_back() {
     sharp("read");
 }
 
-/// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides
-/// stays single.
+/// A chain of passes: the scene, a change of its colours, and the window. A shadow map is also
+/// drawn, once for all views.
 fn a_program_with_post_processing() {
     plain("post_process");
     fisheye("post_process", &[]);
@@ -99,7 +99,7 @@ fn a_program_with_post_processing() {
     identity("post_process");
     let Some(finished) = Run::new("post_process").under("fisheye") else { return };
     let statistics = finished.expect_success().statistics();
-    // Of three frames the first is seen only; the scene and the first pass are duplicated, the
+    // The first of three frames is only observed. The scene and the first pass are duplicated, the
     // shadow map is not.
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(4), "{statistics:#}");
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(2), "{statistics:#}");
@@ -107,7 +107,7 @@ fn a_program_with_post_processing() {
     assert_eq!(single, 1, "{statistics:#}");
 }
 
-/// Matrices that do not flow into a pass's positions make no scene of it.
+/// A pass with matrices is no scene if its positions do not depend on them.
 fn passes_that_hold_the_camera_s_matrices() {
     let mode = ["--mode", "matrices"];
     fisheye("post_process", &mode);
@@ -117,7 +117,7 @@ fn passes_that_hold_the_camera_s_matrices() {
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(2), "{statistics:#}");
 }
 
-/// A context without a window draws the scene, another one composes the window of it.
+/// A context without a window draws the scene. Another context draws the window with it.
 fn a_toolkit_s_two_contexts() {
     plain("toolkit");
     fisheye("toolkit", &[]);
@@ -126,16 +126,15 @@ fn a_toolkit_s_two_contexts() {
     let Some(finished) = Run::new("toolkit").under("fisheye") else { return };
     let finished = finished.expect_success().expect_no_gl_errors();
     let statistics = finished.statistics();
-    // Of three frames the first is seen only.
+    // The first of three frames is only observed.
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(2), "{statistics:#}");
-    // Both contexts are counted.
+    // The numbers are those of both contexts.
     assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(1), "{statistics:#}");
     assert!(statistics["projection_found"]["fixed-function matrix"].as_u64() >= Some(2), "{statistics:#}");
     assert!(!finished.words().contains("shown flat"), "{}", finished.words());
 }
 
-/// A scene that fills only a part of the window: the program is told why it is flat, and the
-/// statistics say it.
+/// A scene fills only a part of the window. The log and the statistics say why it is flat.
 fn a_scene_that_stays_flat_is_told() {
     let run = Run { extra: &["--mode", "docked"], frames: 310, cupola_frames: 310, ..Run::new("toolkit") };
     let Some(finished) = run.under("fisheye") else { return };
@@ -145,15 +144,15 @@ fn a_scene_that_stays_flat_is_told() {
     assert!(statistics["single_framebuffers"]["it was not seen to fill the window"].is_u64(), "{statistics:#}");
 }
 
-/// The user's word goes before what is seen: that of the rig, before it that of the environment,
-/// before both that of the command line.
+/// Settings have priority over what Cupola observes: first the command line, then the environment,
+/// then the rig.
 fn duplication_can_be_switched_off_and_forced() {
     let rig = scratch("never").join("rig.toml");
     let text = "[views]\nduplicate = \"never\"\n[[output]]\nkind = \"domemaster\"\naperture = 180\n";
     std::fs::write(&rig, text).expect("a file can be written");
     let rig = rig.to_str().expect("a UTF-8 path");
     let (never, always) = (["--duplicate", "never"], [("CUPOLA_DUPLICATE", "always")]);
-    // The shadow map, too: three passes in each of two frames.
+    // With `always` the shadow map is duplicated, too: three passes in each of two frames.
     for (rig, option, environment, expected) in [
         ("fisheye", &never[..], &[][..], 0),
         ("fisheye", &[], &always, 6),
@@ -179,7 +178,7 @@ fn depth_and_several_attachments() {
     sharp("apart");
 }
 
-/// A pass over the scene that finds what it lights by its place on the screen.
+/// A pass over the scene that computes lighting from its place on the screen.
 fn a_pass_that_asks_where_on_the_screen_it_is() {
     sharp("light");
 }
@@ -198,15 +197,15 @@ fn smaller_pictures_of_the_scene() {
 fn copies_into_textures() {
     sharp("copied");
     sharp("copied_window");
-    // What is copied of a window without a scene is flat, as all that follows.
+    // A copy of a window without a scene is flat, and so is everything that is drawn from it.
     let run = Run { extra: &["--mode", "copied_flat"], ..Run::new("passes") };
     let Some(finished) = run.under("fisheye") else { return };
     let statistics = finished.expect_success().expect_no_gl_errors().statistics();
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(0), "{statistics:#}");
 }
 
-/// A texture that is specified anew is learnt anew, which takes a frame; the last of six is beyond
-/// it.
+/// Cupola observes a texture again after it is specified again, which takes a frame. The last of
+/// six frames is after that.
 fn attachments_and_textures_that_change() {
     sharp("attached_again");
     sharp("respecified");
@@ -218,7 +217,7 @@ fn old_and_new_entry_points() {
     sharp("plain");
 }
 
-/// The comparison sees a scene that is flat, whichever way it is shown.
+/// Negative control: the comparison detects a flat scene in each way of showing it.
 fn a_flat_scene_is_found_wrong() {
     for mode in ["plain", "blit", "copied"] {
         let run = Run { extra: &["--mode", mode], cupola: &["--duplicate", "never"], ..Run::new("passes") };
@@ -229,30 +228,30 @@ fn a_flat_scene_is_found_wrong() {
     }
 }
 
-/// A head-up display that is drawn into the scene's image lies where one in the window lies: once,
-/// on the panel's place.
+/// A head-up display that is drawn into the scene's image is at the same place as one in the
+/// window: once, on the panel.
 fn flat_drawing_into_a_scene() {
     let run = Run { frames: 6, cupola_frames: 6, ..Run::new("hud") };
     let off_screen = Run { extra: &["--fbo"], ..run.clone() };
     let (Some(expected), Some(found)) = (run.under("fisheye"), off_screen.under("fisheye")) else { return };
     let [expected, found] =
         [expected, found].map(|run| run.expect_success().expect_no_gl_errors().picture("capture.png"));
-    // Only borders of the squares differ: they are blended once in the views, and once with the
+    // Only the borders of the squares differ. They are blended once in the views and once with the
     // panel.
     let far = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).any(|(a, b)| a.abs_diff(b) > 12);
     let pixels = || (0..256).flat_map(|y| (0..256).map(move |x| (x, y)));
     let wrong = pixels().filter(|(x, y)| far(found.at(*x, *y), expected.at(*x, *y))).count();
     assert!(wrong < 120, "{wrong} pixels differ");
-    // Control: the squares have 200 pixels and more.
+    // Control: the squares cover more than 200 pixels.
     let Some(plain) = (Run { program: "immediate", ..run }).under("fisheye") else { return };
     let plain = plain.expect_success().picture("capture.png");
     let squares = pixels().filter(|(x, y)| far(plain.at(*x, *y), expected.at(*x, *y))).count();
     assert!(squares > 200, "{squares} pixels are of the squares");
 }
 
-/// Colours that change with the place in the program's window, as background of a scene's image:
-/// within the lens those of the window, beyond its sides those of equal elevation, and outside
-/// those of the border.
+/// A background whose colours depend on the place in the program's window, drawn to the image of a
+/// scene. Inside the program's field of view the colours are those of the window. To the sides they
+/// are those at the same elevation, and elsewhere those at the border.
 fn a_background_has_no_seams() {
     let tangent = (0.5 * 75.0_f64.to_radians()).tan();
     let expected = |[x, y, z]: Vector| {
@@ -268,7 +267,8 @@ fn a_background_has_no_seams() {
         let picture = under.expect_success().expect_no_gl_errors().picture("capture.png");
         let off = |x: usize, y: usize| {
             let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
-            // The scene, and where the picture's whole width meets above and below.
+            // Not compared: the scene, and the areas above and below where the whole width of the
+            // picture meets.
             let direction = CIRCLE.direction(x, y);
             if CIRCLE.inside_by(x, y) < 2.0 || direction[2] < -0.95 || direction[1].abs() > 0.98 {
                 return 0.0;
@@ -295,8 +295,9 @@ fn a_background_has_no_seams() {
     }
 }
 
-/// A scene in a corner of the image is where that corner of the panel is. It is cut at rectangles
-/// of the views, which are turned by 45 degrees, so that some of it lies beside.
+/// A scene in a corner of the image is in the same corner of the panel. It is cut at rectangles in
+/// the views. The views are turned by 45 degrees, so that a part of the scene extends beyond the
+/// corner.
 fn a_picture_in_a_corner_is_on_the_panel() {
     let (plain, corner) = (["--mode", "plain"], ["--mode", "corner"]);
     let run = Run { frames: 6, cupola_frames: 6, ..Run::new("backdrop") };
@@ -307,7 +308,8 @@ fn a_picture_in_a_corner_is_on_the_panel() {
     let mut seen = 0;
     for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
         let [right, up, back] = CIRCLE.direction(x as f64 + 0.5, y as f64 + 0.5);
-        // The place in the lower left quarter of the panel, which is as wide as the picture.
+        // Place within the lower left quarter of the panel. The panel shows the whole width of the
+        // picture.
         let at = [right, up].map(|part| 2.0 * part / -back.min(-1e-3) / panel + 1.0);
         let inside = at.iter().fold(0.0, |most: f64, at| most.max(at.abs()));
         let found = corner.at(x, y).map(f64::from);

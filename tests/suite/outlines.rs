@@ -1,4 +1,5 @@
-//! Wide points and lines stay in their view: what is lit lies near what was drawn there.
+//! Wide points and lines stay in their view: lit pixels are near the places where their colour was
+//! drawn.
 
 use crate::compare::expect_identical;
 use crate::harness::tests;
@@ -11,7 +12,7 @@ tests! {
     smooth_lines_are_those_of_a_framebuffer_object,
 }
 
-/// Number i of `tests/apps/outlines.c`: where it is, and its colour.
+/// Directions and colours of the marks of `tests/apps/outlines.c`, by number.
 fn marks() -> Vec<(Vector, [f64; 3])> {
     (0..48_i32)
         .map(|i| {
@@ -22,8 +23,8 @@ fn marks() -> Vec<(Vector, [f64; 3])> {
         .collect()
 }
 
-/// Pixels of marks, and those of them that lie more than `apart` degrees from every mark of their
-/// colour.
+/// Number of pixels of marks, and number of those that are more than `apart` degrees from every
+/// mark of their colour.
 fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
     let (width, height) = (picture.width as f64, picture.height as f64);
     let fisheye = Fisheye { width, height, aperture: 180.0, tilt: 90.0 };
@@ -35,8 +36,8 @@ fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
             let direction = fisheye.direction(x as f64 + 0.5, y as f64 + 0.5);
             let same = |colour: &[f64; 3]| colour.iter().zip(found).all(|(a, b)| (a - b).abs() < 3.0);
             let mut alike = marks.iter().filter(|(_, colour)| same(colour)).peekable();
-            // Where marks meet, the filter mixes their colours; only pixels of one mark tell which
-            // it is.
+            // Where marks meet, the filter mixes their colours. Only pixels of one mark identify
+            // it.
             if alike.peek().is_some() {
                 lit += 1;
                 strays += usize::from(!alike.any(|(at, _)| dot(*at, direction) > apart.to_radians().cos()));
@@ -46,8 +47,9 @@ fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
     (lit, strays)
 }
 
-/// Half a mark's diagonal: 43 texels of a view, of which 100 are a radian at 256 × 256, and some
-/// for its distance.
+/// Greatest angle between a pixel and its mark: half the diagonal of a mark is 43 texels of a view,
+/// of which 100 are a radian at 256 × 256. Some degrees are added for the mark's distance from the
+/// axis.
 const APART: f64 = 30.0;
 
 fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
@@ -56,18 +58,18 @@ fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
     let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
     let (lit, strays) = stray(&picture, APART);
     assert!(lit > 10_000, "only {lit} pixels are lit");
-    // Where two marks meet a mixture may be a third one's colour: 6 pixels. Without the cut there
-    // are 1700.
+    // Where two marks meet, the mixture may have the colour of a third mark: 6 pixels. Without the
+    // cut there are 1700.
     assert!(strays * 1000 <= lit, "of {lit} pixels {strays} lie where nothing of their colour was drawn");
-    // The judge judged: turned around, the same picture has its marks in wrong places.
+    // Negative control: in the mirrored picture marks are at wrong places.
     let turned = Picture::from_fn(256, 256, |x, y| picture.at(255 - x, y));
     assert!(stray(&turned, APART).1 > lit / 2);
 }
 
-/// Mesa stores windows from the top and framebuffer objects from the bottom, and its smooth lines
-/// lie a tenth of a pixel off in the direction of the rows. So a program without Cupola has other
-/// lines in its own framebuffer object than in its window, by up to 44 of 255. Those of a view are
-/// the former.
+/// Mesa stores the rows of windows from the top and those of framebuffer objects from the bottom,
+/// and its smooth lines are displaced by a tenth of a pixel in the direction of the rows. So lines
+/// differ between a framebuffer object and the window of a program without Cupola, by up to 44 of
+/// 255. Lines in a view are those of a framebuffer object.
 fn smooth_lines_are_those_of_a_framebuffer_object() {
     let extra = ["--mode", "smooth", "--shot", "shot.ppm"];
     let run = Run { yaw: 0.0, pitch: 0.0, extra: &extra, ..Run::new("outlines") };

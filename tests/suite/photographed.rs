@@ -12,10 +12,10 @@ tests! {
     a_camera_that_fails_ends_the_series,
 }
 
-/// Pixels of an output.
+/// Size of an output in pixels.
 const SIZE: (u32, u32) = (60, 40);
 
-/// Two projectors: one in the rig's window, one with these keys beside it.
+/// Two projectors: one in the rig's window, and one with the keys `other`.
 fn rig(folder: &Path, other: &str) -> String {
     let text = format!(
         "[[output]]\nname = \"left\"\nkind = \"projector\"\nposition = [0.5, 0, 1]\nyaw = -40\npitch = 40\n\
@@ -40,7 +40,7 @@ fn calibrate(arguments: &[&str]) -> Command {
     command
 }
 
-/// Ends with a test that fails.
+/// A process that ends if the test fails.
 struct Running(Option<Child>);
 
 impl Drop for Running {
@@ -66,9 +66,10 @@ fn patterns_are_shown_on_their_screens_and_photographed() {
     let mut files: Vec<_> =
         std::fs::read_dir(&patterns).expect("patterns").map(|entry| entry.expect("an entry").path()).collect();
     files.sort();
-    // 15 and 10 cells of 4 pixels: 4 bits each, and 14 grey pictures.
+    // 15 × 10 cells of 4 pixels: 4 bits in each direction, and 14 grey pictures.
     assert_eq!(files.len(), 2 * (2 + 2 * (4 + 4) + 14));
-    // This test is the camera: the command names the file, and waits for it.
+    // This test acts as the camera: the command writes the file's name to the pipe and waits for
+    // the file.
     assert!(Command::new("mkfifo").arg(&ask).status().expect("mkfifo").success());
     let camera = format!("echo {{}}.png > {ask}; while ! [ -e {{}}.png ]; do sleep 0.002; done");
     let child = calibrate(&[&rig, "--photos", &photos, "--light", "--pause", "0", "--display", &one.name])
@@ -79,18 +80,18 @@ fn patterns_are_shown_on_their_screens_and_photographed() {
     let mut running = Running(Some(child));
     for (number, file) in files.iter().enumerate() {
         let mut asked = String::new();
-        // The command before may not have closed the pipe yet: it is empty then.
+        // The previous command may not have closed the pipe yet. Then the read returns nothing.
         while asked.is_empty() {
             BufReader::new(std::fs::File::open(&ask).expect("a pipe")).read_line(&mut asked).expect("a name");
         }
         let asked = Path::new(asked.trim_end());
         assert_eq!(asked.file_name(), file.file_name());
         let pattern = image::open(file).expect("a pattern").into_luma8();
-        assert_eq!(pattern.dimensions(), SIZE, "as large as the only output of the window, and as its own window");
+        assert_eq!(pattern.dimensions(), SIZE, "size of the pattern");
         let black = vec![0; pattern.as_raw().len()];
         let (lit, dark) = if number < files.len() / 2 { (&one, &two) } else { (&two, &one) };
         assert!(screen(lit) == *pattern.as_raw() && screen(dark) == black, "{}", asked.display());
-        // Complete at once, for those who wait for it.
+        // The rename makes the complete file appear at once for the waiting command.
         let part = asked.with_extension("part");
         pattern.save_with_format(&part, image::ImageFormat::Png).expect("written");
         std::fs::rename(part, asked).expect("renamed");
@@ -98,7 +99,7 @@ fn patterns_are_shown_on_their_screens_and_photographed() {
     let output = running.0.take().expect("it runs").wait_with_output().expect("it ends");
     assert!(output.status.success());
     assert!(String::from_utf8_lossy(&output.stdout).contains(": 64 photographs"), "{output:?}");
-    // Photographs that are there are not mixed with others.
+    // New photographs are not mixed with existing ones.
     let again = calibrate(&[&rig, "--photos", &photos, "--camera", "cp {}", "--display", &one.name]).output();
     assert!(words(&again.expect("it runs")).contains("has 64 photographs already"));
 }
@@ -123,11 +124,11 @@ fn a_camera_that_fails_ends_the_series() {
     assert!(refused.contains("photograph 1 (0001-left-white)") && refused.contains("made no file"), "{refused}");
     let refused = shoot(&rig, &place("a"), "echo no light >&2; false {}");
     assert!(refused.contains("exit status: 1") && refused.contains("no light"), "{refused}");
-    // What is no picture is noticed before all others are made.
+    // A file that is no picture is detected before the next pattern is shown.
     let refused = shoot(&rig, &place("b"), "echo no picture > {}.png");
     assert!(refused.contains("photograph 1") && refused.contains("cannot be read"), "{refused}");
     assert_eq!(std::fs::read_dir(place("b")).expect("a folder").count(), 1);
-    // A camera that dies later: what it made stays.
+    // If the camera fails later, the photographs that it made stay.
     let (photos, white) = (place("c"), place("white.png"));
     image::GrayImage::from_pixel(SIZE.0, SIZE.1, image::Luma([255])).save(&white).expect("written");
     let refused = shoot(&rig, &photos, &format!("[ -e {photos}/0003-left-x3.png ] && exit 3; cp {white} {{}}.png"));

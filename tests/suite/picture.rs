@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// A picture, row 0 at the top.
+/// A picture. Row 0 is at the top.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Picture {
     pub width: usize,
@@ -11,18 +11,18 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture whose pixels `colour` gives, from column and row.
+    /// Makes a picture whose pixels are `colour` of column and row.
     pub fn from_fn(width: usize, height: usize, mut colour: impl FnMut(usize, usize) -> [u8; 3]) -> Self {
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| colour(x, y)).collect();
         Self { width, height, pixels }
     }
 
-    /// The pixel in column `x` and row `y`.
+    /// Pixel in column `x` and row `y`.
     pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
         self.pixels[y * self.width + x]
     }
 
-    /// Reads a PNG or binary PPM file; panics with the file's name where that fails.
+    /// Reads a PNG or binary PPM file. Panics with the file's name if that fails.
     pub fn load(path: &Path) -> Self {
         if path.extension().is_some_and(|extension| extension == "ppm") {
             return Self::load_ppm(path);
@@ -51,7 +51,7 @@ impl Picture {
             .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     }
 
-    /// How many pixels differ, and the greatest difference of a channel. Panics where the sizes
+    /// Number of pixels that differ, and the greatest difference of a channel. Panics if the sizes
     /// differ.
     pub fn difference(&self, other: &Self) -> (usize, u8) {
         assert_eq!((self.width, self.height), (other.width, other.height), "the pictures' sizes differ");

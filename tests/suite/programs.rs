@@ -1,4 +1,4 @@
-//! Builds the C programs and runs them, plainly and under `cupola run`.
+//! Builds the C programs and runs them, without Cupola and under `cupola run`.
 
 use crate::display::{self, Compositor, Display, Place};
 pub use crate::finished::Finished;
@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The folder of the built programs; builds them at the first call.
+/// Folder of the built programs. The first call builds them.
 pub fn built() -> &'static Path {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     BUILT.get_or_init(|| {
@@ -24,14 +24,14 @@ pub fn built() -> &'static Path {
     })
 }
 
-/// A library for `LD_PRELOAD`, `tests/apps/preload/NAME.c`.
+/// Path of a library for `LD_PRELOAD`, built from `tests/apps/preload/NAME.c`.
 pub fn preload(name: &str) -> String {
     built().join(format!("{name}.so")).to_str().expect("a UTF-8 path").to_owned()
 }
 
-/// The folder of the vendor library "calls" for GLX (`tests/apps/preload/calls.c`), as
-/// `LD_LIBRARY_PATH` takes it; Cupola looks for it where the dynamic linker does. `None` where it
-/// is not made for the processor.
+/// Folder of the vendor library "calls" for GLX (`tests/apps/preload/calls.c`), for
+/// `LD_LIBRARY_PATH`. Cupola searches the library where the dynamic linker does. `None` if the
+/// library does not support the processor.
 pub fn vendor() -> Option<&'static str> {
     static FOLDER: OnceLock<String> = OnceLock::new();
     if !cfg!(target_arch = "x86_64") {
@@ -51,8 +51,7 @@ pub fn player() -> Command {
     command
 }
 
-/// The library as it was built for these tests: cargo puts it beside the command only for `cargo
-/// build`.
+/// Library that was built for these tests. Only `cargo build` puts it beside the command.
 pub fn library() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")
 }
@@ -71,27 +70,27 @@ pub fn scratch(what: &str) -> PathBuf {
 pub struct Run<'a> {
     pub program: &'a str,
     pub size: (usize, usize),
-    /// Degrees.
+    /// Field of view in height, in degrees.
     pub fov: f64,
     pub yaw: f64,
     pub pitch: f64,
     pub frames: usize,
-    /// Cupola ends the program in this frame, and captures it; the program itself ends after
-    /// `frames`, if that is earlier, and nothing is captured then. 0: the program ends itself, and
-    /// its last frame is captured.
+    /// Cupola captures this frame and ends the program in it. If the program ends itself earlier,
+    /// after `frames`, nothing is captured. With 0 the program ends itself, and its last frame is
+    /// captured.
     pub cupola_frames: usize,
-    /// More options of the program.
+    /// Further options of the program.
     pub extra: &'a [&'a str],
     /// Options of `cupola run` besides the rig.
     pub cupola: &'a [&'a str],
-    /// More variables of the environment.
+    /// Further variables of the environment.
     pub environment: &'a [(&'a str, &'a str)],
-    /// Folder to run in; a new one otherwise.
+    /// Folder in which the program runs; a new one by default.
     pub directory: Option<&'a Path>,
 }
 
 impl<'a> Run<'a> {
-    /// A small window, a usual lens, a turned camera.
+    /// A run with a small window, a usual lens and a turned camera.
     pub fn new(program: &'a str) -> Self {
         let (size, frames) = ((256, 256), 3);
         Self {
@@ -125,7 +124,7 @@ impl<'a> Run<'a> {
         arguments
     }
 
-    /// Runs the program without Cupola. `None` where there is no display.
+    /// Runs the program without Cupola. `None` if there is no display.
     pub fn plain(&self) -> Option<Finished> {
         let mut command = Command::new(built().join(self.program));
         let place = display::place();
@@ -134,8 +133,8 @@ impl<'a> Run<'a> {
         self.in_a_window(command, "without Cupola")
     }
 
-    /// Runs a command on the screen that all share; a window that is larger than a place there
-    /// would hide others', and gets a screen of its own.
+    /// Runs a command on the shared screen. A window that is larger than a place there would cover
+    /// other windows, so it gets a screen of its own.
     fn in_a_window(&self, command: Command, rig: &str) -> Option<Finished> {
         if self.size.0 <= display::PLACE.0 && self.size.1 <= display::PLACE.1 {
             return Finished::of(command, self.program, rig);
@@ -143,8 +142,8 @@ impl<'a> Run<'a> {
         Some(Finished::on(&display::own(24)?, command, self.program, rig))
     }
 
-    /// Runs the program with the preload library and no launcher; the rig is in the environment.
-    /// `None` where there is no display.
+    /// Runs the program with the preload library instead of `cupola run`. The rig is given in the
+    /// environment. `None` if there is no display.
     pub fn preloaded(&self, rig: &str) -> Option<Finished> {
         let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("examples/libcupola_preload.so");
         assert!(library.exists(), "{}: build it by cargo build --example cupola_preload", library.display());
@@ -157,8 +156,8 @@ impl<'a> Run<'a> {
         Finished::of(command, self.program, &format!("{rig}, preloaded"))
     }
 
-    /// Runs the program under `cupola run`, which captures and counts. Panics where Cupola says
-    /// that it could not get between the program and its driver. `None` where there is no display.
+    /// Runs the program under `cupola run`, which captures and writes statistics. Panics if Cupola
+    /// says that it will not correct the program. `None` if there is no display.
     pub fn under(&self, rig: &str) -> Option<Finished> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.env("CUPOLA_LIBRARY", library());
@@ -181,7 +180,7 @@ impl<'a> Run<'a> {
 }
 
 impl Run<'_> {
-    /// Runs a Vulkan test program without Cupola. `None` where it cannot be built or there is no
+    /// Runs a Vulkan test program without Cupola. `None` if it cannot be built or if there is no
     /// display.
     pub fn vulkan_plain(&self) -> Option<Finished> {
         let mut command = Command::new(vulkan_apps()?.join(self.program));
@@ -190,8 +189,8 @@ impl Run<'_> {
         Finished::of(command, self.program, "without Cupola")
     }
 
-    /// Runs a Vulkan test program that uses the C interface, under the validation layer, which has
-    /// to say nothing. `None` as above.
+    /// Runs a Vulkan test program that uses the C interface, under the validation layer. Panics if
+    /// the layer writes a message. `None` as above.
     pub fn vulkan_embedding(&self) -> Option<Finished> {
         let mut command = Command::new(vulkan_apps()?.join(self.program));
         let place = display::place();
@@ -201,8 +200,8 @@ impl Run<'_> {
     }
 
     /// Runs a Vulkan test program under `cupola run`, with the validation layer between Cupola and
-    /// the driver: it has to end well, and what Cupola makes of the program's calls without a
-    /// message.
+    /// the driver. Panics unless the program succeeds and the layer accepts the calls that Cupola
+    /// makes.
     pub fn vulkan_under(&self, rig: &str) -> Option<Finished> {
         let program = vulkan_apps()?.join(self.program);
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
@@ -219,8 +218,8 @@ impl Run<'_> {
     }
 }
 
-/// Runs a program of the system under `cupola run`. `None` where it is not installed, and
-/// where there is no display.
+/// Runs an installed program under `cupola run`. `None` if the program is not installed or if there
+/// is no display.
 pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Finished> {
     installed_on(display::for_installed_programs()?, program, arguments, rig, cupola)
 }
@@ -259,10 +258,9 @@ fn command_of_installed(program: &str, arguments: &[&str], rig: &str, cupola: &[
     Some(command)
 }
 
-/// Runs a program of the system, whose window is 321 × 243 pixels, while that gets `sizes` other
-/// sizes, under the validation layer, alone or with Cupola before it; its file `memory.txt` has the
-/// resident memory in each size. `None` where something is not installed, and where there is no
-/// display.
+/// Runs an installed Vulkan program under the validation layer, without Cupola or with a rig. The
+/// window is 321 × 243 pixels and gets `sizes` other sizes. The file `memory.txt` has the resident
+/// memory at each size. `None` if something is not installed or if there is no display.
 pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finished> {
     let name = program.first()?;
     if !is_installed(name) {
@@ -285,7 +283,7 @@ pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finis
     Some(finished)
 }
 
-/// Whether a program of the system is there.
+/// Whether a program is installed.
 fn is_installed(program: &str) -> bool {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let installed = std::env::split_paths(&folders).any(|folder| folder.join(program).is_file());
@@ -295,7 +293,7 @@ fn is_installed(program: &str) -> bool {
     installed
 }
 
-/// Runs a program that uses the C interface. `None` where there is no display.
+/// Runs a program that uses the C interface. `None` if there is no display.
 pub fn embedding(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Option<Finished> {
     let mut command = Command::new(built().join(program));
     command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
@@ -303,7 +301,7 @@ pub fn embedding(program: &str, arguments: &[&str], environment: &[(&str, &str)]
     Finished::of(command, program, "embedding")
 }
 
-/// For make: the folder of the headers of the first published version.
+/// Setting for make: folder of the headers of the first published version.
 const FIRST_HEADERS: &str = concat!("INCLUDE=", env!("CARGO_MANIFEST_DIR"), "/tests/abi/0.1");
 
 /// As [`embedding`], for a program that was compiled with the headers of the first published
@@ -326,8 +324,8 @@ pub fn embedding_of_first_version(program: &str, arguments: &[&str]) -> Option<F
     Finished::of(command, program, "embedding, 0.1")
 }
 
-/// Builds the Vulkan programs of `sources` into `folder`; fails with what is missing to build or to
-/// watch over them.
+/// Builds the Vulkan programs of `sources` into `folder`. Returns the name of a missing part if
+/// they cannot be built or validated.
 fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Result<PathBuf, &'static str> {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
@@ -352,37 +350,37 @@ fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Result<PathBu
     Ok(directory)
 }
 
-/// The folder, if it was built.
+/// The folder if the programs were built.
 fn available(built: &'static Result<PathBuf, &str>) -> Option<&'static Path> {
     let refused = |what: &&&str| missing(format_args!("no {what}"));
     built.as_deref().inspect_err(refused).ok()
 }
 
-/// The folder of the built Vulkan examples.
+/// Folder of the built Vulkan examples.
 fn vulkan_examples() -> Option<&'static Path> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
     available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples", &[])))
 }
 
-/// The folder of the built Vulkan test programs.
+/// Folder of the built Vulkan test programs.
 pub fn vulkan_apps() -> Option<&'static Path> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
     available(BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", &[])))
 }
 
-/// The validation layer watches over synchronisation, too.
+/// Variable that makes the validation layer check synchronisation, too.
 const SYNCHRONISATION: (&str, &str) =
     ("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
 
-/// Puts the validation layer, and where the library is, into a program's environment.
+/// Adds the validation layer and the path of the library to a program's environment.
 fn validating(command: &mut Command) {
     command.env("LD_LIBRARY_PATH", library().with_file_name(""));
     command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
     command.env(SYNCHRONISATION.0, SYNCHRONISATION.1);
 }
 
-/// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None`
-/// where that cannot be done.
+/// Runs a Vulkan example under the validation layer, which also checks synchronisation. `None` if
+/// that is not possible.
 pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
     watched_in(vulkan_examples()?, program, arguments)
 }
@@ -396,7 +394,7 @@ fn watched_in(folder: &Path, program: &str, arguments: &[&str]) -> Option<Finish
     Some(finished)
 }
 
-/// As [`watched`]; the program has to end well, and the layer to say nothing.
+/// As [`watched`]. Panics unless the program succeeds and the layer writes no message.
 pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
     Some(watched(program, arguments)?.expect_success().expect_no_validation_messages())
 }

@@ -1,4 +1,4 @@
-//! What the tests of the methods share that project vertices straight to an output: a camera, a
+//! Shared parts of the tests of methods that project vertices directly to an output: a camera, a
 //! domemaster, the projectors of a planetarium.
 
 use crate::compare::{Report, compare, expect_alike, expect_good, far};
@@ -12,11 +12,11 @@ use std::path::PathBuf;
 /// The preset `fisheye` in these tests' windows.
 pub const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
-/// Of two methods' pictures that are weighed: what edges of the cube may be beyond what is around,
-/// in 255ths. Both are rounded.
+/// Tolerance for blended pictures of two methods, which both round: how far the edges of the cube
+/// may be beyond the values around them, in 255ths.
 const WEIGHED: u8 = 2;
 
-/// What the Vulkan programs clear their window to.
+/// Colour to which the Vulkan programs clear their window.
 pub const GREY: [u8; 3] = [64; 3];
 
 /// A camera that shows all kinds of corners and edges, and cells around the antipode.
@@ -24,39 +24,40 @@ pub fn run<'a>(program: &'a str, extra: &'a [&'a str], cupola: &'a [&'a str]) ->
     Run { fov: 90.0, yaw: 33.0, pitch: -17.0, extra, cupola, ..Run::new(program) }
 }
 
-/// The cube of the Vulkan programs.
+/// A run of the Vulkan programs' cube.
 pub fn vk_cube<'a>(extra: &'a [&'a str], cupola: &'a [&'a str]) -> Run<'a> {
     run("vk_cube", extra, cupola)
 }
 
-/// An OpenGL program under a rig.
+/// Runs an OpenGL program under a rig.
 pub fn on_opengl(run: &Run, rig: &str) -> Option<Finished> {
     Some(run.under(rig)?.expect_success().expect_no_gl_errors())
 }
 
-/// A Vulkan program under a rig.
+/// Runs a Vulkan program under a rig.
 pub fn on_vulkan(run: &Run, rig: &str) -> Option<Finished> {
     run.vulkan_under(rig)
 }
 
-/// A Vulkan program in the preset `fisheye`.
+/// Runs a Vulkan program with the preset `fisheye`.
 pub fn vulkan_fisheye(run: &Run) -> Option<Finished> {
     on_vulkan(run, "fisheye")
 }
 
-/// How far a picture of the preset `fisheye` is from what it should show.
+/// Compares a picture of the preset `fisheye` with the prediction.
 pub fn against_the_map(run: &Run, picture: &Picture) -> Report {
     compare(picture, shown_by_fisheye(CIRCLE, camera_of(run)))
 }
 
-/// One view, and nothing that is flat.
+/// Checks that there is one view and nothing is flat.
 pub fn expect_one_pass(finished: &Finished, what: &str) {
     let statistics = finished.statistics();
     assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "{what}: {statistics:#}");
     assert_eq!(statistics["panel_draws"], 0, "{what}: {statistics:#}");
 }
 
-/// The projectors of `planetarium-6` in one window, away from the middle of the dome.
+/// The projectors of `planetarium-6`, which are not in the middle of the dome, with their outputs
+/// in one window.
 pub struct Projectors {
     rig: ProjectorRig,
     size: (usize, usize),
@@ -64,7 +65,7 @@ pub struct Projectors {
 }
 
 impl Projectors {
-    /// Small pictures, in rows of three.
+    /// The rig with small pictures, in rows of three.
     pub fn new() -> Self {
         let (size, columns) = ((128, 96), 3);
         let rig = rigs::projectors("planetarium-6", size, columns);
@@ -72,12 +73,12 @@ impl Projectors {
         Self { rig, size: (columns * size.0, rows * size.1), folder: scratch("rig") }
     }
 
-    /// Runs a program by `under` in a window of that size, without blending.
+    /// Runs a program with `under` in a window of that size, without blending.
     pub fn unblended(&self, run: &Run, under: impl Fn(&Run, &str) -> Option<Finished>) -> Option<Finished> {
         self.start("unblended.toml", &self.rig.unblended, run, under)
     }
 
-    /// The same where their light is blended.
+    /// As [`Self::unblended`], with blending.
     pub fn blended(&self, run: &Run, under: impl Fn(&Run, &str) -> Option<Finished>) -> Option<Finished> {
         self.start("blended.toml", &self.rig.blended, run, under)
     }
@@ -98,7 +99,7 @@ impl Projectors {
         self.rig.projectors.iter().map(|projector| format!("capture-{}.png", projector.name))
     }
 
-    /// Each picture without blending is where the exact map has it.
+    /// Checks that each picture without blending agrees with the exact map.
     pub fn expect_good(&self, plain: &Finished, run: &Run, what: &str) {
         for (projector, name) in self.rig.projectors.iter().zip(self.pictures()) {
             let picture = plain.picture(&name);
@@ -107,9 +108,10 @@ impl Projectors {
         }
     }
 
-    /// The weights are those of the default method, whose pictures are `expected`; a picture is off
-    /// where the cube's edges are resampled, and shows there what the other has beside. And a fifth
-    /// of the pixels, at least, is darker by 40/255 in a channel.
+    /// Checks that the blend weights are those of the default method, whose pictures are
+    /// `expected`. Pictures may differ where the cube's edges are resampled, but only by what the
+    /// other picture has beside. At least a fifth of the pixels must be darker by 40/255 in a
+    /// channel.
     pub fn expect_blended(&self, plain: &Finished, blended: &Finished, expected: &Finished) {
         for name in self.pictures() {
             let [plain, found, expected] = [plain, blended, expected].map(|finished| finished.picture(&name));

@@ -1,5 +1,5 @@
-//! Published frames: what a reader gets is what the window shows, and nothing is lost that should
-//! not be.
+//! Published frames: a reader gets the picture that the window shows, and all frames that it waits
+//! for.
 
 use crate::harness::tests;
 use crate::picture::Picture;
@@ -19,7 +19,7 @@ tests! {
 
 const LIMIT: Duration = Duration::from_secs(60);
 
-/// What was read of a program's frames.
+/// Frames that a reader got from a program.
 #[derive(Default)]
 struct Seen {
     indices: Vec<u64>,
@@ -27,7 +27,8 @@ struct Seen {
     lost: u64,
 }
 
-/// Reads from the file until the program ends; nothing if it ends before it publishes anything.
+/// Reads from the file until the program ends. Returns nothing if the program ends before it
+/// publishes a frame.
 fn read(path: &Path, has_ended: &AtomicBool) -> Seen {
     let (mut seen, mut frame) = (Seen::default(), Frame::default());
     let mut reader = loop {
@@ -45,7 +46,7 @@ fn read(path: &Path, has_ended: &AtomicBool) -> Seen {
     seen
 }
 
-/// Runs a program that waits for this reader.
+/// Runs a program that waits for the reader of this test.
 fn recorded(run: &Run<'_>, start: impl Fn(&Run<'_>) -> Option<Finished>, options: &[&str]) -> Option<(Finished, Seen)> {
     let file: PathBuf = scratch("published").join("ring");
     let publish = format!("--publish={}", file.display());
@@ -85,12 +86,12 @@ fn a_reader_gets_what_the_window_shows() {
         assert!(picture(&seen.last, name) == shown, "{program}");
         let mut wrong = seen.last.clone();
         wrong.pictures[0].rgba[4 * (128 * 256 + 128)] ^= 1;
-        assert!(picture(&wrong, name) != shown, "a wrong pixel is seen");
+        assert!(picture(&wrong, name) != shown, "a wrong pixel is not detected");
     }
 }
 
-/// The rig's own outputs are six projectors; the domemaster has another size than anything in the
-/// window.
+/// The rig's own outputs are six projectors. No picture in the window has the size of the
+/// domemaster.
 fn a_domemaster_beside_the_window_is_as_one_in_it() {
     let run = Run { size: (300, 200), frames: 4, cupola_frames: 4, ..Run::new("core330_mvp") };
     let options = ["--domemaster", "200"];
@@ -116,7 +117,10 @@ fn a_domemaster_beside_the_window_is_as_one_in_it() {
     assert!(different < 200 * 200 / 100, "{different} pixels, up to {worst}");
     let shifted = Picture::from_fn(200, 200, |x, y| alone.at((x + 3).min(199), y));
     let shifted = beside.pixels.iter().zip(&shifted.pixels).filter(|(a, b)| far(a, b)).count();
-    assert!(shifted > 4 * different.max(10), "a shift by three pixels is seen: {shifted} of {different}");
+    assert!(
+        shifted > 4 * different.max(10),
+        "a shift by three pixels is not detected: {shifted} pixels differ, without it {different}"
+    );
 }
 
 fn vulkan_publishes_the_same() {
@@ -126,7 +130,7 @@ fn vulkan_publishes_the_same() {
     assert_eq!((&seen.indices, seen.lost), (&(1..=5).collect(), 0));
     let beside = picture(&seen.last, "domemaster");
     assert_eq!((beside.width, beside.height, seen.last.pictures.len()), (150, 150, 1));
-    assert!(beside.pixels.iter().filter(|pixel| **pixel != [0; 3]).count() > 500, "something is seen");
+    assert!(beside.pixels.iter().filter(|pixel| **pixel != [0; 3]).count() > 500, "the picture is nearly black");
     assert_eq!(beside.at(0, 0), [0; 3], "outside of the circle");
     drop(finished);
     let Some((finished, seen)) = recorded(&run, under, &["--frames", "5"]) else { return };
@@ -137,7 +141,7 @@ fn vulkan_publishes_the_same() {
     assert_eq!(seen.last.pictures.len(), 6);
 }
 
-/// The example that knows nothing but `cupola_ring.h`, built in both languages.
+/// Builds the example that uses only `cupola_ring.h`, in both languages.
 fn reader_in_c() -> PathBuf {
     let folder = scratch("reader");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -159,7 +163,7 @@ fn a_reader_in_c_gets_the_same() {
     let (options, environment) = ([publish.as_str()], [("CUPOLA_PUBLISH_WAIT", "1")]);
     let run =
         Run { frames: 8, cupola_frames: 8, cupola: &options, environment: &environment, ..Run::new("core330_mvp") };
-    // It ends with the program, or after a minute without one.
+    // The reader ends with the program, or after a minute without a program.
     let mut reading = Command::new(reader);
     reading.arg(&file).arg(&last).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut reading = reading.spawn().expect("a reader");
@@ -184,5 +188,5 @@ fn a_reader_in_c_gets_the_same() {
     assert!(found(pixels) == shown);
     let mut wrong = pixels.to_vec();
     wrong[3 * (128 * 256 + 128)] ^= 1;
-    assert!(found(&wrong) != shown, "a wrong pixel is seen");
+    assert!(found(&wrong) != shown, "a wrong pixel is not detected");
 }

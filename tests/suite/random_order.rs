@@ -1,4 +1,5 @@
-//! OpenGL in random order: a program is told under Cupola, to the letter, what it is told without.
+//! OpenGL calls in random order: under Cupola a program gets exactly the answers that it gets
+//! without Cupola.
 
 use crate::compare::expect_identical;
 use crate::harness::tests;
@@ -11,7 +12,7 @@ tests! {
     another_seed_gets_other_answers,
 }
 
-/// The answers that a program of random calls gets without Cupola and under `rig`.
+/// Answers to a program of random calls, without Cupola and under `rig`.
 fn answers(seed: &str, rig: &str) -> Option<[String; 2]> {
     let extra = ["--seed", seed, "--answers", "answers.txt"];
     let run = Run { frames: 10, cupola_frames: 11, extra: &extra, ..Run::new("random_order") };
@@ -22,35 +23,37 @@ fn answers(seed: &str, rig: &str) -> Option<[String; 2]> {
 fn expect_same(seed: u32, rig: &str) {
     let Some([plain, under]) = answers(&seed.to_string(), rig) else { return };
     assert!(plain.lines().count() > 10_000, "seed {seed}: the program did nothing");
-    // How many samples a lens of nearly 180 degrees has in the views is no number to compare.
+    // The number of samples in the views cannot be compared with that in a lens of nearly 180
+    // degrees.
     let counts_samples = |line: &str| rig != "identity-captured" && line.contains(" count 1 ");
     let different = plain.lines().zip(under.lines()).find(|(plain, under)| plain != under && !counts_samples(plain));
     if let Some((plain, under)) = different {
         panic!("seed {seed}, {rig}:\n  without Cupola {plain}\n  under Cupola   {under}");
     }
-    assert_eq!(plain.lines().count(), under.lines().count(), "seed {seed}, {rig}: one has more answers");
+    assert_eq!(plain.lines().count(), under.lines().count(), "seed {seed}, {rig}: the numbers of answers differ");
 }
 
 fn the_program_s_own_picture_and_state() {
-    // 13 copies pixels while it blends, in a window that can do sRGB; in 20 and 36 a raster
-    // position in light takes a colour that the material follows, in 25 the range of depths changes
-    // after it, and lists set state after what they draw at it; in 261 the projection changes.
+    // Seed 13 copies pixels with blending, in a window that supports sRGB. In seeds 20 and 36 a
+    // raster position with lighting takes a colour that the material follows. In seed 25 the depth
+    // range changes after the raster position was set, and lists set state after drawing at it. In
+    // seed 261 the projection changes.
     for seed in (1..=8).chain([13, 20, 25, 36, 261]) {
         expect_same(seed, "identity-captured");
     }
 }
 
 fn with_views_besides() {
-    // 25 and 31 as above; in 56 two errors come before the program asks for one; in 99 a list's
-    // colours change the material.
+    // Seeds 25 and 31 have the case of seed 25 above. In seed 56 two errors occur before the
+    // program asks for one. In seed 99 the colours of a list change the material.
     for seed in (21..=23).chain([25, 31, 56, 99]) {
         expect_same(seed, "fisheye");
     }
     expect_same(24, "planetarium-6");
 }
 
-/// Vertex arrays are changed by calls of every kind between draws. Who takes a draw for one from
-/// what was set before leaves it out of views that show it.
+/// Vertex arrays are changed by calls of every kind between draws. If a draw is taken for an
+/// earlier one, it is left out of views that show it.
 fn arrays_that_change_between_draws() {
     for seed in [1, 2, 3, 4, 5, 6, 7, 9, 10, 17] {
         let seed = seed.to_string();

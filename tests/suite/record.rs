@@ -1,4 +1,4 @@
-//! `cupola record`: two recordings are equal, and one that was interrupted goes on.
+//! `cupola record`: two recordings are equal, and an interrupted recording can be continued.
 
 use crate::display;
 use crate::harness::tests;
@@ -15,7 +15,8 @@ tests! {
 
 const FRAMES: usize = 6;
 
-/// Records a program that moves by time and random numbers, and draws `drawn` frames.
+/// Records a program that moves by time and random numbers. The program itself draws `drawn`
+/// frames.
 fn record(out: &Path, drawn: usize, options: &[&str]) -> Option<Finished> {
     let run = Run { frames: drawn, size: (96, 96), ..Run::new("by_time") };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
@@ -25,7 +26,7 @@ fn record(out: &Path, drawn: usize, options: &[&str]) -> Option<Finished> {
     Finished::of(command, run.program, "record")
 }
 
-/// The files of a recording.
+/// Names and contents of the files of a recording.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
@@ -46,9 +47,9 @@ fn two_recordings_are_equal() {
     assert!(one == other, "two recordings differ");
     let last = image::load_from_memory(&one[&names[FRAMES - 1]]).expect("a picture").into_rgb8();
     let captured = image::open(finished.directory.join("capture.png")).expect("a picture").into_rgb8();
-    assert!(last == captured, "the last frame is the one that is captured");
-    // Controls: the pictures move, and at another date, which starts the random numbers, they are
-    // others.
+    assert!(last == captured, "the last frame is not the captured one");
+    // Controls: the pictures change. They differ for another date, from which the random numbers
+    // start.
     assert!(one[&names[0]] != one[&names[1]] && one[&names[1]] != one[&names[2]]);
     let Some(another) = record(&third, FRAMES, &["--name", "Show", "--clock-start", "2010-01-01"]) else { return };
     another.expect_success();
@@ -66,8 +67,8 @@ fn an_interrupted_recording_goes_on() {
     let finished = finished.expect_success();
     assert!(finished.words().contains("goes on with frame 4"), "{}", finished.words());
     let all = files(&whole);
-    assert!(all == files(&parts), "the recording in two parts is another one");
-    // The folder of another recording is left as it is.
+    assert!(all == files(&parts), "the recording in two parts differs");
+    // The folder of another recording stays unchanged.
     std::fs::remove_file(parts.join(all.keys().next_back().expect("a file"))).expect("removed");
     let before = files(&parts);
     let Some(finished) = record(&parts, FRAMES, &["--clock-start", "2010-01-01"]) else { return };

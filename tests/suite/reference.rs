@@ -1,7 +1,7 @@
-//! Which direction a pixel shows, in f64, computed from the numbers of a rig alone.
+//! Direction that a pixel shows, in f64, computed only from the numbers of a rig.
 //!
-//! Written from the conventions in the rig format's description, on purpose without `cupola::geom`.
-//! Vectors are arrays: x right, y up, −z forward.
+//! Written from the conventions in the description of the rig file, on purpose without
+//! `cupola::geom`. Vectors are arrays: x right, y up, −z forward.
 
 pub type Vector = [f64; 3];
 
@@ -18,7 +18,8 @@ pub fn normalised(a: Vector) -> Vector {
     a.map(|component| component / length)
 }
 
-/// An orientation by three angles in degrees: right-positive, up-positive, clockwise-positive.
+/// An orientation by three angles in degrees. Positive angles turn to the right, upwards and
+/// clockwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Turn {
     pub yaw: f64,
@@ -27,26 +28,26 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// From the turned thing's own axes to its parent's: rolled first, then pitched, then yawed.
+    /// From the turned axes to the axes of the parent: first roll, then pitch, then yaw.
     pub fn outward(self, [x, y, z]: Vector) -> Vector {
         let (sin, cos) = self.roll.to_radians().sin_cos();
-        // Rolled clockwise, what was up leans to the right.
+        // Rolled clockwise, the up direction leans to the right.
         let (x, y) = (x * cos + y * sin, y * cos - x * sin);
         let (sin, cos) = self.pitch.to_radians().sin_cos();
-        // Pitched up, what was forward (−z) gains height.
+        // Pitched up, the forward direction (−z) gains height.
         let (y, z) = (y * cos - z * sin, y * sin + z * cos);
         let (sin, cos) = self.yaw.to_radians().sin_cos();
-        // Yawed to the right, what was forward (−z) goes to +x.
+        // Yawed to the right, the forward direction (−z) goes to +x.
         [x * cos - z * sin, y, x * sin + z * cos]
     }
 
-    /// From the parent's axes to the turned thing's own: the components along its axes.
+    /// From the axes of the parent to the turned axes: components along the turned axes.
     pub fn inward(self, direction: Vector) -> Vector {
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| dot(self.outward(axis), direction))
     }
 }
 
-/// The camera of a test program: where the world's directions are in its eye axes.
+/// The camera of a test program: converts directions from its eye axes to the world.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ProgramCamera {
     pub yaw: f64,
@@ -59,42 +60,43 @@ impl ProgramCamera {
     }
 }
 
-/// The axis and sign of the cube's face that a direction hits: 0…5 for −x +x −y +y −z +z.
+/// Axis and sign of the cube's face that a direction hits: 0…5 for −x +x −y +y −z +z.
 pub fn cube_face(direction: Vector) -> usize {
     let axis = (0..3).fold(0, |best, axis| if direction[axis].abs() > direction[best].abs() { axis } else { best });
     2 * axis + usize::from(direction[axis] > 0.0)
 }
 
-/// Where a direction hits the cube [−1, 1]³.
+/// Point where a direction hits the cube [−1, 1]³.
 pub fn cube_point(direction: Vector) -> Vector {
     let longest = direction.iter().fold(0.0_f64, |longest, component| longest.max(component.abs()));
     direction.map(|component| component / longest)
 }
 
-/// The colour 0…1 that the test programs give to a direction of the world.
+/// Colour 0…1 that the test programs give to a direction of the world.
 pub fn cube_colour(direction: Vector) -> Vector {
     cube_point(direction).map(|component| 0.5 + 0.5 * component)
 }
 
-/// An equidistant fisheye, its circle inscribed in the picture and centred.
+/// An equidistant fisheye. Its circle is centred and touches the edges of the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Fisheye {
     pub width: f64,
     pub height: f64,
-    /// Whole opening, degrees.
+    /// Full opening angle in degrees.
     pub aperture: f64,
-    /// From straight up to the centre of the circle, towards the front, degrees.
+    /// Angle from straight up to the centre of the circle, towards the front, in degrees.
     pub tilt: f64,
 }
 
 impl Fisheye {
-    /// The distance of a place from the circle's rim in pixels, positive inside.
+    /// Distance of a place from the circle's rim in pixels, positive inside.
     pub fn inside_by(&self, x: f64, y: f64) -> f64 {
         let radius = 0.5 * self.width.min(self.height);
         radius - (x - 0.5 * self.width).hypot(y - 0.5 * self.height)
     }
 
-    /// The direction in the viewer's axes of a place in the picture, in pixels from the top left.
+    /// Direction, in the viewer's axes, of a place in the picture. Places are pixels from the top
+    /// left.
     pub fn direction(&self, x: f64, y: f64) -> Vector {
         let radius = 0.5 * self.width.min(self.height);
         let (right, up) = ((x - 0.5 * self.width) / radius, (0.5 * self.height - y) / radius);
@@ -105,7 +107,7 @@ impl Fisheye {
     }
 }
 
-/// A pinhole's opening as tangents.
+/// Opening of a pinhole camera, as tangents.
 #[derive(Clone, Copy, Debug)]
 pub struct Opening {
     pub left: f64,
@@ -115,14 +117,13 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// A symmetric one with the given field of view in height, degrees.
+    /// A symmetric opening with the given field of view in height, in degrees.
     pub fn vertical(fov: f64, aspect: f64) -> Self {
         let top = (0.5 * fov.to_radians()).tan();
         Self { left: -top * aspect, right: top * aspect, bottom: -top, top }
     }
 
-    /// The direction, not normalised, at a part (0…1 from the left, 0…1 from the top) of the
-    /// picture.
+    /// Direction, not normalised, at a place of the picture (0…1 from the left, 0…1 from the top).
     pub fn direction(&self, x: f64, y: f64) -> Vector {
         [self.left + x * (self.right - self.left), self.top + y * (self.bottom - self.top), -1.0]
     }
@@ -139,7 +140,7 @@ pub struct Projector {
     pub opening: Opening,
 }
 
-/// What a projector shines on.
+/// A spherical dome, a viewer and the program's camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Dome {
     pub radius: f64,
@@ -151,15 +152,15 @@ pub struct Dome {
 }
 
 impl Dome {
-    /// How far within the screen's rim a point of the sphere is, degrees; negative where there is
-    /// no screen.
+    /// Angle from a point of the sphere to the screen's rim in degrees, negative where there is no
+    /// screen.
     pub fn within_screen(&self, point: Vector) -> f64 {
         let pole = Turn { yaw: 0.0, pitch: 90.0 - self.tilt, roll: 0.0 }.outward([0.0, 0.0, -1.0]);
         let cosine = dot(pole, normalised(point)).clamp(-1.0, 1.0);
         0.5 * self.coverage - cosine.acos().to_degrees()
     }
 
-    /// The direction of a point of the dome in the eye axes of the program's camera.
+    /// Direction of a point of the dome in the eye axes of the program's camera.
     pub fn eye_direction(&self, point: Vector) -> Vector {
         let from_viewer = add_scaled(point, self.viewer, -1.0);
         normalised(self.camera_turn.inward(self.viewer_turn.inward(from_viewer)))
@@ -167,13 +168,14 @@ impl Dome {
 }
 
 impl Projector {
-    /// The direction in the dome of the ray through a place in the picture, in pixels from the top
+    /// Direction, in the dome, of the ray through a place in the picture, in pixels from the top
     /// left.
     pub fn ray(&self, x: f64, y: f64) -> Vector {
         normalised(self.turn.outward(self.opening.direction(x / self.width, y / self.height)))
     }
 
-    /// The point of the sphere that a place in the picture lights: where its ray leaves the sphere.
+    /// Point of the sphere that a place in the picture lights: the point where the ray leaves the
+    /// sphere.
     pub fn hit(&self, dome: &Dome, x: f64, y: f64) -> Option<Vector> {
         let ray = self.ray(x, y);
         let along = dot(self.position, ray);
@@ -182,8 +184,8 @@ impl Projector {
         (discriminant >= 0.0 && distance > 0.0).then(|| add_scaled(self.position, ray, distance))
     }
 
-    /// The place in the picture, in pixels from the top left, that lights a point; `None` where
-    /// none does.
+    /// Place in the picture, in pixels from the top left, that lights a point. `None` if there is
+    /// no such place.
     pub fn place(&self, point: Vector) -> Option<[f64; 2]> {
         let [x, y, z] = self.turn.inward(add_scaled(point, self.position, -1.0));
         let Opening { left, right, bottom, top } = self.opening;

@@ -1,14 +1,14 @@
-//! The numbers of a rig file for the reference, read without Cupola's own reader.
+//! Numbers of a rig file for the reference, read without Cupola's own reader.
 
 use crate::reference::{Dome, Opening, Projector, Turn, Vector};
 use std::path::Path;
 use toml::{Table, Value};
 
-/// A rig of projectors as the reference sees it, and its file's content with blending off.
+/// A rig of projectors for the reference, and the rig as files with and without blending.
 pub struct ProjectorRig {
     pub dome: Dome,
     pub projectors: Vec<Projector>,
-    /// The rig as TOML, each output with the given size and place.
+    /// The rig as TOML. Each output has the given size and place.
     pub blended: String,
     /// The same without any blending.
     pub unblended: String,
@@ -48,8 +48,7 @@ fn opening(output: &Table) -> Opening {
     }
 }
 
-/// Reads the rig of a preset's file and gives every output `size` and a place in a grid of
-/// `columns`.
+/// Reads the file of a preset. Gives every output `size` and a place in a grid of `columns`.
 pub fn projectors(preset: &str, size: (usize, usize), columns: usize) -> ProjectorRig {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("src/rig/presets/{preset}.toml"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

@@ -1,5 +1,4 @@
-//! What OpenGL promises a program beyond pictures with a swap, where drawing each view might break
-//! it.
+//! Behaviour of OpenGL that drawing for each view might break, apart from the picture after a swap.
 
 use crate::harness::tests;
 use crate::programs::{Finished, Run};
@@ -23,18 +22,18 @@ tests! {
     a_window_keeps_the_size_that_was_asked_for,
 }
 
-/// Runs a program that judges itself, plainly and under several rigs.
+/// Runs a program that checks OpenGL's answers itself, without Cupola and under several rigs.
 fn judges_itself(program: &str) {
     judges_itself_with(program, &[]);
 }
 
-/// [`judges_itself`] with more options of the program.
+/// As [`judges_itself`], with further options of the program.
 fn judges_itself_with(program: &str, extra: &[&str]) {
     let run = Run { extra, ..Run::new(program) };
     let Some(plain) = run.plain() else { return };
     plain.expect_success();
     for rig in ["fisheye", "planetarium-6"] {
-        // One frame more than the program draws, so that it comes to its own end and verdict.
+        // One frame more than the program draws, so that it reaches its own end and verdict.
         let run = Run { cupola_frames: run.frames + 1, ..run.clone() };
         if let Some(finished) = run.under(rig) {
             finished.expect_success();
@@ -57,7 +56,7 @@ fn names_that_a_program_never_asked_for_are_free() {
 
 fn a_window_with_one_buffer_shows_what_one_with_two_shows() {
     let shots = [&["--shot", "shot.ppm"][..], &["--shot", "shot.ppm", "--single"]].map(|extra| {
-        // The program itself ends, after its shot; Cupola would end it before.
+        // The program ends itself after its screenshot. Cupola would end it before.
         let run = Run { extra, cupola_frames: 9, ..Run::new("immediate") };
         run.under("fisheye").map(|finished| finished.expect_success().picture("shot.ppm"))
     });
@@ -109,18 +108,18 @@ fn a_swap_without_a_current_context_is_a_frame() {
     crate::dialects::fisheye("no_context", &[]);
 }
 
-/// The greatest number of requests to the X server that the program saw in a swap.
+/// Greatest number of requests to the X server that the program counted in a swap.
 fn requests(words: &str) -> Option<u32> {
     words.lines().filter_map(|line| line.strip_prefix("requests ")?.parse().ok()).max()
 }
 
-/// One question, for size and visibility: Xlib sends its two requests together and waits once. None
-/// about a window that keeps its own picture.
+/// Cupola asks once, for size and visibility: Xlib sends both requests together and waits once. It
+/// does not ask about a window that keeps the program's own picture.
 fn a_frame_asks_the_x_server_once() {
     const QUESTION: u32 = 2;
     let run = Run { frames: 5, cupola_frames: 6, ..Run::new("requests") };
     let Some(plain) = run.plain() else { return };
-    let sent = |finished: Finished| requests(&finished.expect_success().words()).expect("it counts");
+    let sent = |finished: Finished| requests(&finished.expect_success().words()).expect("the program counts requests");
     let plain = sent(plain);
     for (rig, more) in [("fisheye", QUESTION), ("identity", 0)] {
         let Some(under) = run.under(rig).map(sent) else { return };
@@ -128,7 +127,8 @@ fn a_frame_asks_the_x_server_once() {
     }
 }
 
-/// Also if the program fixes another size when it has its context.
+/// The window keeps the size of `--size` although the program sets another size when it has its
+/// context.
 fn a_window_keeps_the_size_that_was_asked_for() {
     let size = |cupola: &[&str]| {
         let run = Run { extra: &["--mode", "fixed"], frames: 4, cupola_frames: 4, cupola, ..Run::new("resize") };

@@ -1,8 +1,8 @@
-//! A steady frame allocates nothing, links no shader, makes no object, and makes few calls.
+//! A steady frame allocates no memory, links no shader, creates no object, and makes few calls.
 //!
-//! `tests/apps/preload/allocations.c` counts the calls of malloc and its kin that come from
-//! Cupola's library, in frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between
-//! Cupola and the driver.
+//! `tests/apps/preload/allocations.c` counts the calls of malloc and related functions that come
+//! from Cupola's library, in frames 20…199. `tests/apps/preload/calls.c` counts calls of OpenGL
+//! between Cupola and the driver.
 
 use crate::harness::{note, tests};
 use crate::programs::{Finished, Run, embedding, preload, vendor};
@@ -23,7 +23,7 @@ tests! {
 
 const FRAMES: usize = 200;
 
-/// Number of allocations in steady frames, and where they came from. `None`: nothing was counted.
+/// Number of allocations in steady frames, and the report with their origin.
 fn allocations(finished: &Finished) -> (u64, String) {
     let text = finished.text("steady.txt");
     let number = |word: &str| -> u64 {
@@ -97,15 +97,16 @@ fn the_c_interface() {
     assert_eq!(number, 0, "{text}");
 }
 
-/// A window that changes its size now and then is planned anew each time: the counter must see it.
+/// Negative control: views are planned again each time a window changes its size. The counter must
+/// count that.
 fn a_frame_that_is_not_steady_is_seen() {
     let Some(finished) = counted("resize", &[], "fisheye") else { return };
     let (number, text) = allocations(&finished);
     assert!(number > 100, "{text}");
 }
 
-/// Calls of OpenGL in a steady frame, the program's own and Cupola's, by function; `None` where
-/// there is no display, or where addresses cannot be counted.
+/// Number of calls of OpenGL in a steady frame by function, those of the program and of Cupola.
+/// `None` if there is no display or if the processor is not supported.
 fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
     let folder = vendor()?;
     let total = |frames: usize| -> Option<BTreeMap<String, u64>> {
@@ -113,10 +114,10 @@ fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
             ("LD_LIBRARY_PATH", folder),
             ("CUPOLA_GLX_REAL", "calls"),
             ("CALLS_REPORT", "calls.txt"),
-            // Both starts make the same calls.
+            // Without the cache both runs make the same calls.
             ("CUPOLA_CACHE", "0"),
         ];
-        // The program ends by itself, which is when the calls are written.
+        // The program must end by itself, because the calls are written then.
         let finished = Run { cupola_frames: 1000, ..run(program, &[], frames, &environment) }.under(rig)?;
         let text = finished.expect_success().text("calls.txt");
         let line = |line: &str| {
@@ -130,8 +131,8 @@ fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
     Some(many.iter().map(steady).filter(|(_, number)| *number > 0).collect())
 }
 
-/// Calls by the names of functions without the kind of their arguments, for Cupola calls
-/// `glVertex3dv` where the program calls `glVertex3d`; without questions.
+/// Number of calls by the name of the function without the type of its arguments, because Cupola
+/// calls `glVertex3dv` where the program calls `glVertex3d`. Queries are left out.
 fn by_family(calls: &BTreeMap<String, u64>) -> BTreeMap<String, u64> {
     let mut families = BTreeMap::new();
     for (name, number) in calls.iter().filter(|(name, _)| !name.starts_with("glGet") && !name.starts_with("glIs")) {
@@ -144,11 +145,11 @@ fn by_family(calls: &BTreeMap<String, u64>) -> BTreeMap<String, u64> {
     families
 }
 
-/// Vertex arrays are asked about once, not in each draw; so are switches, masks and the like, not
-/// in each frame.
+/// Cupola queries vertex arrays once and not in each draw. It queries switches, masks and similar
+/// state once and not in each frame.
 fn draws_ask_for_nothing() {
-    // The first has 136 draws in a frame, the second eight, with five changes of the matrices; the
-    // last sets its arrays for each draw.
+    // The first has 136 draws per frame. The second has eight, with five changes of the matrices.
+    // The last sets its arrays for each draw.
     for (program, most) in [("positions", 16), ("fixed_buffers", 24), ("hud", 26), ("client_arrays", 23)] {
         let Some(plain) = calls_per_frame(program, "identity") else { return };
         let Some(calls) = calls_per_frame(program, "fisheye") else { return };
@@ -161,15 +162,15 @@ fn draws_ask_for_nothing() {
     }
 }
 
-/// Calls of a correction with one output, besides those for each view: what is saved, set and put
-/// back.
+/// Number of calls of a correction with one output that save, set and restore state, without those
+/// for each view.
 const CALLS_OF_A_CORRECTION: u64 = 25;
 
-/// A frame has the program's calls once for each view, calls that choose the view, and those of the
-/// correction. Questions are counted by [`draws_ask_for_nothing`].
+/// A frame makes the program's calls once for each view, the calls that select the view, and those
+/// of the correction. [`draws_ask_for_nothing`] counts the queries.
 fn no_call_is_made_for_nothing() {
-    // For each view a viewport, its matrix, and a program and a draw of the correction; without
-    // shaders, a matrix and its mode for each of three groups of primitives, and each time the
+    // For each view: a viewport, its matrix, and a program and a draw of the correction. Without
+    // shaders: a matrix and its mode for each of three groups of primitives, and each time the
     // program's own again.
     for (program, of_a_view) in [("core330_mvp", 4), ("immediate", 13)] {
         let Some(plain) = calls_per_frame(program, "identity") else { return };
@@ -183,15 +184,15 @@ fn no_call_is_made_for_nothing() {
         let most = CALLS_OF_A_CORRECTION + views * of_a_view;
         note(format_args!("{program}: {views} views, {ours} calls of {most} that are not the program's own"));
         assert!(views > 1 && ours <= most, "{program}: {ours} calls of {most}: {calls:?}, the program's {plain:?}");
-        // Negative control: one more call for each view is seen.
+        // Negative control: one more call per view would exceed the bound.
         assert!(ours + views > most, "{program}: {ours} calls of {most}");
-        // One atlas is one binding, and one framebuffer for the program's draws, one for the
-        // window.
+        // One atlas needs one texture binding. The program's draws need one framebuffer binding and
+        // the window another.
         assert!(calls["glBindTexture"] <= 2 && calls["glBindFramebuffer"] <= 2, "{program}: {calls:?}");
     }
 }
 
-/// Steady frames make no objects of OpenGL, so that none can be left behind.
+/// Steady frames create no objects of OpenGL, so no object can remain.
 fn no_object_is_made() {
     for program in ["core330_mvp", "immediate", "post_process"] {
         let Some(calls) = calls_per_frame(program, "fisheye") else { return };

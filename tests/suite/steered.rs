@@ -37,7 +37,7 @@ const LINES: &str = "\
 21: key 0xff53
 ";
 
-/// What the program writes down for them: frames count from 0.
+/// Lines that the program writes for these events. Frames count from 0.
 const COMES: &str = "\
 3 press Left
 4 release Left
@@ -54,7 +54,7 @@ const COMES: &str = "\
 22 release Right
 ";
 
-/// Runs the program on nodes with X servers of their own; its answers are in `node-N/answers`.
+/// Runs the program on nodes with an X server each. The program's answers are in `node-N/answers`.
 fn steered(rig: &Path, count: usize, input: Option<&str>) -> Option<Finished> {
     display::get()?;
     let own = ["--at", "0,0", "--answers", "answers"];
@@ -86,7 +86,8 @@ fn keyboard_and_mouse_reach_all_nodes_in_the_same_frame() {
     assert!(words.contains("all alike") && !words.contains("draws something else"), "{words}");
     assert_eq!(words.matches("Nonsense: there is no such key").count(), 1, "{words}");
     assert!(!words.contains("do not reach"), "{words}");
-    // Control: the pictures follow from the events, and from the frames in which they come.
+    // Negative control: the pictures depend on the events and on the frames in which the events
+    // come.
     let Some(without) = steered(&rig, 3, None) else { return };
     assert!(!are_equal(&rig, &three, &without));
     let Some(later) = steered(&rig, 3, Some(&LINES.replace("15: key w up", "16: key w up"))) else { return };
@@ -110,13 +111,13 @@ impl Pipe {
     }
 }
 
-/// A show of the program with X servers of its own, that is steered by a pipe.
+/// A show of the program with an X server per node. A pipe gives the events.
 fn show(count: usize, pipe: &Pipe) -> Option<Show> {
     let input = ["--headless", "--size", "96x96", "--input", pipe.0.to_str().expect("a UTF-8 path")];
     Show::start(count, &input, "steered", &["--at", "0,0", "--answers", "answers"])
 }
 
-/// What has come to the program of a node.
+/// Events that the program of a node has received.
 fn answers(show: &Show, node: usize) -> String {
     std::fs::read_to_string(show.directory.join(format!("node-{node}/answers"))).unwrap_or_default()
 }
@@ -125,7 +126,7 @@ fn has_come(show: &Show, node: usize, what: &str) {
     until(what, || answers(show, node).contains(what).then_some(()));
 }
 
-/// Connects with the X server of a process.
+/// Connects to the X server of a process.
 fn server_of(process: u32) -> (RustConnection, Window) {
     let variables = std::fs::read(format!("/proc/{process}/environ")).expect("a process");
     let name = variables.split(|byte| *byte == 0).find_map(|variable| variable.strip_prefix(b"DISPLAY="));
@@ -143,7 +144,7 @@ fn press(connection: &RustConnection, code: u8, is_down: bool) {
     connection.xtest_fake_input(kind, code, 0, x11rb::NONE, 0, 0, 0).expect("sent").check().expect("pressed");
 }
 
-/// The key that writes this.
+/// Code of the key for this symbol.
 fn code(connection: &RustConnection, symbol: u32) -> u8 {
     let (least, most) = (connection.setup().min_keycode, connection.setup().max_keycode);
     let map = connection.get_keyboard_mapping(least, most - least + 1).expect("sent").reply().expect("a keyboard");
@@ -151,13 +152,13 @@ fn code(connection: &RustConnection, symbol: u32) -> u8 {
     (least..=most).zip(keys).find(|(_, symbols)| symbols[0] == symbol).expect("a key").0
 }
 
-/// The control: somebody presses a key of one machine alone.
+/// Negative control: a key is pressed on one machine only.
 fn a_key_that_one_node_gets_is_named() {
     let pipe = Pipe::new();
     let Some(show) = show(2, &pipe) else { return };
     pipe.write("key w down\n");
     (0..2).for_each(|node| has_come(&show, node, "press w"));
-    // The server would have repeated the key by now.
+    // After this time the X server would have repeated the key.
     std::thread::sleep(std::time::Duration::from_millis(1500));
     pipe.write("key w up\nmove 0.5 0.5\n");
     (0..2).for_each(|node| has_come(&show, node, " at 48 48"));
@@ -175,7 +176,7 @@ fn a_node_that_was_stopped_gets_its_keys_in_their_frames() {
     let Some(show) = show(3, &pipe) else { return };
     pipe.write("key w down\n");
     (0..3).for_each(|node| has_come(&show, node, "press w"));
-    // A machine that hangs: the command and the program.
+    // A machine stops responding: both the command and the program are stopped.
     kill("STOP", show.nodes[2].sidecar);
     kill("STOP", show.nodes[2].program);
     for lines in ["key w up\nkey Left down\n", "key Left up\nmove 0.1 0.2\n", "key Right\n"] {
@@ -186,7 +187,8 @@ fn a_node_that_was_stopped_gets_its_keys_in_their_frames() {
     assert!(!answers(&show, 2).contains("Left"));
     let before = show.nodes[2].newest();
     kill("CONT", show.nodes[2].sidecar);
-    // A program that hears nothing when it wakes up goes on alone.
+    // If a program gets no answer when it continues, it goes on alone. So the command continues
+    // first.
     until("its command goes on", || (show.nodes[2].newest() > before + 30).then_some(()));
     kill("CONT", show.nodes[2].program);
     show.says("node 2 is in step again");
@@ -195,7 +197,8 @@ fn a_node_that_was_stopped_gets_its_keys_in_their_frames() {
     show.goes_on(2, 20);
     let words = show.words();
     assert!(!words.contains("draws something else") && !words.contains("was on its own"), "{words}");
-    // Its command alone: its program goes on without the events, and gets them later, in their order.
+    // Only the command is stopped. Its program continues without the events, and gets them later in
+    // their order.
     kill("STOP", show.nodes[2].sidecar);
     show.says("node 2: the other nodes do not answer in time");
     for line in ["key a down\n", "key a up\n"] {
@@ -214,7 +217,7 @@ fn a_node_that_was_stopped_gets_its_keys_in_their_frames() {
     assert_ne!(answers(&show, 2), answers(&show, 0));
 }
 
-/// Two programs on one server would get each other's events.
+/// Two programs on one server would get the events of each other.
 fn nodes_without_an_x_server_of_their_own_are_told() {
     let pipe = Pipe::new();
     let input = ["--size", "96x96", "--input", pipe.0.to_str().expect("a UTF-8 path")];
@@ -227,7 +230,7 @@ fn nodes_without_an_x_server_of_their_own_are_told() {
     assert_eq!(words.matches("do not reach").count(), 1, "{words}");
 }
 
-/// The window of `cupola input` on a server of its own.
+/// The window of `cupola input`, on a separate server.
 fn a_window_prints_what_is_done_in_it() {
     let Some(display) = display::own(24) else { return };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
@@ -255,12 +258,12 @@ fn a_window_prints_what_is_done_in_it() {
     }
     server.warp_pointer(x11rb::NONE, own, 0, 0, 0, 0, 50, 25).expect("sent").check().expect("moved");
     until("the pointer comes", || lines().contains("move 0.25250 0.25500").then_some(()));
-    // What is held is released when another window gets the keyboard.
+    // Keys that are held are released when another window gets the keyboard.
     focus(root).expect("focus");
     until("a key is released", || lines().contains("key Shift_L up").then_some(()));
     let keys: Vec<String> = lines().lines().filter(|line| line.starts_with("key")).map(str::to_owned).collect();
     assert_eq!(keys, ["key Shift_L down", "key w down", "key w up", "key Shift_L up"]);
-    // A second one would get the same events.
+    // A second window on the server would get the same events.
     let mut second = Command::new(env!("CARGO_BIN_EXE_cupola"));
     let output = second.args(["input", "--display", &display.name]).output().expect("cupola starts");
     assert!(String::from_utf8_lossy(&output.stderr).contains("on another X server"), "{output:?}");

@@ -1,4 +1,4 @@
-//! Pictures to other programs: `cupola stream` and `cupola record --pipe`.
+//! Pictures for other programs: `cupola stream` and `cupola record --pipe`.
 
 use crate::display;
 use crate::harness::tests;
@@ -13,18 +13,18 @@ tests! {
 
 const SIDE: usize = 96;
 
-/// The command that writes down the numbers that are painted into pictures.
+/// Command that writes the numbers that are painted into pictures to `file`.
 fn reader(slow: usize, file: &Path) -> String {
     format!("{} {SIDE} {SIDE} {slow} > {}", built().join("index_reader").display(), file.display())
 }
 
-/// What it has written down.
+/// Numbers that the command has written.
 fn numbers(file: &Path) -> Vec<u64> {
     let text = std::fs::read_to_string(file).unwrap_or_default();
     text.lines().filter_map(|line| line.split(' ').next()?.parse().ok()).collect()
 }
 
-/// A program that paints the number of each frame.
+/// A program that paints the number of each frame into the picture.
 fn painting(frames: usize, rate: &'static str) -> Run<'static> {
     Run {
         size: (SIDE, SIDE),
@@ -34,8 +34,8 @@ fn painting(frames: usize, rate: &'static str) -> Run<'static> {
     }
 }
 
-/// Runs the program, and streams its frames to a reader that takes so many milliseconds for each:
-/// the numbers that it saw, and what was counted.
+/// Runs the program and streams its frames to a reader that takes `slow` milliseconds per frame.
+/// Returns the numbers that the reader got, and the statistics of the stream.
 fn streamed(slow: usize) -> Option<(Vec<u64>, serde_json::Value)> {
     let folder = scratch("stream");
     let (ring, file, stats) = (folder.join("ring"), folder.join("numbers"), folder.join("stats.json"));
@@ -50,14 +50,14 @@ fn streamed(slow: usize) -> Option<(Vec<u64>, serde_json::Value)> {
         stream.kill().and_then(|()| stream.wait()).expect("it ends");
         return None;
     };
-    // It has drawn all its frames: it did not wait.
+    // The program has drawn all its frames, so it did not wait for the reader.
     finished.expect_success();
     assert!(stream.wait().expect("it ends").success());
     let stats = std::fs::read(stats).expect("statistics");
     Some((numbers(&file), serde_json::from_slice(&stats).expect("JSON")))
 }
 
-/// Frames that were lost on the way, if the numbers are in order.
+/// Number of frames that were lost. `None` if the numbers are not in order.
 fn lost(numbers: &[u64]) -> Option<u64> {
     let is_in_order = numbers.windows(2).all(|pair| pair[0] < pair[1]);
     is_in_order
@@ -68,14 +68,14 @@ fn a_slow_receiver_loses_frames_that_are_counted() {
     let Some((slow, counted)) = streamed(40) else { return };
     let number = |key: &str| counted[key].as_u64().unwrap_or_else(|| panic!("{key}: {counted}"));
     let expected = |numbers: &[u64]| lost(numbers).map(|lost| (numbers.len() as u64, lost));
-    // A frame may be lost before the first one that was read.
+    // A frame may also be lost before the first one that was read.
     let sent = (number("sent"), number("lost") + number("not_published"));
     assert!(
         expected(&slow).is_some_and(|(read, lost)| read == sent.0 && lost <= sent.1 && lost + 4 > sent.1),
         "{counted}: {slow:?}"
     );
     assert!(number("lost") > 20 && slow.last() > Some(&150), "{counted}: {slow:?}");
-    // Controls.
+    // Negative control: numbers in another order. Control: a fast reader gets more frames.
     let mut wrong = slow.clone();
     wrong.swap(3, 4);
     assert_eq!(expected(&wrong), None);
@@ -118,7 +118,7 @@ fn a_recording_to_a_command_has_each_frame() {
     assert!(y4m.starts_with(head.as_bytes()));
     let line = y4m.iter().position(|byte| *byte == b'\n').expect("a line") + 1;
     assert_eq!(y4m.len() - line, FRAMES * (6 + SIDE * SIDE * 3));
-    // A command that fails is an error.
+    // If the command fails, the recording fails.
     let Some(failed) = record("raw", "head -c 100 > /dev/null; exit 3") else { return };
     assert!(!failed.succeeded(), "{}", failed.words());
 }

@@ -1,5 +1,5 @@
-//! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the
-//! exact map.
+//! Methods `vertex` and `primitive`, which project vertices directly to an output, compared with
+//! the exact map.
 
 use crate::compare::{
     Shown, beyond_neighbours, compare, expect_alike, expect_good, expect_identical, expect_points, far,
@@ -48,7 +48,7 @@ fn fine_triangles_are_where_the_exact_map_has_them() {
     }
 }
 
-/// What the paper says of the method, and what tells that the comparer would notice.
+/// Negative control, and the known limit of the method: lines between vertices stay straight.
 fn large_triangles_stay_straight_between_their_vertices() {
     let run = run("core330_mvp", &[], &["--method", "vertex"]);
     let Some(finished) = fisheye(&run) else { return };
@@ -74,7 +74,7 @@ fn every_projector_gets_its_own_pass_and_blends() {
     projectors.expect_blended(&plain, &blended, &expected);
 }
 
-/// By Begin/End, lists, arrays in memory and in buffers.
+/// Vertices from Begin/End, lists, arrays in memory and in buffers.
 fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
     for mode in ["triangles", "list", "arrays", "buffers"] {
         let extra = ["--mode", mode];
@@ -87,8 +87,8 @@ fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
     }
 }
 
-/// Lights, materials, fog, generated texture coordinates, clip planes: as the pipeline itself has
-/// them.
+/// Lights, materials, fog, generated texture coordinates and clip planes are those of the
+/// fixed-function pipeline itself.
 fn what_stands_in_for_the_pipeline_lights_as_it_does() {
     let start = |mode: &str, method: &str| {
         let (extra, cupola) = (["--mode", mode], ["--method", method]);
@@ -99,19 +99,19 @@ fn what_stands_in_for_the_pipeline_lights_as_it_does() {
     for method in ["vertex", "primitive"] {
         let Some(picture) = start("lit", method) else { return };
         let off = far(&picture, &expected);
-        assert!(off < 0.01, "{method}: {off:.4} of the pixels are off, where one side of the ball ends and elsewhere");
-        // All but one of them are where an outline is resampled.
+        assert!(off < 0.01, "{method}: {off:.4} of the pixels are off");
+        // All but one of these pixels are where an outline is resampled.
         expect_alike(&picture, &expected, 10, &format!("lit, {method}"));
         found = picture;
     }
     let Some(other) = start("list", "vertex") else { return };
-    assert!(far(&found, &other) > 0.5, "the pictures show nothing of lights");
-    assert!(beyond_neighbours(&found, &other, 1).0 > 100, "light is not told from what is around");
+    assert!(far(&found, &other) > 0.5, "the pictures show no lighting");
+    assert!(beyond_neighbours(&found, &other, 1).0 > 100, "the comparison does not detect the lighting");
 }
 
-/// What cannot be served is shown as without the method, and the log says why.
+/// Programs that the method does not support are shown as without it, and the log says why.
 fn other_programs_get_views() {
-    // A geometry stage of its own, and materials that change between vertices.
+    // The programs have a geometry stage of their own, or materials that change between vertices.
     for program in ["geometry", "immediate_ways"] {
         let Some(expected) = fisheye(&run(program, &[], &[])) else { return };
         let Some(found) = fisheye(&run(program, &[], &["--method", "primitive"])) else { return };
@@ -120,8 +120,8 @@ fn other_programs_get_views() {
     }
 }
 
-/// A program whose primitives are divided by `method`, with half a pixel allowed: all are fine
-/// enough and where the exact map has them.
+/// Runs a program whose primitives are divided by `method`, with an allowed error of half a pixel.
+/// Checks that all are fine enough and agree with the exact map.
 fn divided(program: &str, extra: &[&str], method: &str) -> Option<Finished> {
     let (method, name) = (format!("{method},max_error=0.5"), format!("{program}, {method}"));
     let options = ["--method", &method];
@@ -135,7 +135,7 @@ fn divided(program: &str, extra: &[&str], method: &str) -> Option<Finished> {
     Some(finished)
 }
 
-/// Large triangles that are divided, whatever the shaders that draw them look like.
+/// Large triangles are divided, whatever form the shaders have.
 fn divided_triangles_are_where_the_exact_map_has_them() {
     for program in ["core330_mvp", "core330_block", "glsl120"] {
         if divided(program, &[], "primitive").is_none() {
@@ -144,8 +144,8 @@ fn divided_triangles_are_where_the_exact_map_has_them() {
     }
 }
 
-/// By tessellation shaders, where the primitives' vertices are their own; quadrilaterals of
-/// compatibility contexts, too.
+/// Tessellation shaders divide primitives that share no vertices, also quadrilaterals in
+/// compatibility contexts.
 fn tessellated_primitives_are_where_the_exact_map_has_them() {
     let cases: [(&str, &[&str]); 4] =
         [("core330_mvp", &[]), ("glsl120", &[]), ("core330_block", &[]), ("fixed_fine", &["--mode", "buffers"])];
@@ -155,8 +155,8 @@ fn tessellated_primitives_are_where_the_exact_map_has_them() {
     }
 }
 
-/// Triangles, quadrilaterals and strips of the fixed-function pipeline: by Begin/End, in lists,
-/// from arrays. No geometry stage takes all of them, the processor does.
+/// Triangles, quadrilaterals and strips of the fixed-function pipeline, from Begin/End, lists and
+/// arrays. No geometry stage accepts all of them, so the processor divides them.
 fn the_processor_divides_what_goes_through_the_fixed_function_pipeline() {
     for program in ["immediate", "display_list", "client_arrays"] {
         if divided(program, &[], "primitive").is_none() {
@@ -165,8 +165,8 @@ fn the_processor_divides_what_goes_through_the_fixed_function_pipeline() {
     }
 }
 
-/// A lens that shows what is behind: triangles around the antipode of its axis are not smeared over
-/// the picture.
+/// With a lens that shows what is behind, triangles around the antipode of its axis are not smeared
+/// over the picture.
 fn triangles_around_the_antipode_are_not_smeared() {
     let aperture = 240.0;
     let file = scratch("rig").join("wide.toml");
@@ -180,8 +180,8 @@ fn triangles_around_the_antipode_are_not_smeared() {
     expect_good(&report, &picture, "core330_mvp, primitive, 240°");
 }
 
-/// Of the sphere around the antipode no stage can make enough parts: that is counted. The processor
-/// can.
+/// No stage can make enough parts of the sphere around the antipode. That is counted. The processor
+/// can make enough.
 fn what_is_not_divided_far_enough_is_counted() {
     let file = scratch("rig").join("whole.toml");
     std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
@@ -202,7 +202,8 @@ fn what_is_not_divided_far_enough_is_counted() {
     }
 }
 
-/// Before OpenGL 4.2 no shader counts: nobody says that there is nothing to count.
+/// Before OpenGL 4.2 shaders cannot count. Then the statistics must not say that nothing was
+/// coarse.
 fn what_is_not_counted_is_not_said_to_be_nothing() {
     for (version, counts) in [("4.5", true), ("4.1", false)] {
         let environment = [("MESA_GL_VERSION_OVERRIDE", version)];
@@ -221,8 +222,8 @@ fn divided_triangles_are_right_for_every_projector() {
     projectors.expect_good(&plain, &run, "core330_mvp, primitive");
 }
 
-/// What a program reads before anything was drawn for it comes from the outputs' pictures: colours,
-/// depths, stencils.
+/// If a program reads before its own picture was drawn, colours, depths and stencils come from the
+/// outputs' pictures.
 fn the_first_read_is_the_program_s_own_picture() {
     let judged = Run { frames: 4, cupola_frames: 4, cupola: &["--method", "primitive"], ..Run::new("first_depth") };
     if fisheye(&judged).is_none() {
@@ -234,15 +235,17 @@ fn the_first_read_is_the_program_s_own_picture() {
     let under = Run { size: (512, 512), cupola: &cupola, ..run.clone() };
     let (Some(found), Some(expected)) = (fisheye(&under), Run { size: (512, 512), ..run }.plain()) else { return };
     let (found, expected) = (found.picture("dump.ppm"), expected.expect_success().picture("dump.ppm"));
-    // Texels of the fisheye are as wide as four of the program's pixels there.
+    // A texel of the fisheye is as wide as four of the program's pixels there.
     let wrong = (0..found.pixels.len())
         .filter(|&i| (0..3).any(|c| found.pixels[i][c].abs_diff(expected.pixels[i][c]) > 8))
         .count() as f64
         / found.pixels.len() as f64;
     assert!(wrong < 1e-3, "{wrong:.4} of the pixels are wrong");
     let [(there, _), (back, _)] = [beyond_neighbours(&found, &expected, 4), beyond_neighbours(&expected, &found, 4)];
-    note(format_args!("{wrong:.4} of the pixels are wrong; beyond a texel around by {there}/255 and {back}/255"));
-    assert!(there.max(back) <= 2, "beyond a texel around by {there}/255 and {back}/255");
+    note(format_args!(
+        "{wrong:.4} of the pixels are wrong, {there}/255 and {back}/255 beyond the values within a texel around"
+    ));
+    assert!(there.max(back) <= 2, "{there}/255 and {back}/255 beyond the values within a texel around");
 }
 
 /// The white triangles of `shards`.
@@ -254,7 +257,7 @@ const SHARDS: [[Vector; 3]; 5] = [
     [[0.5, -0.9, -0.6], [0.1, -1.0, -0.1], [0.9, -0.8, -0.2]],
 ];
 
-/// The planes through the eye and a triangle's edges, which look at its inside.
+/// Planes through the viewpoint and a triangle's edges. Their normals point into the triangle.
 fn planes([a, b, c]: [Vector; 3]) -> [Vector; 3] {
     let cross =
         |p: Vector, q: Vector| [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
@@ -262,8 +265,8 @@ fn planes([a, b, c]: [Vector; 3]) -> [Vector; 3] {
     [cross(a, b), cross(b, c), cross(c, a)].map(|plane| plane.map(|part| turned * part))
 }
 
-/// How far, in pixels, pixels of a picture of `shards` lie on the wrong side of an edge, and how
-/// many do.
+/// Greatest distance, in pixels, of a pixel on the wrong side of an edge of `shards`, and the
+/// number of such pixels.
 fn displaced(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> (f64, usize) {
     let (mut worst, mut count) = (0.0f64, 0);
     for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
@@ -272,7 +275,7 @@ fn displaced(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> (f64, usiz
             _ => None,
         };
         let (Some(middle), Some(aside), Some(below)) = (at(0.0, 0.0), at(0.5, 0.0), at(0.0, 0.5)) else { continue };
-        // How far inside a triangle it is: less than nothing beyond its nearest edge.
+        // Distance inside a triangle, negative beyond its nearest edge.
         let inside = |corners: &[Vector; 3]| {
             let depth = |plane: &Vector| {
                 let here = dot(*plane, middle);
@@ -290,7 +293,8 @@ fn displaced(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> (f64, usiz
     (worst, count)
 }
 
-/// Edges are no farther from where they should be than was asked for, whatever divides.
+/// Edges are no farther from their right place than the allowed error, with each stage that
+/// divides.
 fn the_measured_error_follows_the_bound() {
     let circle = Fisheye { width: 1024.0, height: 1024.0, ..CIRCLE };
     let measured = |method: &str| {
@@ -306,17 +310,16 @@ fn the_measured_error_follows_the_bound() {
             note(format_args!("{method}, {bound} px allowed: {worst:.3} px, {count} pixels"));
             // Rasterisers place corners on a grid of 1/256 pixel.
             assert!(worst <= bound + 0.01, "{method}, {bound} px: {worst} px");
-            assert!(worst >= 0.5 * last, "a greater error is made use of");
+            assert!(worst >= 0.5 * last, "{method}, {bound} px: {worst} px, less than half of the {last} px before");
             last = worst;
         }
-        assert!(last > 0.5, "{method}: {last} px of 4 are nothing that could be measured");
+        assert!(last > 0.5, "{method}: with 4 px allowed an error of {last} px is too small to be measured");
     }
     let Some((undivided, _)) = measured("vertex") else { return };
-    assert!(undivided > 20.0, "what is not divided is seen: {undivided} px");
+    assert!(undivided > 20.0, "without division the error is only {undivided} px");
 }
 
-/// The error that is allowed is the error that is made, more or less; and what has no room left is
-/// counted.
+/// A greater allowed error gives a greater error.
 fn a_greater_error_is_cheaper_and_worse() {
     let worst = |max_error: &str| {
         let method = format!("primitive,max_error={max_error}");

@@ -1,16 +1,16 @@
-//! `vkcube`, a Vulkan program that others wrote: where its cube is.
+//! Place of the cube in pictures of `vkcube`, a Vulkan program by other authors.
 
 use crate::picture::Picture;
 use crate::programs::{Finished, installed};
 
-/// Width and height of its window in these tests.
+/// Width and height of the window in these tests.
 const SIZE: usize = 300;
-/// What it clears its window to.
+/// Colour to which the program clears its window.
 const GREY: [u8; 3] = [51; 3];
-/// The eye is at (0, 3, 5) and looks at the middle of a cube from −1 to 1.
+/// Squared distance of the eye, at (0, 3, 5), from the middle of a cube from −1 to 1.
 const DISTANCE_SQUARED: f64 = 34.0;
 
-/// Runs it in twelve frames in the preset `fisheye`; `None` where that cannot be done.
+/// Runs twelve frames of the program with the preset `fisheye`. `None` if that is not possible.
 pub fn fisheye(more: &[&str]) -> Option<Finished> {
     let options =
         [&["--headless", "--frames", "12", "--capture", "capture.png", "--stats", "stats.json"], more].concat();
@@ -18,16 +18,16 @@ pub fn fisheye(more: &[&str]) -> Option<Finished> {
     installed("vkcube", &["--width", &size, "--height", &size], "fisheye", &options).map(Finished::expect_success)
 }
 
-/// Distances from the picture's middle, in pixels, of the outlines of the balls in the cube and
-/// around it.
+/// Distances of two outlines from the picture's middle, in pixels: of the ball inside the cube and
+/// of the ball around it.
 fn outlines() -> (f64, f64) {
     let pixels = |sine_squared: f64| sine_squared.sqrt().asin() / std::f64::consts::FRAC_PI_2 * 0.5 * SIZE as f64;
     (pixels(1.0 / DISTANCE_SQUARED), pixels(3.0 / DISTANCE_SQUARED))
 }
 
-/// Number of pixels that show the cube. Says what is wrong with a domemaster of 180° that has to
-/// show it in its middle, whichever way it is turned: all of the ball in it, and nothing but grey
-/// beyond the ball around it.
+/// Number of pixels that show the cube. Returns an error unless a domemaster of 180° shows the cube
+/// in its middle, however the cube is turned: the whole inner ball must be covered, and everything
+/// beyond the outer ball must be grey.
 pub fn cube(picture: &Picture) -> Result<usize, String> {
     if (picture.width, picture.height) != (SIZE, SIZE) {
         return Err(format!("{} × {} pixels", picture.width, picture.height));
@@ -37,8 +37,8 @@ pub fn cube(picture: &Picture) -> Result<usize, String> {
     for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
         let distance = (x as f64 + 0.5 - radius).hypot(y as f64 + 0.5 - radius);
         let found = picture.at(x, y);
-        // A pixel of an outline, or of the circle's rim, may show either; its picture has grey
-        // pixels, too.
+        // A pixel of an outline or of the circle's rim may show either. The picture on the cube has
+        // grey pixels, too.
         holes += usize::from(distance < inner - 1.0 && found == GREY);
         if distance > outer + 2.0 && distance < radius - 1.0 && found != GREY {
             return Err(format!("{found:?} beyond the cube at column {x} row {y}"));
@@ -54,13 +54,13 @@ pub fn cube(picture: &Picture) -> Result<usize, String> {
     Ok(count)
 }
 
-/// As [`cube`]; panics where something is wrong.
+/// As [`cube`]. Panics if something is wrong.
 pub fn expect_cube(picture: &Picture, what: &str) -> usize {
     cube(picture).unwrap_or_else(|error| panic!("{what}: {error}"))
 }
 
-/// Number of pixels of a picture that are not what the other shows within a pixel around, as a part
-/// of the pixels of its cube. The picture on the cube has details of a pixel's size.
+/// Number of pixels that differ from all values of the other picture within a pixel around, as a
+/// part of the cube's pixels. The picture on the cube has details of a pixel's size.
 pub fn off(found: &Picture, expected: &Picture) -> f64 {
     assert!((found.width, found.height) == (SIZE, SIZE) && (expected.width, expected.height) == (SIZE, SIZE));
     let around = |x: usize, y: usize| (y - 1..=y + 1).flat_map(move |y| (x - 1..=x + 1).map(move |x| (x, y)));
@@ -77,7 +77,7 @@ pub fn off(found: &Picture, expected: &Picture) -> f64 {
     count as f64 / cube as f64
 }
 
-/// A picture of a grey room with a white disc where a cube may be, for controls.
+/// For negative controls: a grey room with a white disc at the place of a cube.
 pub fn disc(radius: f64, moved_by: f64) -> Picture {
     let middle = 0.5 * SIZE as f64;
     Picture::from_fn(SIZE, SIZE, |x, y| {

@@ -1,5 +1,5 @@
-//! The Vulkan layer: programs that nobody changed, drawn for each view; shown flat where that
-//! cannot be; untouched by the rig `identity`.
+//! The Vulkan layer: unmodified programs are drawn for each view. They are shown flat if that is
+//! not possible, and stay unchanged with the rig `identity`.
 
 use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
@@ -43,8 +43,8 @@ tests! {
     places_in_the_window,
 }
 
-/// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else
-/// programs do.
+/// Ways to draw the cube: how the pass begins, where the matrix is, and other things that programs
+/// do.
 const WAYS: [&[&str]; 17] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
@@ -71,7 +71,7 @@ fn run<'a>(extra: &'a [&'a str], (fov, yaw, pitch): (f64, f64, f64)) -> Run<'a> 
     Run { fov, yaw, pitch, extra, ..Run::new("vk_cube") }
 }
 
-/// Without Cupola the program draws what the reference says that it draws, in every way.
+/// Without Cupola the program draws the predicted picture in every way.
 fn the_cube_without_cupola() {
     for way in WAYS {
         let extra = [way, &["--shot", "shot.ppm"]].concat();
@@ -83,7 +83,7 @@ fn the_cube_without_cupola() {
     }
 }
 
-/// However it is written: each pixel of the domemaster shows its direction, and nothing is flat.
+/// In every way each pixel of the domemaster shows its direction, and nothing is flat.
 fn every_way_of_drawing_fills_the_dome() {
     for (index, way) in WAYS.into_iter().enumerate() {
         let run = run(way, CAMERAS[index % CAMERAS.len()]);
@@ -97,7 +97,7 @@ fn every_way_of_drawing_fills_the_dome() {
     }
 }
 
-/// A fragment shader that asks for its place is told that in the program's window, in each view.
+/// A fragment shader that reads its place gets, in each view, the place in the program's window.
 fn places_in_the_window() {
     for way in [&["--place"][..], &["--place", "--flip", "--pass", "dynamic", "--once"]] {
         let run = Run { cupola: &["--capture-views", "views"], ..run(way, CAMERAS[1]) };
@@ -118,8 +118,7 @@ fn places_in_the_window() {
     }
 }
 
-/// Depth is cleared, or drawn, by a pass without colours before the pass that draws to the window
-/// and keeps it.
+/// A pass without colours clears or draws depth. The next pass draws to the window with that depth.
 fn depth_in_a_pass_of_its_own() {
     for (index, way) in DEPTHS.into_iter().enumerate() {
         let way = &[way, &["--shot", "shot.ppm"][..]].concat();
@@ -170,7 +169,8 @@ fn identity_changes_no_byte() {
     }
 }
 
-/// The program's own lens through atlas and correction: byte for byte the window's picture.
+/// With the program's own lens the picture is the same as the window's, to the byte, although it
+/// passes through the atlas and the correction.
 fn identity_captured_loses_nothing() {
     for (way, camera) in [WAYS[0], WAYS[3], WAYS[5]].into_iter().zip(CAMERAS) {
         let extra = [way, &["--shot", "shot.ppm"][..]].concat();
@@ -181,14 +181,14 @@ fn identity_captured_loses_nothing() {
     }
 }
 
-/// A shader that has no matrix: the rig says what the program's lens is, and without it the picture
-/// is flat.
+/// The shader has no matrix. If the rig gives the program's lens, the picture is right. Otherwise
+/// it is flat.
 fn a_lens_that_the_rig_gives() {
     crate::dialects::given_lens("vulkan", &run(&["--columns"], CAMERAS[1]), Run::vulkan_under);
 }
 
-/// After some hundred draws without a scene the log says what to try; a program with a scene is
-/// left in peace.
+/// After some hundred draws without a scene the log says what to try. A program with a scene gets
+/// no such message.
 fn a_program_without_a_scene_is_told_so() {
     for (way, told) in [("--columns", true), ("--indirect", false)] {
         let extra = [way, "--draws", "120"];
@@ -203,7 +203,7 @@ fn a_program_without_a_scene_is_told_so() {
     }
 }
 
-/// Images that encode what is written to them.
+/// Images that encode written colours as sRGB.
 fn an_srgb_swapchain() {
     let run = run(&["--srgb"], CAMERAS[1]);
     let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -216,7 +216,7 @@ fn an_srgb_swapchain() {
     expect_good(&report, &picture, "vk_cube sRGB");
 }
 
-/// The same scene and rig with OpenGL: the pictures differ by rounding.
+/// The same scene and rig with OpenGL. The pictures differ only by rounding.
 fn as_with_opengl() {
     let vulkan = run(&[], CAMERAS[1]);
     let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
@@ -225,8 +225,8 @@ fn as_with_opengl() {
     expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1.0, "Vulkan against OpenGL");
 }
 
-/// What is drawn flat after the scene lies on the panel, in front of it; what is drawn before it
-/// lies behind.
+/// Flat drawing after the scene is on the panel in front of it. Flat drawing before the scene is
+/// behind it.
 fn flat_drawing_over_and_behind_the_scene() {
     for way in [&["--matrix", "push"][..], &["--matrix", "dynamic", "--pass", "dynamic"], &["--matrix", "pushed"]] {
         let over = [way, &["--flat", "over"]].concat();
@@ -234,7 +234,7 @@ fn flat_drawing_over_and_behind_the_scene() {
         let Some(finished) = run_over.vulkan_under("fisheye") else { return };
         assert_eq!(finished.statistics()["panel_draws"], 3, "{way:?}");
         let report = compare(&finished.picture("capture.png"), shown_by_fisheye(CIRCLE, camera_of(&run_over)));
-        assert!(report.wrong > 100, "control: the square on the panel hides a part of the cube");
+        assert!(report.wrong > 100, "control: the square on the panel hides no part of the cube");
         let before = [way, &["--flat", "before"]].concat();
         let run_before = Run { frames: 5, ..run(&before, CAMERAS[1]) };
         let Some(finished) = run_before.vulkan_under("fisheye") else { return };
@@ -244,7 +244,7 @@ fn flat_drawing_over_and_behind_the_scene() {
     }
 }
 
-/// What cannot be followed is shown flat, and the reason is told.
+/// A program that cannot be followed is shown flat, and the log gives the reason.
 fn a_program_that_reads_the_window_is_shown_flat() {
     let run = run(&["--copy-window"], CAMERAS[1]);
     let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -257,8 +257,8 @@ fn scenes<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { extra, frames: 6, ..Run::new("vk_scenes") }
 }
 
-/// A scene that reaches the window through pictures of the program's own is drawn for each view,
-/// however it is shown.
+/// A scene that the program first draws to images of its own is drawn for each view, however the
+/// program shows it in the window.
 fn scenes_that_are_drawn_off_screen() {
     for way in ["post", "matrices", "chain", "place", "passes", "blit", "resolve", "half", "depths"] {
         let extra = ["--way", way];
@@ -274,7 +274,7 @@ fn scenes_that_are_drawn_off_screen() {
     }
 }
 
-/// By the rig's wish pictures are drawn for each view before they were seen on the window.
+/// If the setting is `always`, images are drawn for each view before they were seen in the window.
 fn scenes_off_screen_from_the_first_frame_on() {
     let run = Run { cupola: &["--duplicate", "always"], frames: 1, cupola_frames: 1, ..scenes(&["--way", "chain"]) };
     let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -282,8 +282,8 @@ fn scenes_off_screen_from_the_first_frame_on() {
     expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes chain, always");
 }
 
-/// With the program's own lens what is drawn off screen is, byte for byte, what the window shows
-/// without Cupola.
+/// With the program's own lens a scene that is drawn off screen shows the same as the window
+/// without Cupola, to the byte.
 fn scenes_off_screen_with_the_programs_own_lens() {
     for way in ["post", "passes", "blit"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -295,8 +295,8 @@ fn scenes_off_screen_with_the_programs_own_lens() {
     }
 }
 
-/// The program's own picture that it reads, with these options, is as without Cupola, and the dome
-/// shows each view's.
+/// Checks, for a program with these options that reads its own picture: the picture is the same as
+/// without Cupola, and the dome shows the views.
 fn expect_own_picture(extra: &[&str], rigs: &[&str]) {
     let run = scenes(extra);
     let Some(plain) = run.vulkan_plain() else { return };
@@ -312,19 +312,19 @@ fn expect_own_picture(extra: &[&str], rigs: &[&str]) {
     }
 }
 
-/// What a program reads of a picture that it draws off screen is its own.
+/// A program that reads an image of its own gets its own picture.
 fn a_scene_off_screen_that_is_read() {
     expect_own_picture(&["--way", "post", "--picture", "own.ppm"], &["fisheye"]);
 }
 
-/// A program may copy its scene to memory although its window cannot be copied: to find what lies
-/// below the mouse, by colours and by depths.
+/// A program may copy its scene to memory although its window cannot be copied. It finds the object
+/// below the mouse by colours and depths.
 fn a_scene_off_screen_whose_colours_and_depths_are_read() {
     expect_own_picture(&["--way", "pick", "--picture", "own.ppm"], &["fisheye"]);
 }
 
-/// One triangle without a matrix that fills the image of the scene before it is drawn is behind it
-/// in all directions.
+/// One triangle without a matrix fills the image before the scene is drawn. It appears behind the
+/// scene in all directions.
 fn a_background_off_screen() {
     const COLOUR: [u8; 3] = [51, 153, 102];
     let Some(under) = scenes(&["--way", "background"]).vulkan_under("fisheye") else { return };
@@ -341,27 +341,27 @@ fn a_background_off_screen() {
     assert!((black as f64) < 1.02 * outside, "{black} of {outside:.0} pixels");
 }
 
-/// Six projectors of what is drawn off screen.
+/// Six projectors show a scene that is drawn off screen.
 fn six_projectors_of_scenes_off_screen() {
     planetarium_of("vk_scenes", &["--way", "post"], Run::vulkan_under);
 }
 
-/// By the rig's wish it stays flat; the statistics say so.
+/// With the setting `never` the scene stays flat, and the statistics say so.
 fn scenes_off_screen_that_stay_flat() {
     let run_never = Run { cupola: &["--duplicate", "never"], ..scenes(&["--way", "post"]) };
     let Some(never) = run_never.vulkan_under("fisheye") else { return };
     assert_eq!(never.statistics()["duplicated_framebuffers"], 0);
     let report = compare(&never.picture("capture.png"), shown_by_fisheye(CIRCLE, camera_of(&run_never)));
-    assert!(report.wrong > 1000, "control: a flat picture is not taken for a domemaster");
+    assert!(report.wrong > 1000, "control: a flat picture is accepted as a domemaster");
 }
 
-/// What a program reads from its window is its own picture.
+/// A program that reads its window gets its own picture.
 fn a_window_that_is_read() {
     expect_own_picture(&["--way", "read", "--picture", "own.ppm"], &["fisheye", "planetarium-6", "identity-captured"]);
 }
 
-/// The newest ways to submit and to present change nothing; what the device has none of, the
-/// program says.
+/// The newest ways to submit and to present change nothing. The program prints the ways that the
+/// device does not support.
 fn the_newest_ways_to_present() {
     let extra = ["--way", "newest"];
     let run = scenes(&extra);
@@ -373,8 +373,8 @@ fn the_newest_ways_to_present() {
     }
 }
 
-/// Pipelines that are linked, from libraries of shaders and of outputs or of each part alone, are
-/// drawn for each view.
+/// Pipelines that are linked from libraries are drawn for each view. The libraries have all shaders
+/// and the outputs, or a single part each.
 fn pipelines_that_are_linked() {
     for way in ["library", "parts"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -393,8 +393,8 @@ fn pipelines_that_are_linked() {
     }
 }
 
-/// Programs that cannot be followed are flat, say why, and get no message of the validation layer
-/// that they had not before.
+/// Programs that cannot be followed are flat, and the statistics say why. The validation layer
+/// writes no new message.
 fn programs_that_stay_flat_say_why() {
     let reasons =
         [("multiview", "notes", "multiview or layers"), ("independent", "notes", "no room for a descriptor set")];
@@ -409,9 +409,9 @@ fn programs_that_stay_flat_say_why() {
     }
 }
 
-/// A pass of two subpasses: what the second draws to the window is drawn for each view, with a
-/// panel that is clear, and so is what the first drew off screen and the second reads at the same
-/// pixel.
+/// A pass of two subpasses. If the second draws to the window, it is drawn for each view, and the
+/// panel is clear. If the first draws off screen and the second reads the same pixel, that is drawn
+/// for each view, too.
 fn passes_of_two_subpasses() {
     for way in ["second", "input"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -429,7 +429,7 @@ fn passes_of_two_subpasses() {
     planetarium_of("vk_subpasses", &["--way", "input"], Run::vulkan_under);
 }
 
-/// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene
+/// Passes over a part of the window: what they draw or clear there is on the panel, and the scene
 /// stays.
 fn a_part_of_the_window() {
     for way in ["part", "clear"] {
@@ -446,7 +446,7 @@ fn a_part_of_the_window() {
     }
 }
 
-/// The window gets other sizes in mid-run; the last one is as right as the first.
+/// The window gets other sizes while the program runs. The last picture is as right as the first.
 fn the_window_is_resized() {
     let more = ["--resizes", "6", "--shot", "shot.ppm"];
     for way in [WAYS[0], WAYS[4], WAYS[9]] {
@@ -461,9 +461,9 @@ fn the_window_is_resized() {
     }
 }
 
-/// Many changes of size under the validation layer, which tells at the end of whatever was made and
-/// not destroyed. What is resident after the last does not exceed what it was after a few by more
-/// than one set of atlases.
+/// Many changes of size under the validation layer, which at the end reports every object that was
+/// created and not destroyed. Resident memory after the last change exceeds that after the first
+/// changes by no more than one set of atlases.
 fn many_sizes_leave_nothing_behind() {
     let more = ["--resizes", "20", "--memory", "memory.txt"];
     for way in [WAYS[0], WAYS[4]] {
@@ -474,8 +474,8 @@ fn many_sizes_leave_nothing_behind() {
     }
 }
 
-/// A program that is shown flat: each pixel of the domemaster against the program's picture, from
-/// the definitions of the fisheye and the panel.
+/// A program that is shown flat: each pixel of the domemaster is compared with the program's
+/// picture, computed from the definitions of the fisheye and the panel.
 fn the_panel_is_where_the_angles_say() {
     let run = run(&["--copy-window"], CAMERAS[1]);
     let run = Run { cupola: &["--capture-views", "views"], ..run };
@@ -485,11 +485,11 @@ fn the_panel_is_where_the_angles_say() {
     assert!(checked > 4_000 && wrong == 0, "{wrong} of {checked} pixels are wrong");
     let turned =
         Picture::from_fn(shown.width, shown.height, |x, y| shown.pixels[(shown.height - 1 - y) * shown.width + x]);
-    assert!(deviations(&program, &turned).1 > 100, "control: an upside-down picture is not taken for right");
+    assert!(deviations(&program, &turned).1 > 100, "control: an upside-down picture is accepted");
 }
 
-/// Pixels that see the panel, and those of them that differ by more than 2/255 from any texel near
-/// their place.
+/// Number of pixels that show the panel, and number of those that differ by more than 2/255 from
+/// the interpolated texels at their place.
 fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
     // The preset's panel is 60° wide.
     let half = 30_f64.to_radians().tan();
@@ -522,8 +522,8 @@ fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
     (checked, wrong)
 }
 
-/// Of a scene the panel has nothing and of what is flat the views: such draws are not begun there,
-/// and nothing else changes.
+/// Draws that are flat cannot appear in the views, and draws of the scene cannot appear on the
+/// panel. Such draws are left out there, and nothing else changes.
 fn what_is_out_of_sight_is_not_drawn() {
     let every = [("CUPOLA_CULL", "all")];
     let cases: [(&[&str], bool, u64); 4] = [

@@ -1,5 +1,6 @@
 //! Random Vulkan commands: Vulkan answers as without Cupola, and the validation layer between
-//! Cupola and the driver says nothing. `cupola-lab calls --vulkan` plays and compares them.
+//! Cupola and the driver writes no message. `cupola-lab calls --vulkan` makes and compares the
+//! commands.
 
 use crate::display;
 use crate::harness::{note, tests};
@@ -14,8 +15,8 @@ tests! {
     a_vulkan_command_that_is_lost_is_found,
 }
 
-/// Compares; the laboratory's exit code and words, and its folder. `None` where that is not
-/// possible.
+/// Compares the answers without Cupola and with it. Returns whether the laboratory succeeded, and
+/// its output. `None` if that is not possible.
 fn compare(folder: &Path, arguments: &[&str]) -> Option<(bool, String)> {
     display::get()?;
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola-lab"));
@@ -53,8 +54,8 @@ fn what_vulkan_commands_found_before_has_the_same_answers() {
     expect_same(&arguments);
 }
 
-/// The control: commands between Cupola and the driver are lost, one in each run: draws of the
-/// program, and what Cupola records besides.
+/// Negative control: one command between Cupola and the driver is lost in each run. It is a draw of
+/// the program or a command that Cupola records.
 fn a_vulkan_command_that_is_lost_is_found() {
     let (folder, file) = (scratch("vulkan-calls"), list("scene.calls"));
     let Some([above, below]) = layers() else { return };
@@ -74,7 +75,7 @@ fn a_vulkan_command_that_is_lost_is_found() {
     }
 }
 
-/// Which call of a function is lost.
+/// Function and number of the call that is lost.
 const CONTROLS: [&str; 5] = [
     "program vkCmdDraw 1 1",
     "program vkCmdCopyImageToBuffer 1 1",

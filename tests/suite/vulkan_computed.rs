@@ -1,4 +1,4 @@
-//! Vulkan programs whose compute shaders make the window's picture of an image of the scene.
+//! Vulkan programs whose compute shaders make the window's picture from an image of the scene.
 
 use crate::compare::{Limits, Shown, compare_with, expect_good, expect_identical};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
@@ -17,7 +17,7 @@ tests! {
     values_of_each_place_are_not_followed,
 }
 
-/// One more image is rounded to bytes.
+/// One more image rounds its values to bytes.
 const ROUNDED: Limits = Limits { tolerance: 3.0, edge: 2.5, rim: false };
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -27,8 +27,8 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { fov, yaw, pitch, extra, frames: 6, ..Run::new("vk_computed") }
 }
 
-/// Each mode shows what the reference predicts, without Cupola and on a dome, and with the
-/// program's own lens the same as without Cupola, to the byte.
+/// Each mode shows the predicted picture without Cupola and on a dome. With the program's own lens
+/// it shows the same as without Cupola, to the byte.
 fn right(modes: &[&str], limits: Limits) {
     for mode in modes {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
@@ -47,14 +47,15 @@ fn right(modes: &[&str], limits: Limits) {
     }
 }
 
-/// One dispatch between the scene and the window: it reads the scene by a sampler or as it writes
-/// it, its depth, and knows the picture's size from the image or from push constants.
+/// One dispatch between the scene and the window. It samples the scene, loads from it, writes to
+/// the image that it reads, or reads its depth. It gets the picture's size from the image or from
+/// push constants.
 fn pictures_that_compute_shaders_make() {
     right(&["sampled", "stored", "same", "depths", "pushed", "descriptors", "indirect"], ROUNDED);
     planetarium_of("vk_computed", &["--mode", "sampled"], Run::vulkan_under);
 }
 
-/// Several dispatches, also by an image of half the size, by levels of one image, and with the
+/// Several dispatches, also with an image of half the size, with levels of one image, and with the
 /// picture of the frame before.
 fn several_dispatches_in_a_chain() {
     right(&["chain"], ROUNDED);
@@ -62,31 +63,31 @@ fn several_dispatches_in_a_chain() {
     right(&["half", "levels"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
 }
 
-/// Atomic sums of the whole picture in a buffer are those of the program's own picture.
+/// Atomic sums over the whole picture, in a buffer, are those of the program's own picture.
 fn numbers_of_the_whole_picture_are_gathered_once() {
     right(&["exposure"], ROUNDED);
 }
 
-/// A compute shader that takes pixels to places takes those of the view.
+/// A compute shader that computes places from pixels gets the matrices of the view.
 fn matrices_of_compute_shaders_are_those_of_the_view() {
     right(&["light"], ROUNDED);
     planetarium_of("vk_computed", &["--mode", "light"], Run::vulkan_under);
 }
 
-/// What compute shaders made goes to the window by a blit, or after more is drawn to it.
+/// The result of compute shaders is blitted to the window, or more is drawn to it before.
 fn what_compute_shaders_made_is_copied_and_drawn_to() {
     right(&["blit", "copy", "drawn"], ROUNDED);
     planetarium_of("vk_computed", &["--mode", "blit"], Run::vulkan_under);
 }
 
-/// The window's own image is written, by a shader that does not say its format.
+/// A shader without a declared format writes directly to the window's image.
 fn a_window_that_compute_shaders_write() {
     right(&["written"], ROUNDED);
     planetarium_of("vk_computed", &["--mode", "written"], Run::vulkan_under);
 }
 
-/// A buffer has values of the program's own picture only: what is made of them is flat, and the
-/// statistics say why.
+/// A buffer has values of the program's own picture only. A picture that is made from them is flat,
+/// and the statistics say why.
 fn values_of_each_place_are_not_followed() {
     let run = run(&["--mode", "places"]);
     let Some(finished) = run.vulkan_under("fisheye") else { return };

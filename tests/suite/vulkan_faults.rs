@@ -1,11 +1,11 @@
-//! Faults of the Vulkan driver: whatever it refuses or lacks, the program goes on and shows its own
-//! picture.
+//! Faults of the Vulkan driver: whatever the driver refuses or lacks, the program keeps running and
+//! shows its own picture.
 //!
-//! Two layers (`tests/apps/layers`) around Cupola tell its calls from the program's and have one
-//! fault in each run. The rig does not change the picture, so the window has to show the same as
-//! without Cupola. The validation layer below says whether something is left behind or used
-//! although it was refused. `CUPOLA_ALL_FAULTS=1` tries each fault of each way of drawing instead
-//! of a sample.
+//! Two layers (`tests/apps/layers`), above and below Cupola, distinguish Cupola's calls from the
+//! program's and have one fault in each run. The rig does not change the picture, so the window
+//! must show the same as without Cupola. The validation layer below reports objects that were not
+//! destroyed, or that were used although their creation was refused. `CUPOLA_ALL_FAULTS=1` tries
+//! each fault in each way of drawing instead of a sample.
 
 use crate::display;
 use crate::harness::{note, tests};
@@ -25,7 +25,7 @@ tests! {
 
 const RIG: &str = "identity-captured";
 
-/// Programs that use different parts of Cupola; the first one is the sample's.
+/// Programs that use different parts of Cupola. The sample of faults uses the first.
 const WAYS: [(&str, &[&str]); 6] = [
     ("vk_cube", &["--follow", "--pass", "1", "--matrix", "push"]),
     ("vk_cube", &["--follow", "--pass", "dynamic", "--matrix", "block", "--samples", "4", "--once"]),
@@ -37,30 +37,30 @@ const WAYS: [(&str, &[&str]); 6] = [
 
 type Way = (&'static str, &'static [&'static str]);
 
-/// What a run of a program left behind.
+/// Results of a run of a program.
 struct Outcome {
     succeeded: bool,
     window: Option<Picture>,
-    /// Numbers of calls of each function, by Cupola and by the program.
+    /// Number of calls of each function by Cupola and by the program.
     calls: BTreeMap<String, (u64, u64)>,
-    /// What Cupola said.
+    /// Lines that Cupola wrote to the log.
     words: Vec<String>,
     /// Kinds of messages of the validation layer.
     messages: BTreeSet<String>,
 }
 
-/// Number of lines of the log after a fault that happens once.
+/// Greatest number of lines in the log after a fault that happens once.
 const ONCE: usize = 1;
 
-/// The same where a fault lasts: each part of Cupola that gives up says so. The picture is flat,
-/// then the program's own, then frames are lost.
+/// Greatest number of lines if a fault lasts: each part of Cupola that gives up writes one. First
+/// the picture is flat, then it is the program's own, then frames are lost.
 const ALWAYS: usize = 3;
 
-/// Message of the validation layer: an image is presented to which nothing was drawn.
+/// Message of the validation layer if an image is presented without having been drawn to.
 const NOTHING_DRAWN: &str = "VUID-VkPresentInfoKHR-pImageIndices-01296";
 
 impl Outcome {
-    /// What is wrong; `most`: so many lines of the log are right.
+    /// Lists what is wrong. `most` is the greatest number of lines in the log.
     fn faults(&self, right: &Picture, most: usize) -> Vec<String> {
         let loses = most == ALWAYS && self.words.iter().any(|line| line.contains("frames are lost"));
         let messages: Vec<_> = self.messages.iter().filter(|kind| !(loses && *kind == NOTHING_DRAWN)).collect();
@@ -71,15 +71,15 @@ impl Outcome {
         let faults = [
             (!self.succeeded, "the program fails".to_owned()),
             (!own, "the window does not show the program's picture".to_owned()),
-            (self.words.len() > most, format!("{} lines", self.words.len())),
+            (self.words.len() > most, format!("{} lines in the log", self.words.len())),
             (!messages.is_empty(), format!("messages: {messages:?}")),
         ];
         faults.into_iter().filter_map(|(is, what)| is.then_some(what)).collect()
     }
 }
 
-/// The folders of the descriptions of the layers above and below Cupola, since the loader takes
-/// layers in the order in which it finds them.
+/// Folders with the descriptions of the layers above and below Cupola. There are two, because the
+/// loader orders layers by the order in which it finds them.
 pub fn layers() -> Option<&'static [String; 2]> {
     static FOLDERS: OnceLock<[String; 2]> = OnceLock::new();
     if !cfg!(target_arch = "x86_64") {
@@ -100,12 +100,12 @@ pub fn layers() -> Option<&'static [String; 2]> {
     }))
 }
 
-/// Runs a program with a fault, under a rig or without Cupola. `None` where that is not possible.
+/// Runs a program with a fault, with a rig or without Cupola. `None` if that is not possible.
 fn run((program, extra): Way, rig: Option<&str>, fault: &str) -> Option<Outcome> {
     let [above, below] = layers()?;
     let extra = [extra, &["--shot", "window.ppm"]].concat();
-    // Two frames more than those whose calls are refused: frames may be lost until Cupola has given
-    // up.
+    // Two frames more than the frames whose calls are refused, because frames may be lost until
+    // Cupola gives up.
     let frames = if fault.is_empty() { 4 } else { 6 };
     let run = Run { size: (96, 96), frames, extra: &extra, ..Run::new(program) };
     let path = format!("VK_ADD_LAYER_PATH={above}:$VK_ADD_LAYER_PATH:{below} exec \"$@\"");
@@ -143,14 +143,14 @@ fn run((program, extra): Way, rig: Option<&str>, fault: &str) -> Option<Outcome>
     })
 }
 
-/// The program's calls without Cupola, those of both with it, and the right picture.
+/// Calls of the program without Cupola, calls of both with Cupola, and the right picture.
 fn without_a_fault(way: Way) -> Option<(Outcome, Outcome, Picture)> {
     let (plain, ours) = (run(way, None, "")?, run(way, Some(RIG), "")?);
     let right = plain.window.clone().expect("the program writes its picture");
     assert!(plain.succeeded, "{way:?} without Cupola");
     let faults = ours.faults(&right, 0);
     assert!(faults.is_empty(), "{way:?} without a fault: {faults:?} {:?}", ours.words);
-    // The layers are at their places.
+    // Control: the layers are above and below Cupola.
     assert!(ours.calls.values().filter(|(own, _)| *own > 0).count() > 40, "{:?}", ours.calls);
     assert_eq!(ours.calls.get("vkQueuePresentKHR"), Some(&(0, 4)), "{:?}", ours.calls);
     Some((plain, ours, right))
@@ -164,8 +164,8 @@ fn ways() -> impl Iterator<Item = Way> {
     WAYS.into_iter().take(if tries_all() { WAYS.len() } else { 1 })
 }
 
-/// Tries faults, or a sample of them, and lists those after which something is wrong; `most` as in
-/// [`Outcome::faults`].
+/// Tries all faults or a sample of them, and panics with a list of those after which something is
+/// wrong. `most` is as in [`Outcome::faults`].
 fn expect_the_own_picture(way: Way, faults: &[String], sample: usize, most: usize, right: &Picture) {
     let step = if tries_all() { 1 } else { faults.len().div_ceil(sample) };
     let mut wrong = Vec::new();
@@ -182,11 +182,11 @@ fn expect_the_own_picture(way: Way, faults: &[String], sample: usize, most: usiz
     assert!(wrong.is_empty(), "{way:?}: {} of {tried} faults:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// The result of a function that refuses; `None`: it refuses nothing.
+/// Error that a function returns if it refuses. `None` if it cannot refuse.
 fn refusal(function: &str) -> Option<i32> {
-    // The first name that a function's begins with counts. VK_ERROR_OUT_OF_HOST_MEMORY,
-    // _OUT_OF_DEVICE_MEMORY, _INITIALIZATION_FAILED, _DEVICE_LOST, _MEMORY_MAP_FAILED,
-    // _OUT_OF_POOL_MEMORY, _SURFACE_LOST_KHR.
+    // The first entry with which the function's name begins is used. The results are
+    // VK_ERROR_OUT_OF_HOST_MEMORY, _OUT_OF_DEVICE_MEMORY, _INITIALIZATION_FAILED, _DEVICE_LOST,
+    // _MEMORY_MAP_FAILED, _OUT_OF_POOL_MEMORY and _SURFACE_LOST_KHR.
     const REFUSALS: [(&str, i32); 14] = [
         ("vkCreateGraphicsPipelines", -3),
         ("vkCreateShaderModule", -1),
@@ -229,7 +229,7 @@ fn functions_that_are_missing() {
     for way in ways() {
         let Some((plain, ours, right)) = without_a_fault(way) else { return };
         let own = ours.calls.iter().filter(|(name, (own, _))| *own > 0 && !plain.calls.contains_key(*name));
-        // What an instance lacks is not told apart from what a device lacks.
+        // The layers cannot tell functions that an instance lacks from those that a device lacks.
         let own = own.filter(|(name, _)| !name.starts_with("vkGetPhysicalDevice"));
         let faults: Vec<_> = own.map(|(name, _)| format!("missing {name}")).collect();
         assert!(faults.len() > 4, "{faults:?}");
@@ -281,7 +281,7 @@ fn swapchains_that_are_out_of_date() {
     }
 }
 
-/// The control: what the program itself submits is refused, and the test sees it.
+/// Negative control: calls that the program itself submits are refused. The test must notice it.
 fn a_fault_of_the_program_s_own_calls_is_seen() {
     let Some((_, _, right)) = without_a_fault(WAYS[0]) else { return };
     let Some(refused) = run(WAYS[0], Some(RIG), "program vkQueueSubmit 1 1000 -4") else { return };

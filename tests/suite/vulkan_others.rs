@@ -1,4 +1,4 @@
-//! Vulkan programs that others wrote.
+//! Vulkan programs by other authors.
 
 use crate::compare::expect_similar;
 use crate::display;
@@ -14,7 +14,7 @@ tests! {
 
 const SIZE: &str = "300";
 
-/// Its cube is on the dome, its matrix is in a block.
+/// The cube of `vkcube` is on the dome. Its matrix is in a block.
 fn vkcube_is_drawn_for_each_view() {
     let Some(under) = fisheye(&["--capture-views", "views"]) else { return };
     let statistics = under.statistics();
@@ -24,7 +24,7 @@ fn vkcube_is_drawn_for_each_view() {
     assert!(under.wrote("views/front-left.png") && under.wrote("views/panel.png"));
 }
 
-/// Windows of 10 bits for each colour show what those of 8 bits show.
+/// Windows with 10 bits per colour show the same as windows with 8 bits.
 fn vkcube_in_a_window_of_10_bits() {
     let Some(display) = display::own(30) else { return };
     let options = ["--frames", "12", "--capture", "capture.png"];
@@ -37,8 +37,9 @@ fn vkcube_in_a_window_of_10_bits() {
     expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
 }
 
-/// In a thousand frames of twenty sizes the validation layer says nothing that it does not say
-/// without Cupola, which covers what was made and is not destroyed, and memory does not grow.
+/// In a thousand frames with twenty sizes the validation layer writes only messages that it also
+/// writes without Cupola. It would also report objects that were created and not destroyed. Memory
+/// does not grow.
 fn vkcube_through_twenty_sizes_in_a_thousand_frames() {
     let program = ["vkcube", "--width", "321", "--height", "243", "--c", "1000"];
     let (Some(plain), Some(under)) = (resized(None, "20", &program), resized(Some("fisheye"), "20", &program)) else {

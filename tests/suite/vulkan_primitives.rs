@@ -1,5 +1,5 @@
-//! Method `primitive` in Vulkan programs: triangles and lines that a stage of Cupola divides,
-//! against the exact map.
+//! Method `primitive` in Vulkan programs: triangles and lines that a shader stage of Cupola
+//! divides, compared with the exact map.
 
 use crate::compare::{EDGE, Limits, Shown, TOLERANCE, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -30,17 +30,18 @@ tests! {
     vkcube_in_one_pass,
 }
 
-/// With half a pixel allowed.
+/// Options for an allowed error of half a pixel.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
 
-/// With a whole pixel allowed, which is up to 1.6/255 wide: 2.37/255 was found, in 16 of 49,000
-/// pixels more than the usual tolerance.
+/// Limits for an allowed error of one pixel. A pixel is up to 1.6/255 wide. The greatest error
+/// found was 2.37/255, and 16 of 49,000 pixels exceeded the usual tolerance.
 const OF_ONE_PIXEL: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: EDGE, rim: false };
 
-/// What the log says of a pipeline that is drawn as with the method `vertex`.
+/// Message in the log about a pipeline that is drawn as with the method `vertex`.
 const UNDIVIDED: &str = "what a pipeline draws is not divided";
 
-/// One view, nothing that is flat, all fine enough, and nothing that the log says of the method.
+/// Checks that there is one view, nothing is flat, all primitives are fine enough, and the log says
+/// nothing about the method.
 fn expect_divided(finished: &Finished, what: &str) {
     expect_one_pass(finished, what);
     let statistics = finished.statistics();
@@ -50,7 +51,7 @@ fn expect_divided(finished: &Finished, what: &str) {
     assert!(!words.contains("divided") && !words.contains("instead"), "{what}: {words}");
 }
 
-/// However the program draws.
+/// The same for several ways of drawing.
 fn large_triangles_are_where_the_exact_map_has_them() {
     let ways: [&[&str]; 4] = [
         &["--pass", "1", "--matrix", "push"],
@@ -67,8 +68,7 @@ fn large_triangles_are_where_the_exact_map_has_them() {
     }
 }
 
-/// The error that is allowed is the error that is made, more or less; without division it is seen
-/// at once.
+/// A greater allowed error gives a greater error. Without division the error is obvious.
 fn a_greater_error_is_worse() {
     let worst = |method: &str| {
         let cupola = ["--method", method];
@@ -84,12 +84,13 @@ fn a_greater_error_is_worse() {
         assert!(worst <= allowed && worst >= 0.5 * last, "{bound} px: {worst:.2}/255 after {last:.2}/255");
         last = worst;
     }
-    assert!(last > 3.0, "{last:.2}/255 of 8 pixels are nothing that could be measured");
+    assert!(last > 3.0, "with 8 pixels allowed an error of {last:.2}/255 is too small to be measured");
     let Some((_, a_quarter_is_wrong)) = worst("vertex") else { return };
-    assert!(a_quarter_is_wrong, "what is not divided is seen");
+    assert!(a_quarter_is_wrong, "the picture without division is nearly right");
 }
 
-/// Both APIs divide by the same functions; a stage of either kind is ours.
+/// Both APIs use the same functions for the division, and Cupola has a geometry stage and a
+/// tessellation stage.
 fn as_with_opengl_and_by_either_stage() {
     let run = vk_cube(&[], &DIVIDED);
     let opengl = Run { program: "core330_mvp", ..run.clone() };
@@ -105,8 +106,8 @@ fn as_with_opengl_and_by_either_stage() {
     expect_divided(&finished, "primitive-tessellation");
 }
 
-/// Values of many types are handed on, and by the right vertex where they are flat: whatever
-/// contradicts has another colour.
+/// Values of many types are passed through the stage. Flat values come from the right vertex. A
+/// wrong value would change the colour.
 fn all_that_shaders_hand_on_arrives() {
     let cases: [&[&str]; 5] = [
         &["--shape", "list", "--number"],
@@ -116,7 +117,7 @@ fn all_that_shaders_hand_on_arrives() {
         &["--shape", "fan"],
     ];
     for extra in cases {
-        // More is handed on than there is room for with a smaller error.
+        // With a smaller error the stage has no room for so many values.
         let run = run("vk_handed", extra, &["--method", "primitive,max_error=1"]);
         let Some(finished) = vulkan_fisheye(&run) else { return };
         let picture = finished.picture("capture.png");
@@ -128,7 +129,7 @@ fn all_that_shaders_hand_on_arrives() {
     }
 }
 
-/// What is beyond a plane of the program's own stays clipped.
+/// Surfaces beyond a clip plane of the program stay clipped.
 fn clip_distances_are_handed_on() {
     for (method, limits) in [("primitive,max_error=1", OF_ONE_PIXEL), ("fragment", EDGE.into())] {
         let cupola = ["--method", method];
@@ -149,13 +150,13 @@ fn clip_distances_are_handed_on() {
     }
 }
 
-/// How many primitives a run did not divide far enough.
+/// Number of primitives that a run did not divide far enough.
 fn coarse(finished: &Finished) -> u64 {
     let statistics = finished.statistics();
     statistics["coarse_primitives"].as_u64().unwrap_or_else(|| panic!("nothing is counted: {statistics:#}"))
 }
 
-/// A rig that shows all that is around the viewer, the antipode of its axis, too.
+/// A rig that shows all directions around the viewer, also the antipode of the axis.
 fn whole() -> String {
     let file = scratch("rig").join("whole.toml");
     std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
@@ -163,8 +164,8 @@ fn whole() -> String {
     file.to_str().expect("a UTF-8 path").to_owned()
 }
 
-/// What a run of the stage has no room for is counted, whether Cupola ends the program or it ends
-/// itself, of triangles and of lines. What suffices counts nothing.
+/// Triangles and lines that a run of the stage cannot divide far enough are counted, whether Cupola
+/// ends the program or the program ends itself. If all are divided far enough, the number is 0.
 fn what_is_not_divided_far_enough_is_counted() {
     for (shape, rig) in [("list", "fisheye".to_owned()), ("lines", whole())] {
         let count = |max_error: &str, frames: usize, ends: &[&str]| {
@@ -175,14 +176,15 @@ fn what_is_not_divided_far_enough_is_counted() {
         };
         let (Some(one), Some(five)) = (count("0.05", 1, &[]), count("0.05", 5, &[])) else { return };
         let (Some(ended), Some(none)) = (count("0.05", 9, &["--frames", "5"]), count("2", 5, &[])) else { return };
-        let told =
-            format!("{shape}: {one} in a frame, {five} in five, {ended} if it is ended then, {none} of 2 pixels");
+        let told = format!(
+            "{shape}: {one} in a frame, {five} in five, {ended} if Cupola ends the program, {none} with 2 pixels"
+        );
         note(format_args!("{told}"));
         assert!(one > 0 && five == 5 * one && ended == five && none == 0, "{told}");
     }
 }
 
-/// Of the sphere around the antipode no stage can make enough parts, on either API.
+/// On neither API can a stage make enough parts of the sphere around the antipode.
 fn as_many_are_coarse_as_with_opengl() {
     let rig = &whole();
     let vulkan = vk_cube(&[], &["--method", "primitive"]);
@@ -190,12 +192,12 @@ fn as_many_are_coarse_as_with_opengl() {
     let (Some(vulkan), Some(opengl)) = (vulkan.vulkan_under(rig), opengl.under(rig)) else { return };
     let (vulkan, opengl) = (coarse(&vulkan), coarse(&opengl.expect_success()));
     note(format_args!("coarse: {vulkan} on Vulkan, {opengl} on OpenGL"));
-    // 273 on both of Mesa's software renderers.
+    // The number is 273 on both of Mesa's software renderers.
     assert!(opengl > 0 && vulkan.abs_diff(opengl) * 50 <= opengl, "{vulkan} on Vulkan, {opengl} on OpenGL");
 }
 
-/// How many pixels of lines are seen, and by how much their colours are off from those of the
-/// places.
+/// Number of pixels of lines, and the greatest difference of their colours from the colours of
+/// their places.
 fn lines(picture: &Picture, run: &Run) -> (usize, f64) {
     let shown = shown_by_fisheye(CIRCLE, camera_of(run));
     let (mut lit, mut worst) = (0, 0.0f64);
@@ -227,15 +229,16 @@ fn lines_are_divided() {
         };
         let Some(((lit, worst), finished)) = start(&DIVIDED) else { return };
         note(format_args!("{extra:?}: {lit} pixels, {worst:.2}/255"));
-        // A pixel's width is 1.6/255 at most.
+        // A pixel is 1.6/255 wide at most.
         assert!((1100..1350).contains(&lit) && worst < 3.0, "{extra:?}: {lit} pixels, {worst:.2}/255");
         expect_divided(&finished, &format!("{extra:?}"));
         let Some(((_, worst), _)) = start(&["--method", "vertex"]) else { return };
-        assert!(worst > 20.0, "{extra:?}: what is not divided is seen: {worst:.2}/255");
+        assert!(worst > 20.0, "{extra:?}: without division the error is only {worst:.2}/255");
     }
 }
 
-/// What is not divided is drawn as with the method `vertex`, and the log says why, once.
+/// Pipelines that cannot be divided are drawn as with the method `vertex`, and the log gives the
+/// reason once.
 fn what_cannot_be_divided_is_projected() {
     let cases: [(&str, &[&str], &str); 4] = [
         ("vk_handed", &["--cull"], "cull distances"),
@@ -257,15 +260,14 @@ fn what_cannot_be_divided_is_projected() {
         let told = |(reason, number): (&String, &serde_json::Value)| reason.contains(why) && number.as_u64() > Some(0);
         assert!(reasons.len() == 1 && reasons.iter().all(told), "{what}: {statistics:#}");
     }
-    // Of points nothing has to be said.
+    // Points need no division, so the log says nothing.
     let start = |method: &str| vulkan_fisheye(&vk_cube(&["--cells", "points"], &["--method", method]));
     let (Some(found), Some(expected)) = (start("primitive"), start("vertex")) else { return };
     expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "points");
     assert!(!found.words().contains(UNDIVIDED), "{}", found.words());
 }
 
-/// A library that has all shaders has the stage, too; features are enabled in a chain of structures
-/// there.
+/// A library with all shaders also gets the stage. Its structure chain enables features.
 fn libraries_with_all_shaders_are_divided() {
     let extra = ["--way", "library"];
     let run = run("vk_scenes", &extra, &DIVIDED);
@@ -275,7 +277,7 @@ fn libraries_with_all_shaders_are_divided() {
     assert!(!finished.words().contains("divided"), "{}", finished.words());
 }
 
-/// Projectors away from the middle of the dome, with their own lenses, which blend.
+/// Projectors away from the middle of the dome, with lenses of their own and with blending.
 fn every_projector_gets_its_own_pass_and_blends() {
     let divided = ["--method", "primitive,max_error=0.25"];
     let projectors = Projectors::new();
@@ -287,7 +289,7 @@ fn every_projector_gets_its_own_pass_and_blends() {
     projectors.expect_blended(&plain, &blended, &expected);
 }
 
-/// Of two outputs one is divided, one is made of a view.
+/// Of two outputs one is divided and one is drawn from a view.
 fn outputs_with_other_methods_beside() {
     let output = |name: &str, left: u32, method: &str| {
         format!(
@@ -306,7 +308,7 @@ fn outputs_with_other_methods_beside() {
     }
 }
 
-/// What is flat is neither divided nor projected, over the scene and before it.
+/// Flat drawing over the scene and before it is neither divided nor projected.
 fn flat_drawing_over_and_behind_the_scene() {
     let start = |flat: &str, method: &str| {
         let (extra, cupola) = (["--flat", flat], ["--method", method]);
@@ -321,7 +323,7 @@ fn flat_drawing_over_and_behind_the_scene() {
     expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, primitive, with a background");
 }
 
-/// What a program draws off screen first is divided, too.
+/// A scene that the program draws off screen is divided, too.
 fn scenes_that_are_drawn_off_screen() {
     let direct = vk_cube(&[], &DIVIDED);
     let Some(expected) = vulkan_fisheye(&direct) else { return };
@@ -335,7 +337,7 @@ fn scenes_that_are_drawn_off_screen() {
     expect_identical(&found, &expected, "drawn off screen");
 }
 
-/// A program that others wrote: its cube is where it is with views.
+/// A program by other authors: the cube is at the same place as with views.
 fn vkcube_in_one_pass() {
     let start = |method: &str| vkcube::fisheye(&["--method", method]);
     let (Some(found), Some(expected)) = (start("primitive"), start("fragment")) else { return };

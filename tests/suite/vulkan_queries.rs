@@ -1,5 +1,5 @@
-//! Queries of Vulkan programs: each draw is issued for every view, and the program is told what it
-//! drew.
+//! Queries of Vulkan programs: each draw is issued for every view, but the program gets the result
+//! of one draw.
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -17,14 +17,14 @@ tests! {
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
-/// How the queries lie in passes and command buffers.
+/// Positions of the queries in passes and command buffers.
 const WAYS: [&[&str]; 3] = [&[], &["--spans", "yes"], &["--secondary", "yes"]];
 
 fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
     Run { extra, frames: 4, ..Run::new("vk_queries") }
 }
 
-/// The counts by their names: as they were read, and as a command copied them.
+/// Results by name: as the program read them, and as a command copied them.
 fn counts(finished: &Finished) -> BTreeMap<String, (u64, u64)> {
     let line = |line: &str| {
         let mut parts = line.split(' ');
@@ -35,14 +35,14 @@ fn counts(finished: &Finished) -> BTreeMap<String, (u64, u64)> {
     finished.text("counts.txt").lines().map(line).collect()
 }
 
-/// Those that were read.
+/// Results that the program read.
 fn read(counts: &BTreeMap<String, (u64, u64)>) -> BTreeMap<&str, u64> {
     counts.iter().map(|(name, (read, _))| (name.as_str(), *read)).collect()
 }
 
-/// What the program's own picture has, from its lens: the nearest and the farthest face of a small
-/// cube, the first of which has a third of the picture's height, and what they hide of each other
-/// is not hidden.
+/// Checks the counts of the program's own picture against its lens. It shows the nearest and the
+/// farthest face of a small cube. The nearest has a third of the picture's height. The cube writes
+/// nothing, so its faces do not hide each other.
 fn the_counts_without_cupola() {
     for way in WAYS {
         let extra = [way, &["--counts", "counts.txt"]].concat();
@@ -61,7 +61,7 @@ fn the_counts_without_cupola() {
     }
 }
 
-/// A picture to which vertices are projected has other sizes of what it shows than views.
+/// An output to which vertices are projected directly shows things at other sizes than views.
 fn what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own() {
     for way in WAYS {
         let extra = [way, &["--counts", "counts.txt"]].concat();
@@ -76,11 +76,11 @@ fn what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own() {
     }
 }
 
-/// What is counted once is counted once, and what no view shows is nothing; what only a view shows
-/// is more than that. The samples of what the program's own picture shows are as many as it has,
-/// but for the views' density.
+/// Values that are counted once per draw stay the same, and draws that no view shows count nothing.
+/// Draws that only a view shows count something. The number of samples that the program's own
+/// picture shows is the same, except for the density of the views.
 fn a_draw_for_each_view_is_one_draw_to_its_queries() {
-    // The last time with draws that are left out where they are out of sight, small ones, too.
+    // The last runs also leave out small draws that are out of sight.
     let all: &[(&str, &str)] = &[("CUPOLA_CULL", "all")];
     for (way, environment) in WAYS.into_iter().map(|way| (way, &[][..])).chain(WAYS.map(|way| (way, all))) {
         let extra = [way, &["--counts", "counts.txt"]].concat();
@@ -114,8 +114,8 @@ fn a_draw_for_each_view_is_one_draw_to_its_queries() {
     }
 }
 
-/// A program that draws what a query of the last frame saw: it draws where only a view shows
-/// something, and does not where nothing is seen; then the panel stays as clear as it was.
+/// A program draws on the condition of a query of the last frame. It draws if only a view shows
+/// something, and does not draw if nothing is visible. Then the panel stays clear.
 fn drawing_on_condition() {
     let condition = |extra: &[&str]| {
         let run = Run { extra, ..run(&[]) };
@@ -127,8 +127,8 @@ fn drawing_on_condition() {
     let Some((seen, picture)) = condition(&["--condition", "2"]) else { return };
     expect_good(&seen, &picture, "drawn because it is seen beside the program's picture");
     let Some((unseen, picture)) = condition(&["--condition", "4"]) else { return };
-    assert!(unseen.wrong > 10_000, "control: nothing was seen");
+    assert!(unseen.wrong > 10_000, "the cube is drawn although nothing was visible");
     let grey = picture.pixels.iter().filter(|pixel| **pixel == [64; 3]).count();
     let black = picture.pixels.iter().filter(|pixel| **pixel == [0; 3]).count();
-    assert_eq!(grey + black, picture.pixels.len(), "nothing else is shown");
+    assert_eq!(grey + black, picture.pixels.len(), "something else is shown");
 }

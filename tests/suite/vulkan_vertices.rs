@@ -1,5 +1,5 @@
-//! Method `vertex` in Vulkan programs: vertices that are projected straight to an output, against
-//! the exact map.
+//! Method `vertex` in Vulkan programs: vertices that are projected directly to an output, compared
+//! with the exact map.
 
 use crate::compare::{compare, expect_good, expect_identical, expect_points, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
@@ -25,8 +25,8 @@ tests! {
     a_shader_of_the_program_s_own_projects_to_the_picture,
 }
 
-/// The ways in which the cube is drawn: how its pass begins, where its matrix is, which way up,
-/// with which samples.
+/// Ways to draw the cube: how the pass begins, where the matrix is, the direction of y, the number
+/// of samples.
 const WAYS: [&[&str]; 6] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block", "--samples", "4"],
@@ -47,7 +47,7 @@ fn fine_triangles_are_where_the_exact_map_has_them() {
     }
 }
 
-/// The last stage that projects is a geometry shader, or a tessellation shader.
+/// A geometry shader or a tessellation shader is the last stage and projects.
 fn other_stages_project() {
     for stage in ["geometry", "tessellation"] {
         let extra = ["--cells", "triangles", "--stage", stage];
@@ -64,7 +64,7 @@ fn other_stages_project() {
     }
 }
 
-/// What is behind what, with depth that is the distance: a ball hides all that is drawn around it
+/// The depth test uses the distance as depth: a ball hides everything that is drawn around it
 /// later.
 fn what_is_nearer_hides_what_is_farther() {
     for turned in [&[][..], &["--flip"]] {
@@ -76,7 +76,7 @@ fn what_is_nearer_hides_what_is_farther() {
     }
 }
 
-/// What tells that the comparer would notice.
+/// Negative control: large triangles differ from the exact map.
 fn large_triangles_stay_straight_between_their_vertices() {
     let run = vk_cube(&[], &["--method", "vertex"]);
     let Some(finished) = vulkan_fisheye(&run) else { return };
@@ -91,7 +91,7 @@ fn points_are_where_the_exact_map_has_them() {
     expect_points(&picture, GREY, shown_by_fisheye(CIRCLE, camera_of(&run)));
 }
 
-/// Both APIs have the same functions.
+/// Both APIs use the same functions.
 fn as_with_opengl() {
     let vulkan = vk_cube(&["--cells", "triangles"], &["--method", "vertex"]);
     let opengl = Run { program: "fine", extra: &[], ..vulkan.clone() };
@@ -100,7 +100,7 @@ fn as_with_opengl() {
     expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1.0, "Vulkan against OpenGL");
 }
 
-/// Projectors away from the middle of the dome, in both directions of y.
+/// Projectors away from the middle of the dome, with y up and y down.
 fn every_projector_gets_its_own_pass_and_blends() {
     let (vertex, fine, flipped) =
         (["--method", "vertex"], ["--cells", "triangles"], ["--cells", "triangles", "--flip"]);
@@ -113,8 +113,8 @@ fn every_projector_gets_its_own_pass_and_blends() {
     projectors.expect_blended(&plain, &blended, &expected);
 }
 
-/// What is flat is where it is with views: on the panel after the scene, behind it before the
-/// scene.
+/// Flat drawing is at the same place as with views: on the panel after the scene, behind the scene
+/// before it.
 fn flat_drawing_over_and_behind_the_scene() {
     let start = |flat: &str, method: &str| {
         let (extra, cupola) = (["--cells", "triangles", "--flat", flat], ["--method", method]);
@@ -129,7 +129,7 @@ fn flat_drawing_over_and_behind_the_scene() {
     expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, vertex, with a background");
 }
 
-/// What a program draws off screen first has its vertices projected, too.
+/// The vertices of a scene that the program draws off screen are projected, too.
 fn scenes_that_are_drawn_off_screen() {
     let vertex = ["--method", "vertex"];
     let direct = vk_cube(&[], &vertex);
@@ -148,8 +148,8 @@ fn scenes_that_are_drawn_off_screen() {
     }
 }
 
-/// A program that others wrote: its cube is where it is with views, but for edges that stay
-/// straight.
+/// A program by other authors: the cube is at the same place as with views, except for edges that
+/// stay straight.
 fn vkcube_in_one_pass() {
     let start = |method: &str| vkcube::fisheye(&["--method", method]);
     let (Some(found), Some(expected)) = (start("vertex"), start("fragment")) else { return };
@@ -161,8 +161,8 @@ fn vkcube_in_one_pass() {
     assert!(off < 0.04, "{off:.3} of the cube's pixels are off");
 }
 
-/// A shader of the program's own that projects to the picture, with the library's functions in its
-/// text, however the views lie.
+/// A program whose own shader projects to the output, with the library's functions in its text, in
+/// each arrangement of the views.
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     for method in ["vertex", "fragment"] {
         for views in ["atlas", "layers", "images"] {
@@ -171,7 +171,7 @@ fn a_shader_of_the_program_s_own_projects_to_the_picture() {
             let Some(finished) = run.vulkan_embedding() else { return };
             let picture = finished.picture("shot.ppm");
             expect_good(&against_the_map(&run, &picture), &picture, &format!("vk_project {extra:?}"));
-            // Negative control: a lens of another opening.
+            // Negative control: a lens with another opening angle.
             let other = Fisheye { aperture: 176.0, ..CIRCLE };
             assert!(!compare(&picture, shown_by_fisheye(other, camera_of(&run))).good(), "{extra:?}");
         }

@@ -1,4 +1,4 @@
-//! Programs whose windows are Wayland's, without any X server, in a compositor that draws nowhere.
+//! Programs with windows of Wayland and without any X server. The compositor has no visible screen.
 
 use crate::compare::expect_identical;
 use crate::display::Compositor;
@@ -12,7 +12,7 @@ tests! {
 
 const FRAMES: &str = "5";
 
-/// The cube turns by the frame: the window system must not matter.
+/// The angle of the cube depends only on the frame, so both window systems must show the same.
 fn vkcube_is_as_in_a_window_of_x11() {
     let options = ["--frames", FRAMES, "--capture", "capture.png", "--stats", "stats.json"];
     let Some(compositor) = Compositor::start() else { return };
@@ -25,7 +25,8 @@ fn vkcube_is_as_in_a_window_of_x11() {
     expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "vkcube-wayland");
 }
 
-/// A scene of OpenGL ES in a window of 300², and what is flat in a window that fills the screen.
+/// A scene of OpenGL ES in a window of 300 × 300 pixels, and flat drawing in a window that fills
+/// the screen.
 fn opengl_draws_scenes_and_panels() {
     let options = ["--frames", FRAMES, "--capture", "capture.png", "--stats", "stats.json"];
     let Some(compositor) = Compositor::start() else { return };

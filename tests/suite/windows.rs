@@ -1,4 +1,4 @@
-//! Outputs in windows of their own: `cupola window`.
+//! Outputs in separate windows: `cupola window`.
 
 use crate::display::{self, Display};
 use crate::harness::tests;
@@ -13,8 +13,8 @@ tests! {
 
 const SIZE: (u32, u32) = (96, 54);
 
-/// The preset with small projectors: where there is another screen, the last three have no place in
-/// the program's window, and the last one has a window of its own there.
+/// The preset with small projectors. With another screen the last three have no place in the
+/// program's window, and the last one has a window of its own on that screen.
 fn rig(other: Option<&Display>) -> PathBuf {
     let preset = cupola::rig::presets().iter().find(|preset| preset.name == "planetarium-6").expect("a preset");
     let mut number = 0;
@@ -37,12 +37,12 @@ fn rig(other: Option<&Display>) -> PathBuf {
     path
 }
 
-/// Ends with the test.
+/// A process that ends with the test.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // The program of `cupola run` gets what it gets.
+        // `cupola run` passes the signal on to its program.
         let _ = Command::new("sh").args(["-c", &format!("kill -s TERM {} 2>/dev/null", self.0.id())]).status();
         let _ = self.0.wait();
     }
@@ -52,12 +52,12 @@ fn start(program: &mut Command) -> Running {
     Running(program.stdin(Stdio::null()).stdout(Stdio::null()).spawn().expect("a program starts"))
 }
 
-/// The upper left corner of a screen.
+/// Pixels at the upper left corner of a screen.
 fn pixels(display: &Display) -> Vec<u8> {
     display.pixels(SIZE).into_flattened()
 }
 
-/// `cupola window` for an output.
+/// Command `cupola window` for an output.
 fn window(output: &str, display: &Display, published: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.args(["window", output, "--display", &display.name, "--published"]).arg(published);
@@ -87,7 +87,7 @@ fn outputs_on_two_screens_are_those_of_one_window() {
     program.arg(built().join(run.program)).args(endless.arguments(&display::place()));
     let mut program = start(&mut program);
     let mut seen = Vec::new();
-    // The last one has opened its window by itself.
+    // The window of the last output opened by itself.
     for output in [&outputs[5], &outputs[3], &outputs[4]] {
         let file = one.directory.join(format!("capture-{}.png", output.name));
         let expected = image::open(file).expect("a picture").into_rgb8().into_raw();
@@ -101,7 +101,7 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         }
         seen.push(expected);
     }
-    // A mirror: the pixels go through a pipe, which may lead to another machine.
+    // A mirror: the pixels go through a pipe, which could also lead to another machine.
     let cupola = env!("CARGO_BIN_EXE_cupola");
     let output = format!("--output {} --published {}", outputs[3].name, published.display());
     let pipe = format!("{cupola} stream - {output} 2>/dev/null | {cupola} window --stdin --display {}", other.name);
@@ -112,11 +112,11 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         std::thread::sleep(Duration::from_millis(20));
     }
     drop(mirror);
-    // A screen that goes away: its window ends with an error, and the program goes on.
+    // The screen is disconnected: its window ends with an error, and the program keeps running.
     let mut shown = start(window(&outputs[3].name, &other, &published).stderr(Stdio::piped()));
     let begin = Instant::now();
     while pixels(&other) != seen[1] {
-        assert!(begin.elapsed() < Duration::from_secs(40), "it is not shown");
+        assert!(begin.elapsed() < Duration::from_secs(40), "the output is not shown");
         std::thread::sleep(Duration::from_millis(20));
     }
     other.kill();
@@ -125,5 +125,8 @@ fn outputs_on_two_screens_are_those_of_one_window() {
     std::io::Read::read_to_string(shown.0.stderr.as_mut().expect("a pipe"), &mut words).expect("text");
     assert!(!status.success() && words.contains("the X screen"), "{status}: {words}");
     std::thread::sleep(Duration::from_millis(300));
-    assert!(program.0.try_wait().expect("it can be asked").is_none(), "the program has ended, too");
+    assert!(
+        program.0.try_wait().expect("the state of the program can be read").is_none(),
+        "the program has ended, too"
+    );
 }

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A command.
+/// A command and its name.
 pub struct Tool {
     /// Path of the executable.
     pub path: &'static str,
-    /// Name that its messages begin with, and its folder for files of tests.
+    /// Name with which its messages begin, and the name of the folder for files of its tests.
     pub name: &'static str,
 }
 
@@ -29,13 +29,14 @@ impl Tool {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// The same as JSON.
+    /// The same answer, parsed as JSON.
     #[track_caller]
     pub fn json(&self, arguments: &[&str]) -> serde_json::Value {
         serde_json::from_str(&self.answer(arguments)).unwrap()
     }
 
-    /// Checks that a run is refused with exit code 2 and a message that contains `expected`.
+    /// Checks that the command refuses the arguments with exit code 2 and a message that contains
+    /// `expected`.
     #[track_caller]
     pub fn refused(&self, arguments: &[&str], expected: &str) {
         let output = self.run(arguments);

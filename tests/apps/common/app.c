@@ -110,7 +110,7 @@ void app_check(app *a, bool good, const char *format, ...)
 {
     if (good)
         return;
-    /* The first findings tell what is wrong; a thousand would hide them. */
+    /* Only the first findings are printed. A thousand would hide them. */
     if (a->complaints++ < 20) {
         va_list arguments;
         va_start(arguments, format);

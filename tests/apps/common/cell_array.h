@@ -1,4 +1,6 @@
-/* The cells in buffers, for shaders with the position at location 0 and the colour at location 1. */
+/*
+ * The cells in buffers, for shaders with the position at location 0 and the colour at location 1.
+ */
 #ifndef APPS_CELL_ARRAY_H
 #define APPS_CELL_ARRAY_H
 
@@ -8,10 +10,10 @@
 
 typedef struct {
     GLuint array;
-    GLsizei index_count; /* unsigned integers, triangles; 0 for points */
+    GLsizei index_count; /* number of unsigned integers, for triangles; 0 for points */
 } cell_array;
 
-/* Bound when it returns; `points` and `ball` as in cells.h. */
+/* Creates the array, which stays bound. `points` and `ball` are as in cells.h. */
 cell_array cell_array_new(bool points, bool ball);
 
 #endif

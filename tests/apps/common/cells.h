@@ -1,4 +1,7 @@
-/* The cube, or a ball with its colours, cut into small cells, for methods that project vertices. */
+/*
+ * The cube, or a ball with the cube's colours, divided into small cells, for methods that project
+ * vertices.
+ */
 #ifndef APPS_CELLS_H
 #define APPS_CELLS_H
 
@@ -14,11 +17,14 @@ typedef struct {
 typedef struct {
     cell_corner *corners;
     size_t corner_count;
-    unsigned *indices; /* triangles; none where the corners are points in the middle of the cells */
+    unsigned *indices; /* of triangles; none if the corners are points in the middle of the cells */
     size_t index_count;
 } cells;
 
-/* `ball`: on a sphere, whose points have the colours of the cube's in the same direction. */
+/*
+ * With `ball` the cells are on a sphere. Its points have the colours of the cube's points in the
+ * same direction.
+ */
 cells cells_new(bool points, bool ball);
 
 void cells_free(cells *all);

@@ -1,10 +1,10 @@
-/* The cube with fixed-function matrices, for programs whose point is something else. */
+/* The cube with fixed-function matrices, for programs that test something else. */
 #ifndef APPS_FIXED_H
 #define APPS_FIXED_H
 
 #include "app.h"
 
-/* Clears, loads the app's projection and view, draws the cube in immediate mode. */
+/* Clears, loads the app's projection and view, and draws the cube in immediate mode. */
 void fixed_cube(const app *a);
 
 /* Fixed-function matrices for drawing in window pixels, origin at the bottom left, depth test off. */

@@ -1,18 +1,20 @@
-/* Programs of a direction test in several forms, of which `--mode` names one. */
+/* Direction tests with several forms, of which `--mode` selects one. */
 #ifndef APPS_FORMS_H
 #define APPS_FORMS_H
 
 #include "app.h"
 #include "gl.h"
 
-/* The form of this name, the first one where none is named, among `count` of `size` bytes, which begin with their name. Ends the
- * program where there is none. */
+/*
+ * Form of the name in `--mode`, or the first one if none is named. `forms` has `count` forms of
+ * `size` bytes, which begin with their name. Ends the program if there is no such form.
+ */
 const void *form_of(const app *a, const void *forms, size_t size, size_t count);
 
-/* A program of a vertex shader with an output `shade`, which is the colour. */
+/* A program with this vertex shader, whose output `shade` is the colour. */
 GLuint form_program(const char *vertex);
 
-/* Gives the uniform block `B`, if the program has it, a buffer, and binds that. */
+/* If the program has the uniform block `B`, gives the block a buffer and binds the buffer. */
 void form_block(GLuint program);
 
 #endif

@@ -9,18 +9,21 @@ typedef struct {
     unsigned char *rgb;
 } image;
 
-/* A black picture; ends the program when memory is out. */
+/* A black picture. Ends the program if there is no memory. */
 image image_new(int width, int height);
 
 void image_free(image *picture);
 
-/* The pixel at column x, row y from the top. */
+/* Pixel at column x, row y from the top. */
 const unsigned char *image_at(const image *picture, int x, int y);
 
-/* The read framebuffer of the current context, by glReadPixels. */
+/* Reads the read framebuffer of the current context by glReadPixels. */
 image image_read_framebuffer(int width, int height);
 
-/* Writes a binary PPM under a temporary name, then renames it, so that a reader never sees half a file. */
+/*
+ * Writes a binary PPM file under a temporary name and renames it, so that a reader never sees a
+ * part of the file.
+ */
 bool image_write_ppm(const image *picture, const char *path);
 
 #endif

@@ -11,22 +11,28 @@ matrix4 matrix_identity(void);
 /* a * b: b is applied first. */
 matrix4 matrix_multiply(matrix4 a, matrix4 b);
 
-/* A symmetric perspective with vertical field of view `fov`. */
+/* A symmetric perspective with the vertical field of view `fov`. */
 matrix4 matrix_perspective(double fov, double aspect, double near, double far);
 
-/* World -> eye for a camera at the origin turned right by `yaw`, then up by `pitch`. */
+/*
+ * From the world to the eye, for a camera at the origin that is turned right by `yaw`, then up by
+ * `pitch`.
+ */
 matrix4 matrix_camera(double yaw, double pitch);
 
 /* Uniform scale. */
 matrix4 matrix_scale(double factor);
 matrix4 matrix_transposed(matrix4 m);
 
-/* The inverse, by Gauss and Jordan in 64 bits. */
+/* Inverse matrix, by Gauss-Jordan elimination in 64 bits. */
 matrix4 matrix_inverse(matrix4 m);
 
 matrix4 matrix_translate(double x, double y, double z);
 
-/* The number of pixels of a picture in which the direction has a negative x; `back`: from clip coordinates. */
+/*
+ * Number of pixels of a picture whose direction has a negative x. `back` converts from clip
+ * coordinates.
+ */
 unsigned pixels_to_the_left(const matrix4 *back, unsigned width, unsigned height);
 
 #endif

@@ -5,13 +5,13 @@
 #include "gl.h"
 
 typedef struct {
-    GLuint array, positions, colours, indices; /* array is 0 in GLES 2, which has no vertex arrays */
+    GLuint array, positions, colours, indices; /* array is 0 in GLES 2, which has no vertex array objects */
 } mesh;
 
 /* Positions at attribute 0 and colours at attribute 1. */
 mesh mesh_cube(void);
 
-/* Makes the buffers current; then glDrawElements(..., CUBE_INDICES, GL_UNSIGNED_SHORT, NULL) draws. */
+/* Binds the buffers. Then glDrawElements(..., CUBE_INDICES, GL_UNSIGNED_SHORT, NULL) draws. */
 void mesh_bind(const mesh *m);
 
 #endif

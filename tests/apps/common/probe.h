@@ -4,7 +4,7 @@
 
 #include "app.h"
 
-/* Checks that glReadPixels gives this colour, 0 or 1 each, at (x, y from the bottom). */
+/* Checks that glReadPixels returns this colour, 0 or 1 per channel, at (x, y from the bottom). */
 void probe(app *a, int x, int y, int red, int green, int blue, const char *what);
 
 #endif

@@ -4,10 +4,10 @@
 
 #include "app.h"
 
-/* Builds it; positions are attribute 0, colours attribute 1. */
+/* Builds the program. Positions are attribute 0, colours attribute 1. */
 void product_program(void);
 
-/* Gives it the app's matrices. */
+/* Sets the matrices of the app. */
 void product_matrices(const app *a);
 
 #endif

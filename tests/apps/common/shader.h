@@ -5,7 +5,7 @@
 #include "app.h"
 #include "program.h"
 
-/* A fragment shader of core 3.3: the colour of the vertices, `in vec3 shade`. */
+/* A fragment shader of core 3.3. It writes the colour of the vertices, `in vec3 shade`. */
 extern const char shader_shade[];
 
 /* A program with one uniform for each of the two matrices. */
@@ -14,10 +14,10 @@ typedef struct {
     GLint projection, modelview;
 } shader_pair;
 
-/* Builds it of `count` stages, whose uniforms have these names. */
+/* Builds the program of `count` stages. Its uniforms have these names. */
 shader_pair shader_pair_build(const shader_source *stages, int count, const char *projection, const char *modelview);
 
-/* Makes it current, with the app's matrices. */
+/* Makes the program current and sets the app's matrices. */
 void shader_pair_use(const shader_pair *pair, const app *a);
 
 #endif

@@ -1,4 +1,4 @@
-/* Every kind of state of a core 3.3 context: unusual values for it, and whether it is what it was. */
+/* Every kind of state of a core 3.3 context: sets it to unusual values and checks that it stays. */
 #ifndef APPS_STATES_H
 #define APPS_STATES_H
 
@@ -11,10 +11,10 @@ typedef struct {
 /* Sets all but the bindings of programs, vertex arrays and framebuffers, for a picture of this size. */
 void states_make_unusual(int width, int height);
 
-/* Asks for everything. */
+/* Reads all state. */
 states states_take(void);
 
-/* Asks again, prints what differs and returns how much that is. */
+/* Reads all state again, prints the differences and returns their number. */
 int states_compare(const states *before, const char *when);
 
 #endif

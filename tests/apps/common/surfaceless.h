@@ -2,7 +2,7 @@
 #ifndef APPS_SURFACELESS_H
 #define APPS_SURFACELESS_H
 
-/* Makes one current; ends the program where there is none. */
+/* Creates a context and makes it current. Ends the program if that fails. */
 void surfaceless_open(void);
 
 #endif

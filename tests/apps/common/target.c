@@ -67,7 +67,10 @@ void target_bind(const target *t)
 void target_present(const target *t)
 {
 #if defined(APP_GLES) && APP_GLES == 2
-    /* Dialects bind their own buffers and pointers each frame, so only these need no care. */
+    /*
+     * The programs bind their own buffers and pointers in each frame, so only these bindings are
+     * restored.
+     */
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glDisable(GL_DEPTH_TEST);
     glUseProgram(t->program);

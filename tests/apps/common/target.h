@@ -1,4 +1,4 @@
-/* An off-screen target of a program's own: colour and depth, shown in the window by a copy. */
+/* An off-screen target of a program: colour and depth, shown in the window by a copy. */
 #ifndef APPS_TARGET_H
 #define APPS_TARGET_H
 
@@ -6,14 +6,14 @@
 
 typedef struct {
     GLuint framebuffer, colour, depth;
-    GLuint program, quad; /* GLES 2 has no blit and draws a quad */
+    GLuint program, quad; /* GLES 2 has no blit, so that a quad is drawn */
     int width, height;
 } target;
 
 target target_create(int width, int height);
 void target_bind(const target *t);
 
-/* Copies the target to framebuffer 0 and leaves that bound. */
+/* Copies the target to framebuffer 0, which stays bound. */
 void target_present(const target *t);
 
 #endif

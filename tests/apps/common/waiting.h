@@ -1,12 +1,15 @@
-/* Programs that draw until a test has seen what it waits for. */
+/* Functions for programs that draw until a test has noticed a change. */
 #ifndef APPS_WAITING_H
 #define APPS_WAITING_H
 
 #include <stdbool.h>
 
-/* To be called after a frame: whether it is one of the program's frames, and not one of those before. Those are drawn, with
- * pauses, until there is a file `end` in the folder that the variable APP_WAIT names; the program writes a file `begun` there
- * when it has drawn some. */
+/*
+ * To be called after each frame. Returns whether the frame counts as one of the program's frames.
+ * Frames before that do not count: the program draws them, with pauses, until the file `end` exists
+ * in the folder that the variable APP_WAIT names. It writes the file `begun` there after some of
+ * these frames.
+ */
 bool frame_counts(void);
 
 #endif

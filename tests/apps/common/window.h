@@ -15,13 +15,13 @@ typedef enum {
 
 typedef struct {
     window_api api;
-    int major, minor; /* version asked for; compatibility contexts ignore it */
-    int x, y, width, height; /* x, y: place on the screen; XGetImage sees windows that lie above */
-    int samples; /* 0: no multisampling */
-    bool single; /* one buffer: what is drawn is seen after a flush; GLX only */
+    int major, minor; /* requested version; compatibility contexts ignore it */
+    int x, y, width, height; /* x, y: place on the screen; XGetImage returns the topmost windows */
+    int samples; /* number of samples; 0: no multisampling */
+    bool single; /* one buffer: drawing is visible after a flush; GLX only */
     bool accumulation; /* with an accumulation buffer; GLX only */
-    bool srgb;   /* what is written is encoded as sRGB; GLX only */
-    bool egl;    /* EGL instead of GLX; always so for API_GLES */
+    bool srgb;   /* written colours are encoded as sRGB; GLX only */
+    bool egl;    /* EGL instead of GLX; always for API_GLES */
 } window_request;
 
 typedef struct {
@@ -34,10 +34,10 @@ typedef struct {
     void *egl_display, *egl_surface;
 } window;
 
-/* Opens and maps a window and makes its context current. */
+/* Opens and maps a window, and makes its context current. */
 window window_open(const window_request *request);
 
-/* A second window on the same display with a context of its own. */
+/* Opens a second window on the same display with a separate context. */
 window window_open_beside(const window *first, const window_request *request);
 
 void window_make_current(const window *w);
@@ -47,18 +47,18 @@ void window_release(const window *w);
 
 void window_swap(const window *w);
 
-/* Asks for another size and waits until the server has given it. */
+/* Asks for another size, and waits until the server has given it. */
 void window_resize(window *w, int width, int height);
 
-/* Takes the window from the screen and puts it back there; waits until that is done. */
+/* Maps or unmaps the window, and waits until that is done. */
 void window_show(const window *w, bool shown);
 
-/* What the X server shows in the window: the picture that was presented last. */
+/* Picture that the X server shows in the window, that is, the last presented picture. */
 image window_shot(const window *w);
 
 void window_close(window *w);
 
-/* Used between the window files only. */
+/* Functions that only the files of window.h use. */
 void window_create_x11(window *w, const window_request *request, void *visual_info);
 void window_open_glx(window *w, const window_request *request);
 void window_open_egl(window *w, const window_request *request);

@@ -45,7 +45,10 @@ void window_open_egl(window *w, const window_request *request)
     if (!eglChooseConfig(display, wanted, configs, 64, &count) || count == 0)
         fail("no EGL configuration");
 
-    /* The first configuration whose visual is the screen's own: a deeper one would need a compositor. */
+    /*
+     * Uses the first configuration with the screen's own visual. A deeper visual would need a
+     * compositor.
+     */
     XVisualInfo *visual = NULL;
     EGLConfig config = configs[0];
     for (int i = 0; i < count && visual == NULL; i++) {

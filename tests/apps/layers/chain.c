@@ -36,7 +36,7 @@ static VkResult make_device(struct layer *layer, VkPhysicalDevice physical, cons
     return next(physical, info, allocator, made);
 }
 
-/* The functions of one layer; `NAME`_negotiate is named in its description. */
+/* Functions of one layer. `NAME`_negotiate is named in the layer's description. */
 #define LAYER(NAME, NOTE) \
     static PFN_vkVoidFunction NAME##_instance_address(VkInstance instance, const char *name); \
     static PFN_vkVoidFunction NAME##_device_address(VkDevice device, const char *name); \

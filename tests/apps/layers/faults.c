@@ -1,18 +1,21 @@
 /*
- * Two Vulkan layers around Cupola, in one library: VK_LAYER_TEST_above notes which function the program calls, and
- * VK_LAYER_TEST_below tells by this which calls are Cupola's own, counts them, and has a fault. Cupola starts no thread,
- * so that each of its calls is made while one of the program's is. At the end of the process a line for each function
- * goes to the file in FAULTS_REPORT: its name, the number of calls by Cupola, and by the program. x86-64 only, one
- * instance and one device.
+ * Two Vulkan layers around Cupola, in one library. VK_LAYER_TEST_above notes which function the
+ * program calls. From this VK_LAYER_TEST_below knows which calls are Cupola's own. It counts the
+ * calls and has a fault. This works because Cupola starts no thread, so that each of its calls is
+ * made during a call of the program. At the end of the process a line for each function is written
+ * to the file in FAULTS_REPORT: its name, the number of calls by Cupola, and the number by the
+ * program. x86-64 only, one instance and one device.
  *
  * FAULTS is one fault:
- *   call NAME FIRST LAST RESULT     Cupola's calls FIRST to LAST of a function do nothing and return RESULT
- *   program NAME FIRST LAST RESULT  the program's calls do
+ *   call NAME FIRST LAST RESULT     Cupola's calls FIRST to LAST of a function do nothing and
+ *                                   return RESULT
+ *   program NAME FIRST LAST RESULT  the same for the program's calls
  *   missing NAME                    the driver has no such function
- *   limit NAME VALUE                Cupola is told this limit of the device
+ *   limit NAME VALUE                Cupola gets this value of a limit of the device
  *   memory|queues|formats|surface|features MASK
- *                                   Cupola is told only these flags of each kind of memory, of each family of queues, of
- *                                   each format, of the surface, and none of the features if MASK is 0
+ *                                   Cupola gets only these flags of each kind of memory, of each
+ *                                   family of queues, of each format, or of the surface, and no
+ *                                   feature if MASK is 0
  */
 #define _GNU_SOURCE
 #include "layer.h"
@@ -26,14 +29,17 @@
 
 #define MOST 4096
 
-/* A function of the next layer: code that goes to `decide` with the address of the stub, then on. */
+/*
+ * Stub for a function of the next layer. Its code calls `decide` with the stub's address and
+ * continues at the address that `decide` returns.
+ */
 struct stub {
     unsigned char code[16];
     void (*entry)(void);
     void *target;
     const struct layer *layer;
     const char *name;
-    /* The argument that tells the program's call from one of Cupola's; -1: none does. */
+    /* Index of the argument that distinguishes the program's call from Cupola's calls; -1: none. */
     int mark;
     uint64_t calls[2];
 };
@@ -49,7 +55,7 @@ static struct {
     VkResult result;
 } fault;
 
-/* The program's call that is being made on this thread, as the layer above sees it. */
+/* Call of the program that is active on this thread, as the layer above notes it. */
 static __thread struct {
     const char *name;
     uint64_t arguments[6];
@@ -63,7 +69,7 @@ void note_program_call(const char *name)
     memset(now.arguments, 0, sizeof now.arguments);
 }
 
-/* The place of the argument that has the program's own address or handle. */
+/* Index of the argument with the program's own address or handle. */
 static int mark_of(const char *name)
 {
     static const struct {
@@ -116,7 +122,10 @@ static intptr_t refuse_pipelines(VkDevice device, VkPipelineCache cache, uint32_
     return fault.result;
 }
 
-/* Work that is waited for is done although the program is told something else; and what is no error was done. */
+/*
+ * Calls that wait are made although the program gets the error. Calls with a result that is no
+ * error are made, too.
+ */
 static void *refused_target;
 
 static intptr_t refuse_after(intptr_t a, intptr_t b, intptr_t c, intptr_t d, intptr_t e, intptr_t f)
@@ -141,7 +150,7 @@ static void *refusing(const struct stub *stub)
     return address;
 }
 
-/* Where a call goes on. Called by the instructions below. */
+/* Returns the address at which a call continues. The instructions below call it. */
 void *decide(struct stub *stub, const uint64_t *arguments);
 
 void *decide(struct stub *stub, const uint64_t *arguments)

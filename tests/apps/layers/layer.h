@@ -1,4 +1,4 @@
-/* The two layers of faults.c: what their files share. */
+/* Declarations that the files of the two layers in faults.c share. */
 #ifndef LAYER_H
 #define LAYER_H
 
@@ -6,7 +6,7 @@
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
-/* A layer, and the next one's functions. */
+/* A layer: the functions of the next layer. */
 struct layer {
     PFN_vkGetInstanceProcAddr instance;
     PFN_vkGetDeviceProcAddr device;
@@ -14,16 +14,16 @@ struct layer {
 
 extern struct layer above, below;
 
-/* The program calls a function that has no stub. */
+/* Notes that the program calls a function that has no stub. */
 void note_program_call(const char *name);
 
-/* A function of the next layer as this layer hands it out; NULL where it is missing. */
+/* Function of the next layer as this layer returns it. NULL if it is missing. */
 PFN_vkVoidFunction with_stub(const struct layer *layer, const char *name, PFN_vkVoidFunction target);
 
-/* What answers in the place of `target`; NULL: it answers itself. */
+/* Function that answers instead of `target`. NULL if `target` itself answers. */
 void *liar(const char *kind, const char *name, void *target);
 
-/* What the liars say: the name of a limit and its value, or the flags that are left. */
+/* Sets the false answer: the name of a limit and its value, or the flags that remain. */
 void set_lie(const char *name, long value);
 
 #endif

@@ -1,4 +1,4 @@
-/* What Cupola is told of a device that lies. */
+/* False answers about the device for Cupola. */
 #include "layer.h"
 
 #include <stddef.h>
@@ -10,7 +10,7 @@ static struct {
     long value;
 } lie;
 
-/* The driver's function in whose place a liar answers. */
+/* Function of the driver that a false answer replaces. */
 static void *asked;
 
 void set_lie(const char *name, long value)

@@ -1,4 +1,7 @@
-/* An OpenGL call that is read from a line of text. docs/calls.md has the format. x86-64 and AArch64 only. */
+/*
+ * An OpenGL call that is read from a line of text. docs/calls.md describes the format. x86-64 and
+ * AArch64 only.
+ */
 #ifndef APPS_CALL_H
 #define APPS_CALL_H
 
@@ -7,11 +10,11 @@
 enum { CALL_MOST_ARGUMENTS = 16 };
 
 typedef struct {
-    char kind;        /* of the line's format */
-    char letter;      /* of a kind of names, a binding or a type */
+    char kind;        /* kind as in the line's format */
+    char letter;      /* letter of a kind of names, of a binding or of a type */
     long long number; /* value, slot or offset */
     double real;
-    char *text; /* of lists and strings; a part of the line */
+    char *text; /* text of lists and strings; points into the line */
 } call_argument;
 
 typedef struct call_function call_function;
@@ -19,10 +22,10 @@ typedef struct call_function call_function;
 typedef struct {
     const call_function *function;
     char result;         /* v: none, b: 8 bits, i: 32 bits, s: sign, p: pointer, n: name */
-    char result_letter;  /* the names' kind */
+    char result_letter;  /* kind of the returned names */
     int result_slot;
-    char names;          /* kind of the names in what is written, P for pointers, 0 for none */
-    bool is_quiet;       /* no question for errors follows */
+    char names;          /* kind of the names that the call writes, P for pointers, 0 for none */
+    bool is_quiet;       /* no question about errors follows */
     int count;
     call_argument arguments[CALL_MOST_ARGUMENTS];
 } call;
@@ -30,20 +33,20 @@ typedef struct {
 typedef struct {
     unsigned error;
     unsigned long long result, digest;
-    const char *text; /* what was written, if it was asked for */
+    const char *text; /* values that the call wrote, if they were asked for */
 } call_answer;
 
-/* The line of the file that is played, for reports of crashes. */
+/* Number of the line of the file that is played, for reports of crashes. */
 extern int call_line;
 
 void call_setup(void);
-/* A context has become current: all names are new. */
+/* Call it when a context has become current: all names are new. */
 void call_begin(bool has_fixed_function);
-/* Whether the line is a call. Parts of the line stay in use. */
+/* Parses a line. Returns whether it is a call. `into` points into the line. */
 bool call_parse(char *line, call *into);
 call_answer call_perform(const call *what, bool with_text);
 
-/* Output that is kept until it is long, and written in a crash. */
+/* Writes to the output. Output is buffered until it is long, and is also written in a crash. */
 void call_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void call_flush(void);
 _Noreturn void call_fail(const char *message);

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* MAP_ANONYMOUS */
+#define _GNU_SOURCE /* for MAP_ANONYMOUS */
 #include "call_private.h"
 
 #include "../common/gl.h"
@@ -30,7 +30,7 @@ unsigned long long call_names[26][CALL_SLOTS];
 bool call_has_fixed_function;
 
 static unsigned char *const memory = (unsigned char *)CALL_MEMORY;
-/* Of the current call. */
+/* Used bytes of the current call. */
 static size_t lists_used, small_used;
 static char output[1 << 16];
 static size_t output_used;
@@ -108,7 +108,7 @@ static unsigned long long *name_of(char letter, long long slot)
     return &call_names[(letter - 'a') % 26][slot & (CALL_SLOTS - 1)];
 }
 
-/* Room in the lists of this call. */
+/* Allocates space in the lists of this call. */
 static unsigned char *room(size_t size)
 {
     if (lists_used + size > CALL_MEMORY_SIZE - CALL_LISTS)
@@ -118,7 +118,7 @@ static unsigned char *room(size_t size)
     return start;
 }
 
-/* Numbers, or slots as `t3`, until the list ends. */
+/* Parses numbers, or slots as `t3`, until the list ends. */
 static void *list_of(char type, const char *text)
 {
     unsigned char *start = room(8 * (strlen(text) + 1)), *to = start;
@@ -145,7 +145,7 @@ static void *list_of(char type, const char *text)
     return start;
 }
 
-/* A string whose spaces are written \s, and whose ends of lines \n. */
+/* Parses a string in which \s is a space and \n the end of a line. */
 static char *string_of(const char *text, size_t length)
 {
     char *start = (char *)room(length + 1), *to = start;
@@ -159,7 +159,7 @@ static char *string_of(const char *text, size_t length)
     return start;
 }
 
-/* Strings with ^ between them. */
+/* Parses strings that are separated by ^. */
 static void *strings_of(const char *text)
 {
     enum { MOST = 16 };
@@ -172,7 +172,7 @@ static void *strings_of(const char *text)
     return list;
 }
 
-/* Whether a buffer is bound whose offsets the call takes instead of addresses. */
+/* Whether a buffer is bound for which the call takes offsets instead of addresses. */
 static bool is_bound(char letter)
 {
     GLenum names[] = {['a' - 'a'] = GL_ARRAY_BUFFER_BINDING, ['e' - 'a'] = GL_ELEMENT_ARRAY_BUFFER_BINDING,
@@ -242,7 +242,7 @@ static word value_of(const call_argument *argument)
     }
 }
 
-/* Calls with all registers that a function may take parameters from. */
+/* Calls a function with all registers from which a function may take parameters. */
 static word jump(void *address, const word *whole, const real *reals, const word *stack)
 {
 #if defined(__x86_64__)
@@ -280,7 +280,7 @@ static void forget(const call_argument *argument)
     }
 }
 
-/* Puts what OpenGL made into slots. */
+/* Puts the names that OpenGL created into slots. */
 static void note(const call_argument *argument, const void *made)
 {
     const char *text = argument->text;
@@ -294,7 +294,10 @@ static void note(const call_argument *argument, const void *made)
     }
 }
 
-/* A name as the same number in each run: its slot, or one for all that have no slot any more. */
+/*
+ * Returns a number for a name that is the same in each run: its slot, or one number for all names
+ * that have no slot any more.
+ */
 static word slot_of(char letter, word name)
 {
     if (name == 0 || name == UNUSED * 0x01010101u)
@@ -340,7 +343,9 @@ static word digest(const unsigned char *bytes, size_t size)
     return all;
 }
 
-/* The words that were written, and the length of what is not all of one byte. */
+/*
+ * Text of the words that a call wrote, and the number of bytes up to the last one that it changed.
+ */
 static const char *words(const unsigned char *bytes, size_t size)
 {
     static char text[1024];

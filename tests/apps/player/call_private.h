@@ -1,4 +1,4 @@
-/* Used between the files of call.h only. */
+/* Declarations that only the files of call.h use. */
 #ifndef APPS_CALL_PRIVATE_H
 #define APPS_CALL_PRIVATE_H
 
@@ -13,15 +13,15 @@ enum { CALL_SLOTS = 16 };
 #define CALL_MEMORY 0x100000000000ULL
 enum {
     CALL_INPUT = 0,                   /* read by OpenGL: small 32-bit numbers */
-    CALL_INPUT_MARGIN = 1 << 19,      /* before what a call is given, for negative indices */
+    CALL_INPUT_MARGIN = 1 << 19,      /* margin before a call's input, for negative indices */
     CALL_INPUT_SIZE = 16 << 20,
-    CALL_SMALL = CALL_INPUT_SIZE,     /* written by one call, and part of the answer; so is CALL_BIG */
-    CALL_SMALL_SIZE = 512, /* of each such argument */
+    CALL_SMALL = CALL_INPUT_SIZE,     /* written by one call and part of the answer, as CALL_BIG is */
+    CALL_SMALL_SIZE = 512, /* size for each such argument */
     CALL_BIG = CALL_SMALL + (1 << 13),
     CALL_BIG_SIZE = 1 << 18,
-    CALL_UNREAD = CALL_BIG + (1 << 20), /* written by one call, and not part of the answer */
+    CALL_UNREAD = CALL_BIG + (1 << 20), /* written by one call and not part of the answer */
     CALL_FEEDBACK = CALL_UNREAD + (4 << 20),
-    CALL_LISTS = CALL_FEEDBACK + (1 << 16), /* lists of a call's arguments */
+    CALL_LISTS = CALL_FEEDBACK + (1 << 16), /* space for the lists in a call's arguments */
     CALL_MEMORY_SIZE = CALL_LISTS + (1 << 18),
 };
 
@@ -36,7 +36,7 @@ extern unsigned long long call_names[26][CALL_SLOTS];
 extern bool call_has_fixed_function;
 
 const call_function *call_find(const char *name);
-/* Whether a draw reads vertices from no other memory of the process than CALL_INPUT. */
+/* Whether a draw reads vertices from no memory of the process except CALL_INPUT. */
 bool call_is_safe(const call_function *function);
 
 #endif

@@ -2,10 +2,10 @@
 
 #include "../common/gl.h"
 
-/* Whether arrays may lie in the process' memory. */
+/* Whether arrays may be in the memory of the process. */
 static bool may_be_outside;
 
-/* Whether the vertices that begin there lie in memory that a draw may read. */
+/* Whether the vertices at this address are in memory that a draw may read. */
 static bool is_readable(uint64_t address)
 {
     return may_be_outside && address >= CALL_MEMORY && address < CALL_MEMORY + CALL_INPUT_SIZE / 2;
@@ -72,7 +72,8 @@ static bool generic_arrays_are_safe(void)
 }
 
 /*
- * Indices in a buffer are whatever the calls before have made of it, so that no array may lie in the process' memory then.
+ * The calls before may have written any indices to a buffer. So if the indices are in a buffer, no
+ * array may be in the memory of the process.
  */
 bool call_is_safe(const call_function *function)
 {

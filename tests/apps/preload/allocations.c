@@ -1,9 +1,11 @@
 /*
- * Counts the heap allocations that Cupola makes in steady frames: an LD_PRELOAD library that stands before malloc
- * and its kin, and counts calls that come from Cupola's library (Rust's runtime is part of it; what the driver
- * allocates on its behalf is not). Frames are told apart by swaps, or by a program that calls steady_frame().
+ * An LD_PRELOAD library that replaces malloc and related functions. It counts the heap allocations
+ * that Cupola makes in steady frames, that is, calls from Cupola's library. Rust's runtime is part
+ * of that library, but allocations that the driver makes for Cupola are not counted. A frame ends
+ * with a swap, or when a program calls steady_frame().
  *
- * STEADY_REPORT: the file that gets the number and the places, offsets in the library for addr2line, after frame LAST.
+ * STEADY_REPORT: file that gets the number and the places of the calls after frame LAST. Places are
+ * offsets in the library for addr2line.
  */
 #define _GNU_SOURCE
 #include <EGL/egl.h>
@@ -25,7 +27,7 @@ extern void *__libc_realloc(void *old, size_t size);
 extern void *__libc_memalign(size_t alignment, size_t size);
 
 static int frame;
-/* Cupola's code: where the library begins, and its executable part. */
+/* Address of Cupola's library, and of its executable part. */
 static uintptr_t base, start, end;
 static unsigned long count;
 static uintptr_t places[PLACES];

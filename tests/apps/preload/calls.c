@@ -1,16 +1,19 @@
 /*
- * A vendor library for GLX between Cupola and Mesa that counts the calls of each OpenGL function and can refuse them:
- * CUPOLA_GLX_REAL names it. At the end of the process it writes them, one function a line, to the file in CALLS_REPORT.
- * Each address that is asked for gets a few instructions in front that count, and then go on with all registers as they
- * were, whatever the function's parameters are. x86-64 only.
+ * A vendor library for GLX between Cupola and Mesa. CUPOLA_GLX_REAL names it. It counts the calls
+ * of each OpenGL function and can refuse them. At the end of the process it writes the numbers to
+ * the file in CALLS_REPORT, one function per line. For each address that is asked for, it returns a
+ * few instructions that count the call and continue in the driver with all registers unchanged. So
+ * it does not depend on the function's parameters. x86-64 only.
  *
  * CALLS_FAULT is one fault:
- *   call NAME FIRST LAST   calls FIRST to LAST of a function do nothing, return 0 and leave GL_OUT_OF_MEMORY
+ *   call NAME FIRST LAST   calls FIRST to LAST of a function do nothing, return 0 and set
+ *                          GL_OUT_OF_MEMORY
  *   lost NAME FIRST LAST   the same without the error
  *   missing NAME           the driver has no such function
- *   number ENUM VALUE      glGetIntegerv answers VALUE
- *   string ENUM TEXT       glGetString answers TEXT; glGetStringi, too, if ENUM is GL_EXTENSIONS
- *   status ENUM VALUE      glGetShaderiv and glGetProgramiv answer VALUE
+ *   number ENUM VALUE      glGetIntegerv returns VALUE
+ *   string ENUM TEXT       glGetString returns TEXT, and glGetStringi, too, if ENUM is
+ *                          GL_EXTENSIONS
+ *   status ENUM VALUE      glGetShaderiv and glGetProgramiv return VALUE
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -46,12 +49,12 @@ static struct {
     char text[128];
 } fault;
 
-/* The function that is refused at times, and its calls so far. */
+/* Function some of whose calls are refused, and the number of its calls so far. */
 void *refused_target;
 static unsigned long refused_calls;
 static unsigned pending_error;
 
-/* Where the call goes on. Used by the instructions below. */
+/* Address at which the call continues. The instructions below use it. */
 void *refused_next(void);
 
 static intptr_t nothing(void)
@@ -90,7 +93,7 @@ __asm__(".text\n"
         "mov 0xa0(%rsp), %r8\n mov 0xa8(%rsp), %r9\n mov 0xb0(%rsp), %rax\n"
         "leave\n jmp *%r11\n");
 
-/* The driver's functions behind the ones below. */
+/* Functions of the driver that the functions below replace. */
 static unsigned (*driver_error)(void);
 static void (*driver_integers)(unsigned name, int *values);
 static const unsigned char *(*driver_string)(unsigned name);
@@ -144,7 +147,7 @@ static void answer_program(unsigned program, unsigned name, int *value)
         return target; \
     }
 
-/* The function that is called for `name`: the driver's, or one with the fault. */
+/* Returns the function for `name`: the driver's, or one with the fault. */
 static void *with_fault(const char *name, void *target)
 {
     REPLACE("glGetError", driver_error, answer_error)

@@ -1,7 +1,7 @@
 /*
- * Reads one pixel whenever a context becomes current for the first time: an LD_PRELOAD library for programs that use
- * GLX or libwaffle. Under Cupola such a program has its own picture from the first frame on, not only from the frame
- * after its first read.
+ * An LD_PRELOAD library for programs that use GLX or libwaffle. It reads one pixel when a context
+ * becomes current for the first time. Under Cupola such a program has its own picture from the
+ * first frame on. Otherwise it has it only from the frame after its first read.
  */
 #define _GNU_SOURCE
 #include <GL/glx.h>
@@ -63,7 +63,7 @@ static void read_pixel(const void *context)
     if (read == NULL || error == NULL)
         return;
     read(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, pixel);
-    /* A context without a window refuses. */
+    /* A context without a window refuses the read. */
     error();
 }
 

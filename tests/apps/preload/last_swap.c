@@ -1,5 +1,6 @@
 /*
- * Ends a GLX program after as many swaps as LAST_SWAP says: an LD_PRELOAD library for programs that run for ever.
+ * An LD_PRELOAD library for programs that do not end. It ends a GLX program after the number of
+ * swaps in LAST_SWAP.
  */
 #define _GNU_SOURCE
 #include <GL/glx.h>

@@ -1,11 +1,22 @@
 /*
- * The direction test's cube, drawn with inverted colours to an image of which compute shaders make the window's picture
- * (--mode): by one dispatch that samples it (sampled), loads from it (stored), writes to it (same), or reads its depth, too
- * (depths); with the size in push constants (pushed); with descriptors that are pushed (descriptors); by an indirect dispatch (indirect); by three, one after the other
- * (chain); with an image of half the size (half) or two levels of one (levels); with the picture of the frame before
- * (history); with numbers of the whole picture in a buffer (exposure); with a matrix of the camera (light). The result is
- * drawn to the window, or goes on being drawn to before (drawn), is blitted (blit) or copied (copy), or is the window's image
- * (written). With values of each place in a buffer (places) there is no picture of each view.
+ * The direction test's cube is drawn with inverted colours to an image. Compute shaders make the
+ * window's picture from it (--mode):
+ *   sampled      one dispatch samples the image
+ *   stored       one dispatch loads from it
+ *   same         one dispatch writes to it
+ *   depths       the dispatch reads its depth, too
+ *   pushed       the size is in push constants
+ *   descriptors  the descriptors are pushed
+ *   indirect     an indirect dispatch
+ *   chain        three dispatches, one after the other
+ *   half         with an image of half the size
+ *   levels       with two levels of one image
+ *   history      with the picture of the frame before
+ *   exposure     with numbers of the whole picture in a buffer
+ *   light        with a matrix of the camera
+ *   places       with values of each place in a buffer; then there is no picture for each view
+ * The result is drawn to the window. Or more is drawn to it first (drawn), or it is blitted (blit)
+ * or copied (copy), or it is the window's image itself (written).
  */
 #include "direction.h"
 #include "frames.h"
@@ -42,11 +53,13 @@
 enum { MOST_STEPS = 3, IMAGES = 6, SCENE = 0, FIRST = 1, SECOND = 2, HALF = 3, LEVEL = 4, NEXT_LEVEL = 5, WINDOW = 6 };
 typedef enum { DRAW, LOAD, BLIT, COPY, WRITE } way_kind;
 
-/* A dispatch: what it reads, reads beside that, and writes. */
+/*
+ * A dispatch: the image that it reads, another image that it reads, and the image that it writes.
+ */
 typedef struct {
     shader_words shader;
     int from, beside, to;
-    bool single; /* of one work group */
+    bool single; /* a single work group */
 } step;
 
 typedef struct {
@@ -138,7 +151,7 @@ static bool is(const char *name)
     return strcmp(chosen->name, name) == 0;
 }
 
-/* The scene's image is loaded from or stored to. */
+/* Whether the scene's image is loaded from or stored to. */
 static bool scene_is_stored(void)
 {
     return is("stored") || is("same");
@@ -149,7 +162,7 @@ static VkExtent2D size_of(int image)
     return image == HALF || image == NEXT_LEVEL ? (VkExtent2D){w.extent.width / 2, w.extent.height / 2} : w.extent;
 }
 
-/* Two levels of one image. */
+/* Creates two levels of one image. */
 static void make_levels(VkImageUsageFlags usage)
 {
     const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -198,13 +211,13 @@ static void make_pictures(void)
     memcpy(groups.bytes, count, sizeof count);
 }
 
-/* Descriptors are pushed, where the device can. */
+/* Whether descriptors are pushed. The device must support it. */
 static bool pushes(void)
 {
     return is("descriptors") && w.has.push_descriptor;
 }
 
-/* Into a set, or pushed where that is null. */
+/* Writes a descriptor into a set, or pushes it if the set is null. */
 static void write_descriptor(const VkWriteDescriptorSet *write)
 {
     if (write->dstSet != VK_NULL_HANDLE) {
@@ -276,7 +289,7 @@ static void make_layouts(void)
                                              .poolSizeCount = 4,
                                              .pPoolSizes = sizes};
     expect(vkCreateDescriptorPool(w.device, &pool, NULL, &descriptors), "vkCreateDescriptorPool");
-    /* Depths need not be filtered. */
+    /* Devices need not be able to filter depths. */
     const VkFilter smooth = is("half") ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                         .magFilter = smooth,
@@ -300,7 +313,7 @@ static void make_layouts(void)
     expect(vkCreatePipelineLayout(w.device, &info, NULL, &layout), "vkCreatePipelineLayout");
 }
 
-/* The descriptors of a step, for the window's image `index`. */
+/* Fills the descriptors of a step for the window's image `index`. */
 static void fill_set(VkDescriptorSet set, const step *of, uint32_t index)
 {
     const bool is_stored = of->from == SCENE && scene_is_stored();
@@ -315,7 +328,7 @@ static void fill_set(VkDescriptorSet set, const step *of, uint32_t index)
     describe_block(set, 6, uniform, camera.buffer);
 }
 
-/* A set for each step; where it writes the window, for each of its images. */
+/* Creates a set for each step. A step that writes the window gets one for each of its images. */
 static void make_sets(void)
 {
     screen_set = make_set(screen_set_layout);
@@ -363,7 +376,7 @@ static void make_pipelines(void)
         steps[s] = make_step(chosen->steps[s].shader);
 }
 
-/* A pass to an image, and to the depth. */
+/* Begins a pass to an image, and to the depth if `deep` is set. */
 static void begin(VkImageView view, bool deep, VkAttachmentLoadOp load)
 {
     const VkRenderingAttachmentInfo color = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -395,7 +408,9 @@ static void record_cube(void)
     change_layout(commands, images[SCENE].image, OF_COLOR, NEW, COLOR);
     change_layout(commands, depth.image, OF_DEPTH, NEW, DEEP);
     begin(images[SCENE].view, true, VK_ATTACHMENT_LOAD_OP_CLEAR);
-    /* At first the camera looks elsewhere: numbers of what is left of that are wrong. */
+    /*
+     * At first the camera has another direction. Numbers that remain from those frames are wrong.
+     */
     static int frame;
     direction_options now = options;
     now.yaw += is("exposure") && frame++ < 3 ? 100.0 : 0.0;
@@ -408,7 +423,7 @@ static void record_cube(void)
     change_layout(commands, depth.image, OF_DEPTH, DEEP, SAMPLED);
 }
 
-/* What is not written before it is read in a frame. */
+/* Prepares images that are read in a frame before they are written. */
 static void prepare(void)
 {
     static bool again;

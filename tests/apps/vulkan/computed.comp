@@ -1,5 +1,8 @@
 #version 450
-/* Steps of compute shaders from the cube's picture, whose colours are inverted, to the window's. */
+/*
+ * Steps of compute shaders from the cube's picture, which has inverted colours, to the window's
+ * picture.
+ */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform sampler2D picture;
 #if defined(ANY)
@@ -19,7 +22,10 @@ vec4 inverted(vec4 colour)
     return vec4(1.0 - colour.rgb, 1.0);
 }
 
-/* The colour of a place that is on the cube, which that of another view is not. */
+/*
+ * Colour of a place on the cube. A place that is computed with the matrix of another view is not on
+ * the cube.
+ */
 vec4 on_cube(vec4 p)
 {
     p /= p.w;

@@ -1,8 +1,8 @@
 /*
- * The direction test with Vulkan, written in several ways: how a pass begins (--pass), where the matrix is (--matrix),
- * whether command buffers are recorded once or in each frame (--once), with samples, sRGB, an upside-down viewport,
- * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run; in small
- * parts (--cells), through other stages (--stage), with depth in a pass of its own (--depth).
+ * The direction test with Vulkan. Options choose how a pass begins (--pass), where the matrix is (--matrix), whether
+ * command buffers are recorded once or in each frame (--once), samples, sRGB, an upside-down viewport, secondary command
+ * buffers, indirect draws, flat drawing before or after the cube, other sizes while the program runs, small parts
+ * (--cells), other shader stages (--stage), and depth in a separate pass (--depth).
  */
 #include "../common/waiting.h"
 #include "depth_pass.h"
@@ -47,9 +47,9 @@ static frame_objects objects;
 static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
 enum { CELL_COUNT = 6 * 64 * 64 };
-enum { SLICE = 256 }; /* from one matrix of a block to the next: the largest alignment that a device may ask for */
+enum { SLICE = 256 }; /* distance of two matrices in a block: the largest alignment that a device may require */
 
-/* Its descriptors are pushed, where the device can. */
+/* Whether descriptors are pushed. The device must support it. */
 static bool pushes(void)
 {
     return options.matrix == MATRIX_PUSHED_SET && w.has.push_descriptor;
@@ -67,7 +67,7 @@ static void make_pass(void)
     const VkAttachmentLoadOp clear = VK_ATTACHMENT_LOAD_OP_CLEAR, any = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
     const VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE, drop = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
-    /* The colour that is drawn to, depth, the window's picture where that is another one. */
+    /* Colour, depth, and the window's image if the colour is another image. */
     VkAttachmentDescription2 all[3] = {
         {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, count, clear, store, any, drop,
          VK_IMAGE_LAYOUT_UNDEFINED, multisampled() ? color : VK_IMAGE_LAYOUT_PRESENT_SRC_KHR},
@@ -272,7 +272,7 @@ static void free_framebuffers(void)
         free_picture(&w, &samples);
 }
 
-/* A square: a small one in the middle, or a whole background. */
+/* Matrix of a square: a small one in the middle, or a background. */
 static matrix4 flat_matrix(void)
 {
     const float half = options.flat == 2 ? 1.0f : 0.25f;
@@ -322,12 +322,12 @@ static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
     else if (options.cells == CELLS_NONE)
         vkCmdDraw(buffer, 36, 1, 0, 0);
     else if (options.cells == CELLS_BEHIND)
-        vkCmdDraw(buffer, 6 * CELL_COUNT, 2, 0, 1); /* the ball, then what it hides */
+        vkCmdDraw(buffer, 6 * CELL_COUNT, 2, 0, 1); /* the ball, then the larger cube behind it */
     else
         vkCmdDraw(buffer, (options.cells == CELLS_POINTS ? 1 : 6) * CELL_COUNT, 1, 0, (uint32_t)options.cells - CELLS_TRIANGLES);
 }
 
-/* The background, by a pipeline without sets, between what is pushed for the cube and the cube. */
+/* Draws a background after the push of the descriptors and before the cube, with a pipeline without sets. */
 static void draw_between(VkCommandBuffer buffer, uint32_t index)
 {
     const matrix4 flat = flat_matrix();
@@ -350,7 +350,7 @@ static void bind(VkCommandBuffer buffer, VkPipeline bound)
     }
 }
 
-/* The depth of the cube, in a pass of its own, where it was asked for. */
+/* Draws the depth of the cube in a separate pass if the options ask for it. */
 static void draw_depth(VkCommandBuffer buffer, uint32_t index)
 {
     if (options.depth == DEPTH_TOGETHER)
@@ -455,7 +455,7 @@ static void record_pass(VkCommandBuffer buffer, uint32_t index)
         vkCmdEndRenderPass(buffer);
 }
 
-/* The contents of a pass, which does not say what it will draw to. */
+/* Records the contents of a pass. They do not contain the image that is drawn to. */
 static void record_inner(uint32_t index)
 {
     const VkCommandBufferInheritanceRenderingInfo rendering = {
@@ -497,7 +497,7 @@ static void record(uint32_t index)
     else
         record_pass(buffer, index);
     if (options.copy_window) {
-        /* A copy of the window onto itself: a program that reads what it shows. */
+        /* Copies the window onto itself, so that the program reads the window. */
         const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL, shown = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
         const VkImageSubresourceLayers layer = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         const VkImageCopy region = {layer, {0, 0, 0}, layer, {8, 8, 0}, {4, 4, 1}};

@@ -1,8 +1,11 @@
 #version 450
-/* The direction test's cube: a corner has the colour of its position. With CELLS its faces are cut as ../common/cells.c does
- * it: into triangles (instance 0), on a ball with the cube's colours (1), in inverted colours around that (2), or into points
- * in the middle of the cells (3). With ARRAY and ROWS, the matrix is an array, of columns and of rows. With ROW_VECTOR, it comes
- * after the vector. With PROJECTING, Cupola's functions stand before. */
+/*
+ * The direction test's cube: a corner has the colour of its position. With CELLS its faces are
+ * divided as in ../common/cells.c: into triangles (instance 0), on a ball with the cube's colours
+ * (1), in inverted colours around that ball (2), or into points in the middle of the cells (3).
+ * With ARRAY the matrix is an array of columns, with ROWS an array of rows. With ROW_VECTOR the
+ * matrix stands after the vector. With PROJECTING Cupola's functions are inserted before.
+ */
 #if defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
 #elif defined(COLUMNS)

@@ -2,7 +2,7 @@
 layout(location = 0) in vec3 shade;
 layout(location = 0) out vec4 result;
 
-/* What is beside the window is not drawn. */
+/* Fragments beside the window are discarded. */
 void main()
 {
     if (gl_FragCoord.x > 256.0 || any(greaterThan(gl_FragCoord.xy, vec2(256.0))))

@@ -2,7 +2,7 @@
 layout(location = 0) in vec3 shade;
 layout(location = 0) out vec4 result;
 
-/* The place in the window, from 0 to 1. */
+/* Shows the place in the window, from 0 to 1. */
 vec2 place()
 {
     return gl_FragCoord.xy / 256.0;

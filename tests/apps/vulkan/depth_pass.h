@@ -1,4 +1,4 @@
-/* A pass that clears depth, or draws it, before the pass that draws colours. */
+/* A pass that clears or draws depth before the pass that draws colours. */
 #ifndef APPS_VULKAN_DEPTH_PASS_H
 #define APPS_VULKAN_DEPTH_PASS_H
 
@@ -12,11 +12,11 @@ typedef struct {
     VkExtent2D extent;
 } depth_pass;
 
-/* `description` is that of the pipeline of the other pass. */
+/* Creates the pass. `description` is that of the other pass's pipeline. */
 depth_pass make_depth_pass(const vulkan_window *w, VkImageView view, const pipeline_description *description);
 void free_depth_pass(const vulkan_window *w, depth_pass *made);
 
-/* The depth is in VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL behind it. */
+/* After this pass the depth is in VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL. */
 void begin_depth_pass(const depth_pass *made, VkCommandBuffer buffer);
 void end_depth_pass(const depth_pass *made, VkCommandBuffer buffer);
 

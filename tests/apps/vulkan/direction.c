@@ -36,7 +36,7 @@ matrix4 direction_matrix(const direction_options *options, VkExtent2D extent, bo
     const double aspect = (double)extent.width / extent.height;
     matrix4 camera = matrix_multiply(matrix_camera(options->yaw, options->pitch), matrix_scale(10.0));
     matrix4 all = matrix_multiply(matrix_perspective(options->fov, aspect, 0.25, 100.0), camera);
-    /* From OpenGL's clip space: y points down, and depth begins at 0. */
+    /* Converts from OpenGL's clip space: y points down, and depth begins at 0. */
     for (float *c = all.m; c < all.m + 16; c += 4) {
         c[1] = up ? c[1] : -c[1];
         c[2] = 0.5f * (c[2] + c[3]);

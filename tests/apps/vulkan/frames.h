@@ -1,4 +1,4 @@
-/* A frame: the window's next image, a command buffer, and its way to the window. */
+/* A frame: the window's next image, a command buffer, and presenting the image. */
 #ifndef APPS_VULKAN_FRAMES_H
 #define APPS_VULKAN_FRAMES_H
 
@@ -16,18 +16,23 @@ void free_frame_objects(const vulkan_window *w, frame_objects *objects);
 void make_commands(const vulkan_window *w, const frame_objects *objects, VkCommandBufferLevel level, uint32_t count,
                    VkCommandBuffer *made);
 
-/* The number of the image that is drawn next. */
+/* Number of the image that is drawn next. */
 uint32_t next_image(const vulkan_window *w, const frame_objects *objects);
 
-/* Submits, presents, and waits until the commands are done. Whether the swapchain is as it should be. */
+/*
+ * Submits and presents the frame, and waits until the commands are done. Returns whether the
+ * swapchain is still optimal.
+ */
 bool end_frame(const vulkan_window *w, const frame_objects *objects, VkCommandBuffer commands, uint32_t index);
 
-/* Draws `count` frames with one command buffer, which `record` records for an image. With the path `shot` the window is
-   written to it after the last frame. */
+/*
+ * Draws `count` frames with one command buffer, which `record` records for each image. If `shot` is
+ * given, the window is written to this file after the last frame.
+ */
 void run_frames(const vulkan_window *w, const frame_objects *objects, VkCommandBuffer commands, int count,
                 const char *shot, void (*record)(uint32_t index));
 
-/* Takes an image from one layout to another, after all that was recorded and before all that will be. */
+/* Changes the layout of an image, after all recorded commands and before all following ones. */
 void change_layout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                    VkImageLayout to);
 

@@ -1,8 +1,10 @@
 /*
- * The direction test's cube, whose vertex shader hands on values of many types (handed.vert), drawn as lists, strips and fans of
- * triangles, or as lines: its edges and a diagonal of each face. --by-commands: commands set the topology; --last: the last
- * vertex is the provoking one; --number: the fragment shader asks for the primitive's number; --clip: a part is
- * clipped by a distance; --cull: the vertex shader sets a distance at which nothing is culled.
+ * The direction test's cube. Its vertex shader passes values of many types to the fragment shader
+ * (handed.vert). It is drawn as lists, strips and fans of triangles, or as lines, which are the
+ * edges and a diagonal of each face. --by-commands: commands set the topology. --last: the last
+ * vertex is the provoking one. --number: the fragment shader reads the primitive's number. --clip:
+ * a part is clipped by a distance. --cull: the vertex shader sets a cull distance with which
+ * nothing is culled.
  */
 #include "direction.h"
 #include "frames.h"
@@ -24,7 +26,7 @@ static const char *const shapes[SHAPES] = {"list", "strip", "fan", "lines", "lin
 static const VkPrimitiveTopology topologies[SHAPES] = {
     VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN,
     VK_PRIMITIVE_TOPOLOGY_LINE_LIST, VK_PRIMITIVE_TOPOLOGY_LINE_STRIP};
-/* Vertices of a face. */
+/* Number of vertices of a face, by shape. */
 static const uint32_t counts[SHAPES] = {6, 4, 4, 10, 6};
 
 static struct {
@@ -81,7 +83,7 @@ static void open_all(void)
                                              .pushConstantRangeCount = 1,
                                              .pPushConstantRanges = &range};
     expect(vkCreatePipelineLayout(w.device, &info, NULL, &layout), "vkCreatePipelineLayout");
-    /* With a topology by commands, another one of the class is given here. */
+    /* If commands set the topology, the pipeline has another topology of the same class. */
     const int given = !options.by_commands ? options.shape : options.shape < 3 ? 0 : 3;
     const pipeline_description parts = {.vertex = options.clip   ? SHADER(handed_clip)
                                                   : options.cull ? SHADER(handed_cull)

@@ -1,5 +1,5 @@
 #version 450
-/* The place that was handed on, as a colour; the inverted one where its pieces contradict each other. */
+/* The passed place as a colour. If its pieces contradict each other, the colour is inverted. */
 struct Inner { vec2 x; float y; };
 layout(location = 0) flat in int face;
 layout(location = 1) in float a;

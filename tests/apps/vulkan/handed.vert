@@ -1,6 +1,9 @@
 #version 450
-/* The direction test's cube, whose place is handed on in pieces of many types; `shape`: as a list, strips or fans of triangles, as
- * a list of lines or strips of them (edges and a diagonal of each face). What is flat has its value at the provoking vertex alone. */
+/*
+ * The direction test's cube. Its place is passed on in pieces of many types. `shape`: list, strips
+ * or fans of triangles, list of lines or strips of lines (edges and a diagonal of each face). Flat
+ * values are right only at the provoking vertex.
+ */
 layout(push_constant) uniform Camera { mat4 mvp; uint shape, last; };
 
 struct Inner { vec2 x; float y; };
@@ -18,11 +21,14 @@ out gl_PerVertex { vec4 gl_Position; float gl_CullDistance[1]; };
 #endif
 
 const uint corners[24] = uint[](0, 2, 6, 4, 1, 5, 7, 3, 0, 4, 5, 1, 2, 3, 7, 6, 0, 1, 3, 2, 4, 6, 7, 5);
-/* Vertices of a face, and their corners of it. */
+/* Number of vertices of a face, and their corners. */
 const uint counts[5] = uint[](6, 4, 4, 10, 6);
 const uint order[50] = uint[](0, 1, 2, 0, 2, 3, 0, 0, 0, 0, 0, 1, 3, 2, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0, 0, 0,
                               0, 1, 1, 2, 2, 3, 3, 0, 0, 2, 0, 1, 2, 3, 0, 2, 0, 0, 0, 0);
-/* By shape: which vertices of a face are provoking, the first of a primitive or the last. */
+/*
+ * By shape: bits of the vertices of a face that are provoking, if the first vertex of a primitive
+ * is provoking and if the last is.
+ */
 const uint first[5] = uint[](0x09, 0x03, 0x06, 0x155, 0x1f);
 const uint final[5] = uint[](0x24, 0x0c, 0x0c, 0x2aa, 0x3e);
 

@@ -1,5 +1,8 @@
 #version 450
-/* Passes that read what an earlier pass drew: at the place of the fragment on the screen, or by texture coordinates. */
+/*
+ * Passes that read the picture of an earlier pass: at the fragment's place on the screen, or by
+ * texture coordinates.
+ */
 layout(set = 0, binding = 0) uniform sampler2D picture;
 layout(set = 0, binding = 1) uniform sampler2D second;
 layout(set = 0, binding = 2) uniform sampler2D depths;
@@ -27,14 +30,17 @@ vec4 texel(sampler2D of, ivec2 place)
 }
 #endif
 
-/* The colour that the cube has in a direction. */
+/* Colour of the cube in a direction. */
 vec4 colour(vec3 d)
 {
     d /= max(max(abs(d.x), abs(d.y)), abs(d.z));
     return vec4(0.5 + 0.5 * d, 1.0);
 }
 
-/* That of a place that is on the cube, which that of another view is not. */
+/*
+ * Colour of a place on the cube. A place that is computed with the matrix of another view is not on
+ * the cube.
+ */
 vec4 on_cube(vec4 p)
 {
     p /= p.w;
@@ -66,21 +72,24 @@ void main()
     float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
     result = on_cube(camera.inverse_all * vec4(2.0 * at - 1.0, depth, 1.0));
 #elif defined(LIGHT_BACK)
-    /* From the pixel to the place, and from there to the pixel. */
+    /* Computes the place from the pixel, and the pixel from the place. */
     float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
     vec4 p = camera.inverse_rows * vec4(2.0 * at - 1.0, depth, 1.0);
     vec4 c = camera.all * (p / p.w);
     vec2 back = 0.5 + 0.5 * c.xy / c.w;
     result = distance(back, at) * screen.size.x < 0.05 ? texture(picture, back) : vec4(0.0);
 #elif defined(PLACE)
-    /* What is not at its own pixel is discarded. What a lamp sees is not looked at. */
+    /*
+     * Discards fragments that are not at the pixel that they compute. The result of the lamp's
+     * matrix is not used.
+     */
     vec4 c = camera.all * vec4(2.0 * shade - 1.0, 1.0), d = camera.lamp * vec4(2.0 * shade - 1.0, 1.0);
     vec2 seen = screen.size * (0.5 + 0.5 * c.xy / c.w);
     if (distance(seen, gl_FragCoord.xy) > 0.02 || d.x == 1e9)
         discard;
     result = vec4(shade, 1.0);
 #elif defined(VOLUME)
-    /* What a light in a part of the scene does. */
+    /* Does what a light that covers a part of the scene does. */
     ivec2 place = ivec2(gl_FragCoord.xy);
     result = texelFetch(depths, place, 0).r < 1.0 ? texelFetch(picture, place, 0) : vec4(0.0);
 #elif defined(FETCH)

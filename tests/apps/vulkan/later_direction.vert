@@ -1,5 +1,5 @@
 #version 450
-/* One triangle over all of the picture, with the directions of its corners. */
+/* One triangle over the whole picture, with the directions of its corners. */
 layout(set = 0, binding = 3) uniform Camera { vec4 tint; mat4 inverse_all; } camera;
 layout(location = 0) out vec3 direction;
 

@@ -1,15 +1,17 @@
 /*
- * The direction test's cube, drawn to images that a later pass reads (--mode): by the place of a fragment on the screen
- * (fetch, divided, given), or in a function that is given the image (handed), or with commands that are submitted in
- * another order than they are recorded in (late); its colour in two images and its depth (deferred), or the colour and
- * the depth (depths; volume: by another draw of the cube), also after a pass that draws depth alone (prepass). In images
- * of half or twice the window's size that are sampled (half, double, double_depths), fetched from (half_fetch,
- * double_fetch), blitted (half_blit, double_blit), or made smaller by another pass (chain) or by a blit from an image that
- * no shader reads (blit_half).
+ * The direction test's cube is drawn to images that a later pass reads (--mode). The pass reads by
+ * the place of a fragment on the screen (fetch, divided, given), or in a function that gets the
+ * image (handed), or its commands are submitted in another order than they are recorded in (late).
+ * It reads the colour in two images and the depth (deferred), or the colour and the depth (depths;
+ * volume: in another draw of the cube), also after a pass that draws only depth (prepass). Images
+ * of half or twice the window's size are sampled (half, double, double_depths), fetched from
+ * (half_fetch, double_fetch), blitted (half_blit, double_blit), or made smaller by another pass
+ * (chain) or by a blit from an image that no shader reads (blit_half).
  *
- * Or with matrices of the camera in a block: a sky as a triangle over the window (sky, sky_rows, sky_inverted,
- * sky_columns, sky_apart, sky_forced, sky_vertices), the cube's colours from its depth (light, light_back), the cube
- * where each fragment is at the place that it computes (place).
+ * Other modes have matrices of the camera in a block: a sky as a triangle over the window (sky,
+ * sky_rows, sky_inverted, sky_columns, sky_apart, sky_forced, sky_vertices), the cube's colours
+ * computed from its depth (light, light_back), and the cube where only fragments remain that are at
+ * the place that they compute (place).
  */
 #include "direction.h"
 #include "frames.h"
@@ -47,17 +49,17 @@
 
 typedef struct {
     const char *name;
-    shader_words shader; /* of the last pass; without words: a blit */
-    int halves;          /* size of the images, in halves of the window's; 0: the window's */
+    shader_words shader; /* fragment shader of the last pass; without words: a blit */
+    int halves;          /* size of the images in halves of the window's size; 0: the window's size */
     bool parts;          /* the colour is in two images */
     bool depths;         /* the last pass reads the depth */
-    bool depth_first;    /* after a pass for it alone */
-    bool chain;          /* through an image of the window's size */
-    bool blit_half;      /* through an image of half that size, by a blit */
-    bool alone;          /* the last pass is all there is */
-    bool vertices;       /* its vertices have directions */
-    bool cube;           /* it draws the cube */
-    bool late;           /* what comes first is recorded last */
+    bool depth_first;    /* after a pass for the depth alone */
+    bool chain;          /* with a pass to an image of the window's size */
+    bool blit_half;      /* with a blit to an image of half that size */
+    bool alone;          /* there is only the last pass */
+    bool vertices;       /* vertices of the last pass have directions */
+    bool cube;           /* the last pass draws the cube */
+    bool late;           /* the commands that run first are recorded last */
 } mode;
 
 static const mode modes[] = {
@@ -157,7 +159,7 @@ static void make_layouts(void)
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 2, .poolSizeCount = 2, .pPoolSizes = sizes};
     expect(vkCreateDescriptorPool(w.device, &pool, NULL, &descriptors), "vkCreateDescriptorPool");
-    /* Depths need not be filtered. */
+    /* Devices need not be able to filter depths. */
     const VkFilter smooth = chosen->depths || (chosen->halves == 0 && !chosen->blit_half) ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                         .magFilter = smooth,
@@ -227,7 +229,7 @@ static void make_pipelines(void)
     copy = make_pipeline(&w, &flat);
 }
 
-/* A pass to `count` images, and to the depth where `load` says what becomes of it. */
+/* Begins a pass to `count` images, and to the depth with the load operation `load`. */
 static void begin(uint32_t count, const VkImageView *views, VkExtent2D extent, const VkAttachmentLoadOp *load)
 {
     VkRenderingAttachmentInfo all[3] = {{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO}};
@@ -280,7 +282,7 @@ static void draw_screen(const linked_pipeline *by, VkDescriptorSet set, VkImage 
     vkCmdEndRendering(commands);
 }
 
-/* What all shaders with matrices of the camera have: a colour, matrices. */
+/* Writes the block of all shaders with matrices of the camera: a colour, matrices. */
 static void fill_camera(void)
 {
     const matrix4 all = direction_matrix(&options, w.extent, false), back = matrix_inverse(all);
@@ -295,7 +297,7 @@ static void fill_camera(void)
     memcpy(camera.bytes, &values, sizeof values);
 }
 
-/* Blits the scene to an image, and leaves that in a layout. */
+/* Blits the scene to an image and leaves the image in a layout. */
 static void blit(VkImage to, VkExtent2D to_size, VkImageLayout left)
 {
     const VkImageSubresourceLayers layer = {OF_COLOR, 0, 0, 1};
@@ -306,7 +308,7 @@ static void blit(VkImage to, VkExtent2D to_size, VkImageLayout left)
     change_layout(commands, to, OF_COLOR, WRITTEN, left);
 }
 
-/* The images that the last pass reads. */
+/* Draws the images that the last pass reads. */
 static void record_scene(void)
 {
     const VkImageView views[] = {colors[0].view, colors[1].view};
@@ -336,7 +338,7 @@ static void record_scene(void)
         blit(between.image, between_size, SAMPLED);
 }
 
-/* Submits what the other commands need first. */
+/* Submits the commands that the other commands need first. */
 static void submit_late(const VkCommandBufferBeginInfo *info)
 {
     static bool again;

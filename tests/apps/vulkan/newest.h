@@ -1,4 +1,4 @@
-/* A frame's end by the newest ways to submit and to present. */
+/* The end of a frame with the newest ways to submit and to present. */
 #ifndef APPS_VULKAN_NEWEST_H
 #define APPS_VULKAN_NEWEST_H
 
@@ -9,7 +9,10 @@ typedef struct {
     VkSemaphore acquired, timeline;
 } frame_parts;
 
-/* Submits by the newer call, waits for a timeline, says what changed in the window, and which frame it is. */
+/*
+ * Submits by the newer call and waits for a timeline semaphore. Presents with the changed area of
+ * the window and the number of the frame.
+ */
 void end_newest_frame(const vulkan_window *w, const frame_parts *parts, uint32_t index, uint64_t number);
 
 #endif

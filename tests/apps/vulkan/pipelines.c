@@ -25,7 +25,7 @@ static VkPipeline create_library(const vulkan_window *w, VkGraphicsPipelineCreat
     const bool vertex = (parts & VK_GRAPHICS_PIPELINE_LIBRARY_PRE_RASTERIZATION_SHADERS_BIT_EXT) != 0;
     const bool fragment = (parts & VK_GRAPHICS_PIPELINE_LIBRARY_FRAGMENT_SHADER_BIT_EXT) != 0;
     const bool output = (parts & VK_GRAPHICS_PIPELINE_LIBRARY_FRAGMENT_OUTPUT_INTERFACE_BIT_EXT) != 0;
-    /* What is drawn to matters for the output only, without a mask of views. */
+    /* Without a view mask the attachments matter only for the output. */
     const VkGraphicsPipelineLibraryCreateInfoEXT library = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_LIBRARY_CREATE_INFO_EXT,
         .pNext = output ? (void *)info.pNext : NULL,
@@ -60,7 +60,7 @@ static linked_pipeline link_pipeline(const vulkan_window *w, const VkGraphicsPip
 linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description *description)
 {
     const bool patches = description->control.words != NULL;
-    /* Libraries have the first and the second apart. */
+    /* create_library expects the vertex stage first and the fragment stage second. */
     const struct {
         VkShaderStageFlagBits stage;
         shader_words words;

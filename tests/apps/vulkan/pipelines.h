@@ -1,4 +1,7 @@
-/* Graphics pipelines: triangles or points without vertex buffers, as a whole or linked from libraries. */
+/*
+ * Graphics pipelines that draw triangles or points without vertex buffers, as a whole or linked
+ * from libraries.
+ */
 #ifndef APPS_VULKAN_PIPELINES_H
 #define APPS_VULKAN_PIPELINES_H
 
@@ -9,33 +12,33 @@ typedef struct {
     size_t size;
 } shader_words;
 
-/* The words of a header that glslangValidator made. */
+/* Words of a header that glslangValidator generated. */
 #define SHADER(name) ((shader_words){name, sizeof name})
 
 enum { MOST_LIBRARIES = 4 };
 
 typedef struct {
     shader_words vertex, fragment;
-    shader_words geometry;                /* without words: none */
-    shader_words control, evaluation;     /* of a tessellation of triangles, likewise; not in libraries */
+    shader_words geometry;                /* no words: no geometry shader */
+    shader_words control, evaluation;     /* tessellation of triangles, likewise; not in libraries */
     VkPipelineLayout layout;
-    VkRenderPass pass; /* null: for dynamic rendering, with these attachments */
+    VkRenderPass pass; /* null: dynamic rendering with these formats */
     uint32_t subpass;
-    VkFormat color, second, depth; /* `second`: of another colour, if there is one */
+    VkFormat color, second, depth; /* `second`: format of the second colour, if there is one */
     bool colorless;             /* the pass has no colour */
     uint32_t view_mask;
     VkSampleCountFlagBits samples;
-    bool deep;                  /* tested by depth */
+    bool deep;                  /* depth test is on */
     bool silent;                /* writes nothing */
-    bool points;                /* draws points, not triangles */
-    const VkPrimitiveTopology *topology; /* draws these; null: triangles, patches of them, or points */
+    bool points;                /* draws points instead of triangles */
+    const VkPrimitiveTopology *topology; /* topology; null: triangles, patches of triangles, or points */
     bool last;                  /* the last vertex of a primitive is the provoking one */
-    bool topology_by_commands;  /* commands set which of its class are drawn */
-    const VkViewport *viewport; /* null: set by commands, as the scissor is */
-    uint32_t libraries;         /* 0: one pipeline; 2: outputs apart; 4: each part apart */
+    bool topology_by_commands;  /* commands set the topology within its class */
+    const VkViewport *viewport; /* null: set by commands, and so is the scissor */
+    uint32_t libraries;         /* 0: one pipeline; 2: outputs separate; 4: each part separate */
 } pipeline_description;
 
-/* A pipeline, and the libraries that it is linked from. */
+/* A pipeline and the libraries from which it is linked. */
 typedef struct {
     VkPipeline whole, libraries[MOST_LIBRARIES];
 } linked_pipeline;

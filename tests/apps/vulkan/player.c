@@ -1,7 +1,8 @@
 /*
- * Plays Vulkan commands that `cupola-lab calls --vulkan` wrote to files, and answers with what Vulkan answers: results, what images
- * and buffers hold, what is in the window, and the kinds of messages of the validation layer, if it is loaded. Each line of
- * stdin names a file, which gets a device of its own. docs/calls.md has the format.
+ * Plays Vulkan commands that `cupola-lab calls --vulkan` wrote to files, and returns Vulkan's
+ * answers: results, contents of images, buffers and the window, and the kinds of messages of the
+ * validation layer if it is loaded. Each line of stdin names a file, which is played with a new
+ * device. docs/calls.md describes the format.
  */
 #include "player/player.h"
 
@@ -14,7 +15,7 @@
 enum { PATIENCE = 60, MOST_NUMBERS = 8 };
 
 static int answers;
-static FILE *messages; /* what is printed to stdout */
+static FILE *messages; /* output to stdout */
 static volatile int line_number;
 
 static void say(const char *text)
@@ -33,7 +34,7 @@ static void crashed(int number)
     _exit(1);
 }
 
-/* Adds the kinds of messages since the last time. */
+/* Adds the kinds of messages since the last call. */
 static void add_messages(char *text, size_t room)
 {
     static const char *const kinds[] = {"VUID", "UNASSIGNED", "SYNC", "BestPractices"};
@@ -75,7 +76,10 @@ static int write_set(const int *n)
     return 0;
 }
 
-/* buffer, matrix, place: by the host. The command buffer that was submitted last may be submitted again. */
+/*
+ * buffer, matrix, place: written by the host. The last submitted command buffer may be submitted
+ * again.
+ */
 static int write_matrix(const int *n)
 {
     submit(false);
@@ -129,7 +133,7 @@ static const struct {
     {"submit", submit_now},       {"again", again},             {"swapchain", new_swapchain},
 };
 
-/* The images and buffers, and the queries that were ended. */
+/* Adds the contents of images and buffers, and the results of ended queries. */
 static int ask(const int *n, unsigned long long *digest)
 {
     const int what = n[0] % (SLOTS + 3);
@@ -211,7 +215,7 @@ int main(void)
     answers = dup(STDOUT_FILENO);
     if (messages == NULL || answers < 0 || dup2(fileno(messages), STDOUT_FILENO) < 0)
         return 1;
-    /* The layer appends, and what it wrote is read from another place. */
+    /* The layer appends to the file, so the messages are read with another file position. */
     snprintf(path, sizeof path, "/proc/self/fd/%d", fileno(messages));
     messages = fopen(path, "r");
     if (messages == NULL)

@@ -1,9 +1,10 @@
 /*
- * A Vulkan program whose shader projects to the picture itself, by the C interface:
+ * A Vulkan program whose own shader projects to the output, with the C interface:
  * vk_project [--method METHOD] [--views atlas|layers|images] [options of the direction test]
  *
- * Draws the cells of the direction cube into views as the interface says, with the library's functions in the text of its
- * shader, and has them corrected into its window. Exits with 1 if an answer was wrong.
+ * Draws the cells of the direction cube into views as the interface says. Its shader has the
+ * library's functions in its text. Cupola corrects the views into the window. Exits with 1 if an
+ * answer was wrong.
  */
 #include "direction.h"
 #include "frames.h"
@@ -17,7 +18,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Vectors of a view lie so far apart: the largest alignment that a device may ask for. */
+/*
+ * SLICE is the distance between the vectors of two views: the largest alignment that a device may
+ * require.
+ */
 enum { MOST_VIEWS = 16, SLICE = 256, SET = 1, BINDING = 2, VERTICES = 6 * 6 * 64 * 64 };
 
 static direction_options direction = DIRECTION_DEFAULTS;
@@ -67,7 +71,7 @@ static void *read_file(const char *path, size_t *size)
     return bytes;
 }
 
-/* The cube's shader with the library's functions behind its first line, compiled. */
+/* Compiles the cube's shader with the library's functions inserted after its first line. */
 static shader_words make_shader(void)
 {
     size_t length = 0, size;
@@ -133,7 +137,7 @@ static void open_dome(void)
     CHECK(cupola_vk_set_targets(dome, w.count, targets) == CUPOLA_OK);
 }
 
-/* The picture that a view is drawn to, and a depth for it. */
+/* Creates the images to which views are drawn, and a depth for them. */
 static void make_pictures(void)
 {
     for (uint32_t i = 0; i < view_count; i++) {
@@ -185,7 +189,7 @@ static void make_sets(void)
     vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
 }
 
-/* The views, and what the shader gets for each. */
+/* Gets the views, and the shader's values for each. */
 static void ask_views(void)
 {
     const matrix4 matrix = direction_matrix(&direction, w.extent, false);

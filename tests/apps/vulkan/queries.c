@@ -1,9 +1,11 @@
 /*
- * Queries that count beside the direction test's cube, which they leave as it is: small cubes that write nothing, ahead in
- * front of its wall, behind the wall, beside what the program's lens sees, and flat; what is drawn in all passes together
- * (--spans), one of them small and of no scene. In the end the program writes each count to the file --counts, as it reads it
- * from the pool and as a command copies it, and says itself where the forms of a result contradict each other.
- * --condition N: the cube is drawn if the count N of the last frame, which was copied, is more than nothing.
+ * Queries that count small cubes beside the direction test's cube, whose picture they do not
+ * change, because they write nothing. The small cubes are in front of the cube's wall (ahead),
+ * behind the wall (hidden), beside the program's field of view (beside), and flat (flat). With
+ * --spans queries span all passes, one of which is small and not part of the scene. At the end the
+ * program writes each result to the file --counts, as it reads it from the pool and as a command
+ * copies it. It reports results whose forms contradict each other.
+ * --condition N: the cube is drawn if the copied result N of the last frame is more than 0.
  */
 #include "direction.h"
 #include "frames.h"
@@ -129,13 +131,16 @@ static void draw(VkCommandBuffer buffer, const linked_pipeline *by, matrix4 matr
     vkCmdDraw(buffer, 36, 1, 0, 0);
 }
 
-/* A cube that nobody turned, at a distance and so far up; its nearest face has a third of the picture's height. */
+/*
+ * An unturned cube at this distance, displaced upwards by `up`. The height of its nearest face is a
+ * third of the picture's height.
+ */
 static matrix4 small_cube(double distance, double up)
 {
     const direction_options lens = {.fov = options.direction.fov};
-    /* Takes away what the direction test's cube is scaled by. */
+    /* Removes the scale of the direction test's cube. */
     const matrix4 projection = matrix_multiply(direction_matrix(&lens, w.extent, false), matrix_scale(0.1));
-    /* cot of half the opening; clip space has y down. */
+    /* Cotangent of half the opening. In clip space y points down. */
     const double part = 1.0 / (3.0 * -projection.m[5]), half = distance * part / (1.0 + part);
     return matrix_multiply(matrix_multiply(projection, matrix_camera(0.0, -up)),
                            matrix_multiply(matrix_translate(0.0, 0.0, -distance), matrix_scale(half)));
@@ -221,7 +226,7 @@ static void pass(VkImageView color, VkExtent2D size, VkRenderingFlags flags)
     vkCmdBeginRendering(commands, &info);
 }
 
-/* A pass that is no scene's. */
+/* A pass that is not part of the scene. */
 static void record_small(void)
 {
     const VkExtent2D little = {32, 32};
@@ -284,7 +289,7 @@ static void insist(bool right, const char *what)
     }
 }
 
-/* A line with a count's name, as it was read, and as it was copied. */
+/* Writes a line with the name of a result, as it was read and as it was copied. */
 static void write_count(FILE *file, const char *name, uint64_t read, uint64_t copy)
 {
     fprintf(file, "%s %" PRIu64 " %" PRIu64 "\n", name, read, copy);

@@ -1,11 +1,14 @@
 /*
- * Runs a program and gives its window other sizes meanwhile: vk_resizer WxH RESIZES FRAMES MEMORY PROGRAM [ARGUMENT…].
- * The window is the one of that size, which therefore has to be a rare one. In each size the program draws FRAMES frames;
- * after them its resident memory, in pages, is appended to the file MEMORY. Exits as the program does, or with 1 where it
- * ended before its window had all sizes, or drew nothing for ten seconds.
+ * Runs a program and changes the size of its window: vk_resizer WxH RESIZES FRAMES MEMORY PROGRAM
+ * [ARGUMENT…].
+ * The window is found by its size WxH, which no other window should have. In each size the program
+ * draws FRAMES frames. Then its resident memory, in pages, is appended to the file MEMORY. The exit
+ * status is the program's. It is 1 if the program ended before its window had all sizes, or drew
+ * nothing for ten seconds.
  *
- * Frames are counted, and not time, because no program can help it if its window gets a size between its question for the
- * present size and its swapchain of that size. A program that has drawn several frames is through with both.
+ * Frames are counted instead of time, because a window may get another size after the program has
+ * asked for the present size and before it has created its swapchain. A program that has drawn
+ * several frames has done both.
  */
 #include "memory.h"
 
@@ -58,7 +61,10 @@ static bool has_ended(pid_t program, int *status)
     return waitpid(program, status, WNOHANG) == program;
 }
 
-/* Waits until the window was drawn to that often. False where the program ended, or drew nothing for ten seconds. */
+/*
+ * Waits until the window was drawn to `frames` times. Returns false if the program ended or drew
+ * nothing for ten seconds.
+ */
 static bool wait_for_frames(Display *display, int damaged, int frames, pid_t program, int *status, bool *ended)
 {
     const int most = 10000;

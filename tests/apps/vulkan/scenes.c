@@ -1,13 +1,15 @@
 /*
- * The direction test's cube on its way to the window (--way): drawn to it and read back (read), with a part that is drawn
- * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
- * by one whose shader has the camera's matrix (matrices), by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
- * (half) or with its depths (depths), or what a compute shader makes of it (compute), or while the program reads it and its
- * depths (pick), or one face of it before a background that a triangle fills (background). Or with the newest of what there is to
- * present (newest), pipelines that are linked (library, parts, and with
- * sets that are independent of each other: independent), a pass with a mask of views (multiview). --picture writes
- * what was read: the window, or what was drawn off screen. A swapchain that is not as it should be is made anew; the pictures
- * stay, as the window's size does.
+ * The direction test's cube on its way to the window (--way). The cube is drawn to the window and
+ * read back (read), or a separate pass draws or clears a part of the window (part, clear). Or the
+ * cube is drawn off screen and shown by a triangle that samples it (post), whose shader has the
+ * camera's matrix (matrices), by two triangles (chain), by place (place), by a blit (blit) or a
+ * resolve (resolve), together with a smaller picture of it (half) or with its depths (depths), by a
+ * compute shader (compute), while the program reads it and its depths (pick), or as one face before
+ * a background that a triangle fills (background). Or with the newest ways to present (newest),
+ * with pipelines that are linked (library, parts, and with independent sets: independent), or with
+ * a pass with a view mask (multiview). --picture writes the pixels that were read, of the window or
+ * of the off-screen image. A swapchain that is suboptimal or out of date is created again. The
+ * images stay, as the window's size does.
  */
 #include "../common/waiting.h"
 #include "direction.h"
@@ -32,7 +34,7 @@
 
 typedef enum {
     READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
-    /* Off screen: */
+    /* Ways that draw off screen: */
     POST, MATRICES, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE, PICK, BACKGROUND,
     WAYS
 } way_kind;
@@ -92,7 +94,7 @@ static bool off_screen(void)
     return options.way >= POST;
 }
 
-/* What shows the scene samples another picture, too. */
+/* Whether the pass that shows the scene samples another image, too. */
 static bool both(void)
 {
     return options.way == HALF || options.way == DEPTHS;
@@ -103,7 +105,7 @@ static VkSampleCountFlagBits count(void)
     return options.way == RESOLVE ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
 }
 
-/* The format of what is drawn off screen: compute shaders write few. */
+/* Format of the off-screen image. Compute shaders can write few formats. */
 static VkFormat scene_format(void)
 {
     return options.way == COMPUTE ? VK_FORMAT_R8G8B8A8_UNORM : w.format;
@@ -145,7 +147,10 @@ static void make_pipelines(void)
     }
 }
 
-/* A pass that leaves its picture as shaders sample it, which is believed before the next one begins. */
+/*
+ * A pass that leaves its image in the layout in which shaders sample it. The next pass begins only
+ * when it has finished.
+ */
 static void make_pass(void)
 {
     const VkAttachmentDescription all[] = {
@@ -232,7 +237,7 @@ static void make_layouts(void)
     const VkDescriptorPoolCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 3, .poolSizeCount = 2, .pPoolSizes = sizes};
     expect(vkCreateDescriptorPool(w.device, &info, NULL, &descriptors), "vkCreateDescriptorPool");
-    /* Depths need not be filtered. */
+    /* Devices need not be able to filter depths. */
     const VkFilter smooth = options.way == DEPTHS ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                         .magFilter = smooth,
@@ -291,7 +296,7 @@ static void make_compute(void)
     vkDestroyShaderModule(w.device, info.stage.module, NULL);
 }
 
-/* By the older call; vk_cube uses the newer one. */
+/* Uses the older call. vk_cube uses the newer one. */
 static void barrier(VkImage image, VkImageLayout from, VkImageLayout to)
 {
     const bool deep = image == depth.image;
@@ -367,7 +372,7 @@ static void draw_screen(const linked_pipeline *by, VkDescriptorSet set, VkExtent
     vkCmdDraw(commands, 3, 1, 0, 0);
 }
 
-/* The cube in a pass that clears: to the window, or off screen. */
+/* Draws the cube in a pass that clears, to the window or off screen. */
 static void record_cube(picture *target, VkImage image, VkImageView view)
 {
     const VkRect2D whole = {{0, 0}, w.extent};
@@ -404,7 +409,7 @@ static void show(const linked_pipeline *by, VkDescriptorSet set, VkImage image, 
     vkCmdEndRendering(commands);
 }
 
-/* What is drawn off screen reaches the window through shaders. */
+/* Shaders show the off-screen image in the window. */
 static void show_scene(VkImage image, VkImageView view)
 {
     VkDescriptorSet set = sets[0];
@@ -491,7 +496,7 @@ static void frame(uint64_t number)
         window_make_swapchain(&w);
 }
 
-/* The colours, and with `pick` the depths below them, as three of their bytes. */
+/* Writes the colours, and with `pick` the depths below them, as three of their bytes. */
 static void write_picture(const char *path)
 {
     FILE *file = fopen(path, "wb");

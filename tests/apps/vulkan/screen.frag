@@ -1,5 +1,5 @@
 #version 450
-/* Shows a picture as it is, or one colour (FILLED). */
+/* Shows a picture unchanged, or one colour (FILLED). */
 #if !defined(FILLED)
 layout(set = 0, binding = 0) uniform sampler2D picture;
 #endif
@@ -21,7 +21,7 @@ void main()
     result = texture(picture, at);
 #endif
 #if defined(BOTH)
-    /* What is read of the other one changes nothing: no texel of it is above 1. */
+    /* Reading the other picture changes nothing, because no texel of it is above 1. */
     if (texture(other, at).r > 2.0)
         result = vec4(1.0);
 #endif

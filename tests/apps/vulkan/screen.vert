@@ -1,5 +1,8 @@
 #version 450
-/* One triangle over all of the picture. MATRICES: as in engines that give every shader the camera's matrices. */
+/*
+ * One triangle over the whole picture. MATRICES: with the camera's matrix, as in engines that give
+ * it to every shader.
+ */
 #ifdef MATRICES
 layout(push_constant) uniform Camera { mat4 projection; } camera;
 layout(location = 1) out vec4 seen;

@@ -1,5 +1,5 @@
 #version 450
-/* Hands on what it gets. */
+/* Passes its input on. */
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
 layout(location = 0) in vec3 given[];

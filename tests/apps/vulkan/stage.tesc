@@ -1,5 +1,5 @@
 #version 450
-/* Hands on what it gets, in one part. */
+/* Passes its input on, without dividing the triangle. */
 layout(vertices = 3) out;
 layout(location = 0) in vec3 given[];
 layout(location = 0) out vec3 shade[];

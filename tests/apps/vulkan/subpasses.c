@@ -1,7 +1,8 @@
 /*
- * The direction test's cube in a render pass of two subpasses (--way): the first draws it off screen and the second shows, by
- * a triangle over the whole window, what it reads of it at the same pixel (input); or the first draws nothing but off screen,
- * and the second the cube to the window (second).
+ * The direction test's cube in a render pass of two subpasses (--way). With `input` the first
+ * subpass draws the cube off screen. The second reads it at the same pixel and shows it by a
+ * triangle over the whole window. With `second` the first draws only off screen, and the second
+ * draws the cube to the window.
  */
 #include "direction.h"
 #include "frames.h"

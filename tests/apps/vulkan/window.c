@@ -227,7 +227,7 @@ void window_close(vulkan_window *w)
     XCloseDisplay(w->display);
 }
 
-/* Whether a picture has arrived: it is not black, and the same as the one before. */
+/* Whether a picture has arrived: it is not black and is the same as the one before. */
 static bool has_arrived(XImage *before, XImage *shot)
 {
     bool black = true, same = before != NULL;
@@ -240,7 +240,10 @@ static bool has_arrived(XImage *before, XImage *shot)
     return same && !black;
 }
 
-/* A picture that was presented reaches the window a little later, part by part: nothing tells when. */
+/*
+ * A presented picture reaches the window a little later and part by part. Nothing reports its
+ * arrival, so the window is read repeatedly.
+ */
 static XImage *wait_for_picture(const vulkan_window *w)
 {
     const struct timespec moment = {0, 20000000};

@@ -20,10 +20,13 @@ typedef struct {
 typedef struct {
     VkBuffer buffer;
     VkDeviceMemory memory;
-    void *bytes; /* mapped, where it can be */
+    void *bytes; /* address of the mapped memory, if it can be mapped */
 } block;
 
-/* Extensions of the device that are enabled where the program asks for the newest ones, with all queries. */
+/*
+ * Extensions of the device. They are enabled if the program asks for the newest ones. That includes
+ * all queries.
+ */
 typedef struct {
     bool mutable_format, incremental_present, present_id, present_wait, libraries, push_descriptor, conditional_rendering, provoking_vertex;
 } window_extensions;
@@ -37,11 +40,11 @@ typedef struct {
     VkQueue queue;
     uint32_t family;
     window_extensions has;
-    bool stages; /* geometry and tessellation shaders are enabled; said before the window is opened */
-    bool immediate; /* pictures are shown at once, so that vkQueuePresentKHR waits until they are; likewise */
+    bool stages; /* geometry and tessellation shaders are enabled; set it before the window is opened */
+    bool immediate; /* pictures are shown at once, and vkQueuePresentKHR waits for that; set it before, too */
     VkSurfaceKHR surface;
     VkFormat format;
-    VkImageUsageFlags usage; /* of the swapchain's images, beside drawing */
+    VkImageUsageFlags usage; /* usage of the swapchain's images, besides drawing */
     VkSwapchainKHR swapchain;
     VkExtent2D extent;
     uint32_t count;
@@ -53,30 +56,35 @@ typedef struct {
 /* Ends the program unless `result` is VK_SUCCESS. */
 void expect(VkResult result, const char *what);
 
-/* Opens all of it, at a place on the screen. `newest`: with what of `window_extensions` the device has, and features at the end of
- * a chain. */
+/*
+ * Opens the device, the window and the swapchain, at a place on the screen. With `newest` it
+ * enables those of `window_extensions` that the device has, and features at the end of a structure
+ * chain.
+ */
 void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
                  VkImageUsageFlags usage);
 
 /* Asks for another size, and waits until the server has given it. */
 void window_ask_size(vulkan_window *w, uint32_t width, uint32_t height);
 
-/* A swapchain in the window's present size; the one before, if there is one, is retired and destroyed. */
+/*
+ * Creates a swapchain in the window's present size. An earlier swapchain is retired and destroyed.
+ */
 void window_make_swapchain(vulkan_window *w);
 
 void window_close(vulkan_window *w);
 
-/* Writes what the X server shows in the window as a binary PPM. */
+/* Writes the picture that the X server shows in the window as a binary PPM file. */
 void window_shot(const vulkan_window *w, const char *path);
 
-/* An image with a view. */
+/* Creates an image with a view. */
 picture make_picture(const vulkan_window *w, VkFormat format, VkExtent2D size, VkSampleCountFlagBits samples,
                      VkImageUsageFlags usage);
-/* Memory of the device for an image. */
+/* Allocates memory of the device for an image. */
 VkDeviceMemory image_memory(const vulkan_window *w, VkImage image);
 void free_picture(const vulkan_window *w, picture *p);
 
-/* A buffer, in memory that the host writes or in the device's own. */
+/* Creates a buffer, in memory that the host writes or in the device's own memory. */
 block make_block(const vulkan_window *w, VkDeviceSize size, VkBufferUsageFlags usage, bool of_host);
 void free_block(const vulkan_window *w, block *b);
 

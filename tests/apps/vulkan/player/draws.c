@@ -95,7 +95,7 @@ static bool is_target(int number)
     return image == it.pass.color || image == it.pass.second || image == it.pass.depth || image == it.pass.resolve;
 }
 
-/* Sets what was not set, and says whether a draw is allowed. */
+/* Sets the state that was not set. Returns whether a draw is allowed. */
 static bool can_draw(void)
 {
     static const int nothing[2];
@@ -133,7 +133,7 @@ int draw_indexed(const int *n)
     return 0;
 }
 
-/* place of the numbers, with indices or not */
+/* place of the numbers, whether indices are used */
 int draw_indirect(const int *n)
 {
     const VkDeviceSize place = 32 * (VkDeviceSize)(n[0] % 63);

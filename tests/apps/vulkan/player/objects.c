@@ -17,7 +17,7 @@ world it;
 #define DEPTH VK_IMAGE_ASPECT_DEPTH_BIT
 #define STENCIL VK_IMAGE_ASPECT_STENCIL_BIT
 
-/* Some as large as the window. */
+/* Kinds of images. Some are as large as the window. */
 static const image_kind kinds[] = {
     {VK_FORMAT_B8G8R8A8_UNORM, 64, 48, 1, 1, COLOR, OF_COLOR, 4},
     {VK_FORMAT_R8G8B8A8_UNORM, 64, 48, 1, 1, COLOR, OF_COLOR | VK_IMAGE_USAGE_STORAGE_BIT, 4},
@@ -128,7 +128,7 @@ void set_write(int set, int number, int sampler, int result_number)
     vkUpdateDescriptorSets(it.w.device, count, writes, 0, NULL);
 }
 
-/* Cameras near and in the cube, turned, with two lenses; and flat ones. */
+/* Writes a matrix: cameras near and inside the cube, turned, with two lenses, and flat ones. */
 void matrix_write(void *to, int kind)
 {
     const matrix4 wide = matrix_perspective(90, 64.0 / 48, 0.1, 10), narrow = matrix_perspective(50, 64.0 / 48, 0.1, 10);
@@ -281,7 +281,7 @@ static unsigned long long digest_of(const unsigned char *bytes, size_t size, uns
     return all;
 }
 
-/* All levels and aspects. 0: it has several samples. */
+/* Digest of all levels and aspects. 0 if the image has several samples. */
 unsigned long long image_digest(int number)
 {
     const slot_image *image = &it.images[number];

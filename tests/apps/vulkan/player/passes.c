@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Bits of what a line asks of a pass. */
+/* Bits in a line that begins a pass. */
 enum { DYNAMIC = 1, IN_SECONDARY = 2, A_PART = 4, CLEARS_COLOR = 8, CLEARS_DEPTH = 16, GENERAL_LAYOUT = 32, TO_PRESENT = 64, IN_SAMPLES = 128 };
 
 static bool is_alike(const slot_image *a, const slot_image *b)
@@ -10,7 +10,7 @@ static bool is_alike(const slot_image *a, const slot_image *b)
     return a->kind->width == b->kind->width && a->kind->height == b->kind->height && a->kind->samples == b->kind->samples;
 }
 
-/* The window, with images that nothing else is done with. */
+/* Chooses the window as target, with depth and samples that no other command uses. */
 static bool choose_window(int bits)
 {
     pass_state *p = &it.pass;
@@ -28,7 +28,7 @@ static bool choose_window(int bits)
     return true;
 }
 
-/* Which images are drawn to. */
+/* Chooses the images that are drawn to. */
 static bool choose_targets(const int *n)
 {
     pass_state *p = &it.pass;
@@ -247,7 +247,7 @@ int pass_begin(const int *line)
     *p = (pass_state){.pipeline = -1};
     if (!choose_targets(n))
         return SKIPPED;
-    /* What was in these images before the frame, or before all frames, does not count. */
+    /* The earlier content of these images must not matter, so they are cleared. */
     const bool has_own_depth = p->depth == &it.images[OWN_DEPTH];
     if (p->color == &it.images[OWN_SAMPLES])
         n[4] |= CLEARS_COLOR | CLEARS_DEPTH;
@@ -255,7 +255,10 @@ int pass_begin(const int *line)
         n[4] |= CLEARS_DEPTH;
     p->is_dynamic = n[4] & DYNAMIC;
     p->is_secondary = (n[4] & IN_SECONDARY) != 0 && it.secondary < SECONDARIES;
-    /* Such a command buffer does not say which image of the window's format it draws to. */
+    /*
+     * A secondary command buffer does not say which of the images with the window's format it draws
+     * to.
+     */
     const bool of_window = is_window(p->color) || (p->resolve != NULL && is_window(p->resolve));
     if (it.is_followed && p->is_dynamic && !of_window)
         p->is_secondary = false;
@@ -331,14 +334,14 @@ int pass_clear(const int *n)
         clears[count++] = (VkClearAttachment){p->depth->kind->aspects, 0, clear_value(p->depth, n[2])};
     if (count == 0)
         return SKIPPED;
-    /* Inside of each area that is drawn. */
+    /* The rectangle is inside each area that is drawn to. */
     const VkClearRect rect = {
         {{8 + n[1] % 4, 4 + n[1] % 3}, {p->extent.width - 20, p->extent.height - 12}}, 0, 1};
     vkCmdClearAttachments(it.commands, count, clears, 1, &rect);
     return 0;
 }
 
-/* Begins an occlusion query, or ends the one that runs. */
+/* Begins an occlusion query, or ends the one that is active. */
 int pass_query(const int *n)
 {
     pass_state *p = &it.pass;

@@ -41,7 +41,7 @@ static const struct {
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
-/* What pipelines and passes that fit have in common. */
+/* Properties that must be the same in a pipeline and in its pass. */
 typedef struct {
     int row;
     bool is_dynamic, resolves;
@@ -179,7 +179,7 @@ static VkPipeline create(const made *wanted)
     return pipeline;
 }
 
-/* The pipeline of a row for the pass that is under way. */
+/* Pipeline of a row of the table for the current pass. */
 VkPipeline pipeline_of_pass(int number)
 {
     const pass_state *p = &it.pass;

@@ -1,6 +1,7 @@
 /*
- * The objects of an episode of random Vulkan calls, and the command buffer that is recorded. Between commands every image
- * is in VK_IMAGE_LAYOUT_GENERAL, except for the window's. What a line asks for and what is not allowed is left out.
+ * The objects of an episode of random Vulkan calls, and the command buffer that is recorded.
+ * Between commands every image is in VK_IMAGE_LAYOUT_GENERAL, except for the window's. A command
+ * that is not allowed is left out.
  */
 #ifndef APPS_VULKAN_PLAYER_H
 #define APPS_VULKAN_PLAYER_H
@@ -11,12 +12,12 @@
 enum {
     SLOTS = 8,
     WINDOW = SLOTS, /* number of the window's image */
-    DUMMY,          /* an image that is always there */
-    OWN_DEPTH,      /* drawn to together with the window only, and not read */
-    OWN_SAMPLES,    /* likewise, and resolved to the window */
-    OWN_DEPTHS,     /* likewise, of several samples */
+    DUMMY,          /* an image that always exists */
+    OWN_DEPTH,      /* depth that is used only together with the window and not read */
+    OWN_SAMPLES,    /* samples, likewise, that are resolved to the window */
+    OWN_DEPTHS,     /* depth of several samples, likewise */
     ALL_IMAGES,
-    BUFFERS = 4,    /* 0 and 1: matrices and vertices; the others: whatever is copied */
+    BUFFERS = 4,    /* 0 and 1: matrices and vertices; the others: any copied data */
     SETS = 4,
     QUERIES = 4,
     SECONDARIES = 16,
@@ -35,22 +36,22 @@ typedef struct {
     VkSampleCountFlagBits samples;
     VkImageAspectFlags aspects;
     VkImageUsageFlags usage;
-    uint32_t texel; /* bytes, where they are copied */
+    uint32_t texel; /* bytes per texel, if texels are copied */
 } image_kind;
 
 typedef struct {
     const image_kind *kind;
     VkImage image;
     VkDeviceMemory memory;
-    VkImageView view;    /* of the first level, to draw to */
-    VkImageView sampled; /* of one aspect */
+    VkImageView view;    /* view of the first level, to draw to */
+    VkImageView sampled; /* view of one aspect */
 } slot_image;
 
-/* What a command buffer needs to be submitted again. */
+/* Data that is needed to submit a command buffer again. */
 typedef struct {
     bool is_valid, uses_window, clears_window;
     uint32_t index;
-    VkImageLayout window_layout, end_layout; /* before and after it */
+    VkImageLayout window_layout, end_layout; /* layouts before and after the command buffer */
 } recorded;
 
 typedef struct {
@@ -64,14 +65,14 @@ typedef struct {
     uint32_t query_number;
 } pass_state;
 
-/* What the command buffer that draws has got. */
+/* State that was set in the command buffer that draws. */
 typedef struct {
     bool constants, viewport, vertices;
-    int set; /* -1: none */
+    int set; /* -1: none is bound */
 } draw_state;
 
 typedef struct {
-    bool is_followed; /* what makes a program flat under Cupola is left out (docs/compatibility.md) */
+    bool is_followed; /* commands that make a program flat under Cupola are left out (docs/compatibility.md) */
     vulkan_window w;
     frame_objects objects;
     slot_image images[ALL_IMAGES];
@@ -82,12 +83,12 @@ typedef struct {
     VkPipelineLayout layout;
     VkDescriptorPool descriptors;
     VkDescriptorSet sets[SETS];
-    int set_image[SETS], set_result[SETS]; /* the images that they name */
+    int set_image[SETS], set_result[SETS]; /* images in the sets */
     VkQueryPool queries;
     bool query_is_used[QUERIES], query_is_done[QUERIES];
     VkCommandBuffer primary, own, secondaries[SECONDARIES];
     int secondary;
-    /* The command buffer that is recorded, and where commands of a pass go. */
+    /* The command buffer that is recorded, and the one that gets the commands of a pass. */
     bool is_recording;
     VkCommandBuffer commands;
     recorded now;
@@ -98,7 +99,7 @@ typedef struct {
     uint32_t index;
     VkImageLayout window_layout;
     int ways; /* how barriers are recorded */
-    VkResult code; /* the last one that is no success */
+    VkResult code; /* last result that is no success */
 } world;
 
 extern world it;
@@ -107,7 +108,10 @@ extern world it;
 void objects_open(bool is_followed);
 void objects_close(void);
 void image_make(int slot, int kind);
-/* The image that is sampled, and the one that is stored to; another one where that is not possible. */
+/*
+ * Sets the image that is sampled and the one that is stored to. If one is not possible, another is
+ * used.
+ */
 void set_write(int set, int image, int sampler, int result);
 void matrix_write(void *to, int kind);
 slot_image *image_at(int number);
@@ -154,7 +158,7 @@ VkPipeline pipeline_of_compute(void);
 bool pipeline_samples(int number);
 bool pipeline_has_input(int number);
 void pipelines_free(void);
-/* Destroyed with the episode. */
+/* The pass and the framebuffer are destroyed with the episode. */
 VkRenderPass keep_pass(VkRenderPass pass);
 VkFramebuffer keep_framebuffer(VkFramebuffer framebuffer);
 

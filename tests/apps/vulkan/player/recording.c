@@ -15,7 +15,7 @@ static void begin(VkCommandBuffer commands)
     check(vkBeginCommandBuffer(commands, &info));
 }
 
-/* After all that was recorded, and before all that will be. */
+/* A barrier after all recorded commands and before all following ones. */
 void barrier_all(VkCommandBuffer commands)
 {
     if (it.ways & 1) {
@@ -69,7 +69,7 @@ void image_layout(VkCommandBuffer commands, const slot_image *image, VkImageLayo
                          NULL, 1, &barrier);
 }
 
-/* Begins the command buffer that lines record to, if there is none. */
+/* Begins the command buffer for the next commands if there is none. */
 void begin_recording(void)
 {
     if (it.is_recording)
@@ -86,7 +86,7 @@ void begin_recording(void)
     memset(it.query_is_done, 0, sizeof it.query_is_done);
 }
 
-/* The window has got a swapchain. */
+/* Called when the window has a new swapchain. */
 void window_opened(void)
 {
     it.window_kind = (image_kind){it.w.format,
@@ -101,7 +101,7 @@ void window_opened(void)
     it.images[WINDOW] = (slot_image){.kind = &it.window_kind};
 }
 
-/* The image of this frame, whose number a command buffer keeps. */
+/* Acquires the image of this frame. A command buffer keeps the number of its image. */
 static bool acquire(void)
 {
     if (it.is_acquired)
@@ -134,7 +134,7 @@ bool need_window(void)
     return true;
 }
 
-/* The window has content, which what was recorded gave it. */
+/* Called when recorded commands give the window content. */
 void window_cleared(VkImageLayout layout)
 {
     it.has_content = true;
@@ -174,7 +174,7 @@ static void submit_commands(VkCommandBuffer commands, bool presents)
     check(vkResetFences(it.w.device, 1, &it.objects.done));
 }
 
-/* Submits what was recorded, if anything was, and waits for it. */
+/* Submits the recorded commands, if there are any, and waits for them. */
 void submit(bool presents)
 {
     if (!it.is_recording)
@@ -189,7 +189,7 @@ void submit(bool presents)
     submit_commands(it.primary, presents);
 }
 
-/* Submits the last command buffer once more. */
+/* Submits the last command buffer again. */
 int submit_again(void)
 {
     if (it.is_recording || !it.now.is_valid)
@@ -222,7 +222,7 @@ static unsigned long long shot(void)
     return all;
 }
 
-/* Shows the window's image, and what is in the window then. */
+/* Presents the window's image, and reads what the window then shows. */
 int present(unsigned long long *digest)
 {
     if (!need_window())
@@ -250,7 +250,7 @@ int swapchain_make(int size)
     submit(false);
     it.now.is_valid = false;
     const uint32_t *wanted = sizes[size % 4];
-    /* The server tells only of sizes that are others. */
+    /* The server reports a size only if it changes. */
     if (wanted[0] != it.w.extent.width || wanted[1] != it.w.extent.height)
         window_ask_size(&it.w, wanted[0], wanted[1]);
     check(vkDeviceWaitIdle(it.w.device));
@@ -259,7 +259,10 @@ int swapchain_make(int size)
     return 0;
 }
 
-/* A command buffer besides, which is submitted at once. Nothing is recorded to the other one. */
+/*
+ * Begins a separate command buffer, which is submitted at once. Nothing is recorded to the other
+ * one meanwhile.
+ */
 void own_commands_begin(void)
 {
     begin(it.own);

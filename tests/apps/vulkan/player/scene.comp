@@ -1,5 +1,5 @@
 #version 450
-/* Writes a picture from another one and from numbers, and changes the numbers. */
+/* Writes a picture from another picture and from numbers, and changes the numbers. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Push { mat4 matrix; vec4 tint; } pushed;
 layout(set = 0, binding = 1) uniform sampler2D picture;

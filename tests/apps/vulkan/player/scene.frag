@@ -1,5 +1,8 @@
 #version 450
-/* Colours of the player's pipelines: those of the vertices, of a PICTURE, or of the PLACE in the target. */
+/*
+ * Colours of the player's pipelines: from the vertices, from a PICTURE, or from the PLACE in the
+ * target.
+ */
 layout(set = 0, binding = 1) uniform sampler2D picture;
 layout(location = 0) in vec4 shade;
 layout(location = 1) in vec2 at;

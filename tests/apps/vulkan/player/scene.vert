@@ -1,6 +1,8 @@
 #version 450
-/* Vertices of the player's pipelines: of a cube by a matrix that is PUSHED or in a BLOCK, of a vertex buffer (INPUT), or of a
- * triangle over all of the picture. */
+/*
+ * Vertices of the player's pipelines: of a cube with a matrix that is PUSHED or in a BLOCK, of a
+ * vertex buffer (INPUT), or of a triangle over the whole picture.
+ */
 layout(push_constant) uniform Push { mat4 matrix; vec4 tint; } pushed;
 layout(set = 0, binding = 0) uniform Camera { mat4 matrix; } camera;
 #ifdef INPUT

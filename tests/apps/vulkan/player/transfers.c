@@ -2,7 +2,10 @@
 
 #include <string.h>
 
-/* Begins a command on images outside of passes that writes to the second one; the window gets its layout. */
+/*
+ * Begins a command on images outside of passes. The command writes to the second image. The
+ * window's image gets its layout.
+ */
 static bool begin(slot_image *a, slot_image *b)
 {
     slot_image *const both[] = {a, b};
@@ -34,7 +37,10 @@ static int end(void)
     return 0;
 }
 
-/* An image in the layout that a command is given: its own, or one that is meant for it. */
+/*
+ * Layout of an image in a command: its own layout, or with the bit the layout that is meant for the
+ * command.
+ */
 static VkImageLayout enter(const slot_image *image, VkImageLayout meant, int bits)
 {
     if (!(bits & 8))
@@ -79,7 +85,7 @@ int copy_images(const int *n)
     VkExtent3D size = {smaller(a->width >> from_level, b->width >> to_level),
                        smaller(a->height >> from_level, b->height >> to_level), 1};
     VkOffset3D at = {0, 0, 0};
-    /* Parts of depths are not copied by all devices. */
+    /* Not all devices can copy a part of depths. */
     if ((n[2] & 1) && is_color(from)) {
         size.width /= 2;
         size.height /= 2;
@@ -141,7 +147,7 @@ int resolve_images(const int *n)
     return end();
 }
 
-/* A copy between the first level of an image and a buffer. */
+/* Region of a copy between the first level of an image and a buffer. */
 static bool region_of(const slot_image *image, int bits, VkBufferImageCopy *region)
 {
     const image_kind *kind = image->kind;
@@ -171,7 +177,10 @@ int copy_to_buffer(const int *n)
     return end();
 }
 
-/* image, buffer, bits. Depths are in the range that a buffer of numbers need not have. */
+/*
+ * image, buffer, bits. Depths are not copied, because numbers in a buffer may be outside of their
+ * range.
+ */
 int copy_from_buffer(const int *n)
 {
     slot_image *const image = image_at(n[0]);
@@ -186,7 +195,7 @@ int copy_from_buffer(const int *n)
     return end();
 }
 
-/* from, to, place: of a matrix, to that of another one or anywhere */
+/* from, to, place: copies a matrix to the place of another matrix or anywhere */
 int copy_buffers(const int *n)
 {
     const int from = n[0] % BUFFERS, to = from < 2 ? n[1] % BUFFERS : 2 + n[1] % 2;
@@ -243,7 +252,7 @@ int clear_image(const int *n)
     return end();
 }
 
-/* The smaller levels of an image, each from the one before. */
+/* Makes the smaller levels of an image, each from the level before. */
 int make_levels(const int *n)
 {
     slot_image *const image = image_at(n[0]);
