@@ -41,6 +41,7 @@ behaviour! {
     text: 3,
     occlusion: 3,
     counting: 4,
+    query_buffer: 3,
     picking: 3,
     state: 4,
     flat_modes: 3,

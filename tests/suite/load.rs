@@ -79,7 +79,7 @@ fn windows_of_any_shape() {
 fn windows_that_are_too_small_for_a_rig() {
     let says = |finished: &Finished| {
         let words = finished.words();
-        assert!(words.contains("keeps") && words.contains("in a larger window"), "{words}");
+        assert!(words.contains("keeps") && words.contains("use a larger window"), "{words}");
         // The program's own picture is captured and counted.
         assert!(finished.wrote("capture.png") && finished.statistics()["frames"] == 3);
     };

@@ -5,7 +5,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::{hooks, list_recording};
 use crate::intercept::gl::queries::scaling::{begin, end};
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::gl::state::queries::{Count, Queries, available};
+use crate::intercept::gl::state::queries::{Count, Queries, ResultBuffer, available};
 use crate::intercept::gl::vertex_input::buffers;
 
 /// Returns true if the program's query is running. In that case records the error that OpenGL gives
@@ -23,35 +23,12 @@ fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
 fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u64> {
     let count = queries.split.get(&name)?;
     let ready = || count.parts.iter().all(|part| available(driver.gl, part.0));
-    // With a buffer bound for results, the driver would write Cupola's own reads into that buffer.
-    let buffer = unbind_results(driver);
-    let answer = match what {
+    let _unbound = ResultBuffer::unbind(driver.gl, queries.has_buffers);
+    match what {
         api::GL_QUERY_RESULT => Some(count.total(driver.gl, queries.wide)),
         api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(driver.gl, queries.wide)),
         api::GL_QUERY_RESULT_AVAILABLE => Some(u64::from(ready())),
         _ => None,
-    };
-    bind_results(driver, buffer);
-    answer
-}
-
-/// Unbinds the program's buffer for results. Returns its name, or 0.
-fn unbind_results(driver: &Driver) -> u32 {
-    let mut buffer = 0;
-    if !driver.profile.es && driver.profile.version >= 44 {
-        // SAFETY: writes one integer; the binding is put back by `bind_results`.
-        unsafe {
-            driver.gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer);
-            bind_results(driver, 0);
-        }
-    }
-    buffer as u32
-}
-
-fn bind_results(driver: &Driver, buffer: u32) {
-    if !driver.profile.es && driver.profile.version >= 44 {
-        // SAFETY: OpenGL 4.4 knows the target.
-        unsafe { driver.gl.bind_buffer(api::GL_QUERY_BUFFER, buffer) };
     }
 }
 
@@ -60,10 +37,8 @@ fn bind_results(driver: &Driver, buffer: u32) {
 /// # Safety
 /// `values` must point at writable memory for a `T`, or be an offset if a buffer for results is
 /// bound.
-unsafe fn write<T>(driver: &Driver, value: T, values: *mut T) {
-    let buffer = unbind_results(driver);
-    bind_results(driver, buffer);
-    if buffer != 0 {
+unsafe fn write<T>(driver: &Driver, queries: &Queries, value: T, values: *mut T) {
+    if ResultBuffer::unbind(driver.gl, queries.has_buffers).name() != 0 {
         let size = size_of::<T>() as isize;
         // SAFETY: the driver checks the offset.
         unsafe { driver.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast()) };
@@ -138,7 +113,7 @@ macro_rules! counting_hooks {
                 $name $method(name: u32, what: u32, values: *mut $t) = |ctx, gl| {
                     if !refuses(&mut ctx.driver, &ctx.queries, name) {
                         match answer(&ctx.driver, &ctx.queries, name, what) {
-                            Some(count) => write(&ctx.driver, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
+                            Some(count) => write(&ctx.driver, &ctx.queries, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
                             None => gl.$method(name, what, values),
                         }
                     }

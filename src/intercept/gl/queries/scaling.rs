@@ -17,7 +17,9 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::gl::state::queries::{Count, Queries, Running, begin_real, end_real, kind, quantity, result};
+use crate::intercept::gl::state::queries::{
+    Count, Queries, ResultBuffer, Running, begin_real, end_real, kind, quantity, result,
+};
 use crate::intercept::scene::query_scaling::{QueryScaling, factor};
 use crate::runtime::Session;
 
@@ -77,6 +79,7 @@ pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32
                 queries.give_back(&old, name);
             }
             queries.wide = !driver.profile.es && driver.profile.version >= 33;
+            queries.has_buffers = !driver.profile.es && driver.profile.version >= 44;
             let before = Count { target, ..Count::default() };
             queries.running.push(Running { target, index, name, now: Some((name, None)), before });
         }
@@ -102,6 +105,7 @@ pub fn end(gl: &Gl, queries: &mut Queries, target: u32, index: u32) {
 /// Returns the object that conditional rendering uses in place of the program's query: a part of
 /// the query with a result above 0, if there is one.
 pub fn condition(gl: &Gl, queries: &Queries, name: u32) -> u32 {
+    let _unbound = ResultBuffer::unbind(gl, queries.has_buffers);
     let seen = |count: &Count| count.parts.iter().find(|part| result(gl, queries.wide, part.0) > 0).map(|part| part.0);
     queries.split.get(&name).and_then(seen).unwrap_or(name)
 }

@@ -24,6 +24,8 @@ pub struct Queries {
     pub(in crate::intercept::gl) worth: f64,
     /// True if the context has results of 64 bits.
     pub(in crate::intercept::gl) wide: bool,
+    /// True if the context has buffers for results.
+    pub(in crate::intercept::gl) has_buffers: bool,
     /// Conditional rendering.
     pub(in crate::intercept::gl) condition: Condition,
 }
@@ -127,6 +129,7 @@ impl Queries {
         begin_real(gl, running.target, running.index, object);
         running.now = Some((object, factor));
         if running.before.parts.len() > MOST_PARTS {
+            let _unbound = ResultBuffer::unbind(gl, self.has_buffers);
             let mut kept = Vec::new();
             for (object, factor) in std::mem::take(&mut running.before.parts) {
                 let count = result(gl, self.wide, object);
@@ -174,12 +177,49 @@ pub(in crate::intercept::gl) fn end_real(gl: &Gl, target: u32, index: u32) {
     unsafe { if index == 0 { gl.end_query(target) } else { gl.end_query_indexed(target, index) } }
 }
 
-/// Returns the count of a finished object. Waits for it.
+/// The program's buffer for results, which is unbound until this value is dropped. While the buffer
+/// is bound, the driver would write Cupola's own reads into it.
+pub(in crate::intercept::gl) struct ResultBuffer<'a> {
+    gl: &'a Gl,
+    buffer: u32,
+}
+
+impl<'a> ResultBuffer<'a> {
+    /// `has_buffers`: the context has buffers for results ([`Queries::has_buffers`]).
+    pub fn unbind(gl: &'a Gl, has_buffers: bool) -> Self {
+        let mut buffer = 0;
+        if has_buffers {
+            // SAFETY: writes one integer.
+            unsafe { gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer) };
+        }
+        if buffer != 0 {
+            // SAFETY: the context has this target.
+            unsafe { gl.bind_buffer(api::GL_QUERY_BUFFER, 0) };
+        }
+        Self { gl, buffer: buffer as u32 }
+    }
+
+    /// Name of the buffer; 0: the program has bound none.
+    pub fn name(&self) -> u32 {
+        self.buffer
+    }
+}
+
+impl Drop for ResultBuffer<'_> {
+    fn drop(&mut self) {
+        if self.buffer != 0 {
+            // SAFETY: the buffer that was bound.
+            unsafe { self.gl.bind_buffer(api::GL_QUERY_BUFFER, self.buffer) };
+        }
+    }
+}
+
+/// Returns the count of a finished object. Waits for it. No buffer for results may be bound
+/// ([`ResultBuffer`]).
 pub(in crate::intercept::gl) fn result(gl: &Gl, has_wide: bool, object: u32) -> u64 {
     let mut wide = 0u64;
     let mut narrow = 0u32;
-    // SAFETY: each call writes one number, if no buffer is bound for results. `results.rs` unbinds
-    // it for the program's questions.
+    // SAFETY: each call writes one number, as no buffer is bound for results.
     unsafe {
         if has_wide {
             gl.get_query_objectui64v(object, api::GL_QUERY_RESULT, &mut wide);
