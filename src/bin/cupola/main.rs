@@ -50,7 +50,7 @@ mod window;
 use clap::Parser;
 use std::process::ExitCode;
 
-/// Puts existing OpenGL programs, unmodified, on domes.
+/// Puts existing OpenGL and Vulkan programs, unmodified, on domes.
 #[derive(Parser)]
 #[command(name = "cupola", version, arg_required_else_help = true)]
 struct Arguments {

@@ -64,7 +64,7 @@ static bool generic_arrays_are_safe(void)
         if (binding < 0 || binding >= most)
             return false;
         glGetInteger64i_v(GL_VERTEX_BINDING_OFFSET, (GLuint)binding, &offset);
-        /* Not all drivers and versions answer with an address; it was given together with the pointer then. */
+        /* Some drivers and versions answer with an offset and no address: such an array is not safe. */
         if (!is_readable((uint64_t)(uintptr_t)address) || (offset >= 0 && offset < 1 << 24))
             return false;
     }
