@@ -2,12 +2,13 @@
 
 use crate::display;
 use crate::harness::tests;
-use crate::nodes::{IN_OWN_FOLDER, PATIENT, Show, are_equal, kill, rig, until};
+use crate::nodes::{IN_OWN_FOLDER, PATIENT, Show, are_equal, children, kill, rig, until};
 use crate::programs::{Finished, Run, built, library, scratch};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use x11rb::connection::Connection;
+use x11rb::protocol::xkb::{BoolCtrl, ConnectionExt as _, ID};
 use x11rb::protocol::xproto::{ConnectionExt as _, InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, Window};
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
@@ -16,6 +17,7 @@ tests! {
     keyboard_and_mouse_reach_all_nodes_in_the_same_frame,
     a_key_that_one_node_gets_is_named,
     a_node_that_was_stopped_gets_its_keys_in_their_frames,
+    a_node_that_is_killed_leaves_the_keyboard_as_it_was,
     nodes_without_an_x_server_of_their_own_are_told,
     a_window_prints_what_is_done_in_it,
 }
@@ -150,6 +152,33 @@ fn code(connection: &RustConnection, symbol: u32) -> u8 {
     let map = connection.get_keyboard_mapping(least, most - least + 1).expect("sent").reply().expect("a keyboard");
     let keys = map.keysyms.chunks(map.keysyms_per_keycode.into());
     (least..=most).zip(keys).find(|(_, symbols)| symbols[0] == symbol).expect("a key").0
+}
+
+/// The X server repeats keys again after the command of a node was killed.
+fn a_node_that_is_killed_leaves_the_keyboard_as_it_was() {
+    let Some(display) = display::own(24) else { return };
+    let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.args(["node", "--local", "1", "--input", "/dev/null", "--rig"]).arg(rig()).arg("--");
+    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    command.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display.name).env("LIBGL_ALWAYS_SOFTWARE", "1");
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut launcher = command.spawn().expect("cupola starts");
+    let (server, _) = connection(&display.name);
+    server.xkb_use_extension(1, 0).expect("sent").reply().expect("the extension");
+    let repeats = |wanted: bool| {
+        let controls = server.xkb_get_controls(ID::USE_CORE_KBD.into()).expect("sent").reply().expect("a keyboard");
+        let repeats = u32::from(controls.enabled_controls & BoolCtrl::REPEAT_KEYS) != 0;
+        (repeats == wanted).then_some(())
+    };
+    // Control: it is switched off before.
+    until("keys are not repeated", || repeats(false));
+    let node = children(launcher.id(), "cupola")[0];
+    let program = until("the program starts", || children(node, run.program).first().copied());
+    kill("KILL", node);
+    until("keys are repeated", || repeats(true));
+    let _ = Command::new("sh").args(["-c", &format!("kill -s KILL {program} 2>/dev/null")]).status();
+    launcher.wait().expect("it ends");
 }
 
 /// Negative control: a key is pressed on one machine only.

@@ -8,6 +8,7 @@ use x11rb::CURRENT_TIME;
 use x11rb::connection::Connection;
 use x11rb::errors::ReplyError;
 use x11rb::protocol::res::{ClientIdMask, ClientIdSpec, ConnectionExt as _};
+use x11rb::protocol::xkb::{BoolCtrl, ConnectionExt as _, ID, PerClientFlag};
 use x11rb::protocol::xproto::{
     AutoRepeatMode, BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ChangeKeyboardControlAux, ConnectionExt as _,
     CreateWindowAux, InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, MapState, Window,
@@ -72,17 +73,24 @@ impl Screen {
         let (connection, number) = x11rb::connect(Some(&name)).map_err(|error| failed(&error))?;
         let root = connection.setup().roots.get(number).map(|screen| screen.root);
         let root = root.ok_or_else(|| failed(&"there is no such screen"))?;
+        let keyboard = u16::from(ID::USE_CORE_KBD);
         let begin = || -> Result<_, ReplyError> {
             connection.xtest_get_version(2, 2)?.reply()?;
             let window = connection.generate_id().map_err(|_| x11rb::errors::ConnectionError::UnknownError)?;
             let looks = CreateWindowAux::new();
             connection.create_window(0, window, root, 0, 0, 1, 1, 0, WindowClass::INPUT_ONLY, 0, &looks)?.check()?;
             let is_ours = own(&connection, window)?;
-            let repeats = connection.get_keyboard_control()?.reply()?.global_auto_repeat == AutoRepeatMode::ON;
-            if is_ours && repeats {
+            let repeats = is_ours && connection.xkb_use_extension(1, 0)?.reply()?.supported && {
+                let enabled = connection.xkb_get_controls(keyboard)?.reply()?.enabled_controls;
+                u32::from(enabled & BoolCtrl::REPEAT_KEYS) != 0
+            };
+            if repeats {
                 // The server repeats keys in its own time, in different frames on each node.
                 let off = ChangeKeyboardControlAux::new().auto_repeat_mode(AutoRepeatMode::OFF);
                 connection.change_keyboard_control(&off)?.check()?;
+                // If this process is killed, the server switches the repetition on again.
+                let (reset, keys) = (PerClientFlag::AUTO_RESET_CONTROLS, BoolCtrl::REPEAT_KEYS);
+                connection.xkb_per_client_flags(keyboard, reset, reset, keys, keys, keys)?.reply()?;
             }
             let (least, most) = (connection.setup().min_keycode, connection.setup().max_keycode);
             let map = connection.get_keyboard_mapping(least, most - least + 1)?.reply()?;
