@@ -83,6 +83,13 @@ pub fn end_with_parent(command: &mut Command) -> &mut Command {
     unsafe { command.pre_exec(request) }
 }
 
+/// Makes sleeps of this thread end within about a microsecond; the system's usual tolerance is
+/// 50 µs.
+pub fn sleep_precisely() {
+    // SAFETY: prctl takes plain integers here. If it fails, sleeps are as usual.
+    unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1000 as libc::c_ulong) };
+}
+
 /// Keeps `command` from being ended when it writes to a pipe without a reader.
 pub fn without_broken_pipes(command: &mut Command) -> &mut Command {
     let request = || {

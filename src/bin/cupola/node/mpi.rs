@@ -8,6 +8,7 @@ use super::pictures::{self, Head, PictureLink, SILENCE};
 use super::sidecar::say;
 use crate::failure::Failure;
 use cupola::rig::Place;
+use cupola::system::process;
 use mpi::Threading;
 use mpi::environment::Universe;
 use mpi::topology::SimpleCommunicator;
@@ -71,6 +72,7 @@ impl Job {
         }
         let closed = Arc::clone(&is_closed);
         let reader = std::thread::spawn(move || {
+            process::sleep_precisely();
             let world = SimpleCommunicator::world();
             while !closed.load(Ordering::SeqCst) {
                 let Some(status) = world.any_process().immediate_probe() else {
@@ -133,6 +135,7 @@ impl PictureLink for Pictures {
         let world = SimpleCommunicator::world();
         let from = world.process_at_rank(i32::try_from(from).ok()?);
         let begin = Instant::now();
+        process::sleep_precisely();
         while from.immediate_probe().is_none() {
             if self.is_closed.load(Ordering::SeqCst) || begin.elapsed() > SILENCE {
                 return None;
