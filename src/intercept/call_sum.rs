@@ -3,8 +3,11 @@
 //! It covers the calls that Cupola intercepts, with their numeric arguments, and the matrices,
 //! vectors and buffers that they point at. Pointers are left out because they differ between
 //! processes. Queries of state are left out because a program may repeat them any number of times.
+//! Names of objects are replaced by the order in which they came: Cupola has other objects on each
+//! machine, so that the driver gives the program other names.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static ON: AtomicBool = AtomicBool::new(false);
@@ -12,7 +15,13 @@ static ON: AtomicBool = AtomicBool::new(false);
 thread_local! {
     /// The checksum of this thread's calls. Only the thread that swaps is compared.
     static SUM: Cell<u64> = const { Cell::new(0) };
+
+    /// Numbers of the objects' names of this thread, by the parameter and the name.
+    static NAMES: RefCell<HashMap<(&'static str, u64), u64>> = RefCell::default();
 }
+
+/// Greatest number of names that are kept. After that, all nodes count anew.
+const MOST_NAMES: usize = 1 << 18;
 
 /// Starts to sum up calls.
 pub fn begin() {
@@ -64,6 +73,43 @@ pub const fn code(name: &str) -> u64 {
     code
 }
 
+/// True if a parameter with this name in a hook is the name of an object, or may be one.
+pub const fn is_name(parameter: &str) -> bool {
+    matches!(
+        parameter.as_bytes(),
+        b"array"
+            | b"buffer"
+            | b"destination"
+            | b"feedback"
+            | b"framebuffer"
+            | b"id"
+            | b"list"
+            | b"name"
+            | b"object"
+            | b"pipeline"
+            | b"program"
+            | b"query"
+            | b"read"
+            | b"renderbuffer"
+            | b"shader"
+            | b"source"
+            | b"texture"
+            | b"write"
+    )
+}
+
+/// Adds the number of an object's name: how many other names came before it. 0 is no name.
+pub fn add_name(parameter: &'static str, name: u64) {
+    let number = NAMES.with_borrow_mut(|names| {
+        if names.len() >= MOST_NAMES {
+            names.clear();
+        }
+        let next = names.len() as u64 + 1;
+        if name == 0 { 0 } else { *names.entry((parameter, name)).or_insert(next) }
+    });
+    add(number);
+}
+
 /// A parameter of a call.
 pub trait Parameter: Copy {
     /// Returns the value that is added to the sum.
@@ -112,7 +158,14 @@ macro_rules! add_call {
             const CODE: u64 = $crate::intercept::call_sum::code($name);
             if CODE != 0 {
                 $crate::intercept::call_sum::add(CODE);
-                $($crate::intercept::call_sum::add($crate::intercept::call_sum::Parameter::number($parameter));)*
+                $({
+                    const IS_NAME: bool = $crate::intercept::call_sum::is_name(stringify!($parameter));
+                    let number = $crate::intercept::call_sum::Parameter::number($parameter);
+                    match IS_NAME {
+                        true => $crate::intercept::call_sum::add_name(stringify!($parameter), number),
+                        false => $crate::intercept::call_sum::add(number),
+                    }
+                })*
             }
         }
     };
@@ -135,6 +188,15 @@ mod tests {
         assert_eq!((&raw const ON).number(), 0);
         assert_ne!(1.0_f32.number(), (-1.0_f32).number());
         assert_eq!((code("glGetError"), code("glIsEnabled")), (0, 0));
+        let named = |names: &[u64]| {
+            NAMES.take();
+            names.iter().for_each(|name| add_name("texture", *name));
+            take()
+        };
+        assert_eq!(named(&[5, 6, 5, 0]), named(&[70, 9, 70, 0]));
+        assert_ne!(named(&[5, 6, 5]), named(&[70, 9, 9]));
+        assert_ne!(named(&[5, 0]), named(&[5, 5]));
+        assert!(is_name("texture") && !is_name("target"));
         assert!(code("glDrawArrays") != 0 && code("glDrawArrays") != code("glDrawElements"));
     }
 }

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 static double start, next;
-static GLuint program;
+static GLuint program, late;
 
 static double now(void)
 {
@@ -99,8 +99,18 @@ static void draw(app *a)
         glUniform1f(glGetUniformLocation(program, "number"), counter() % 1000 * 1e-3f);
         glUseProgram(0);
     }
+    /* The driver chooses the names, and Cupola's objects exist by then. */
+    if (a->mode && strcmp(a->mode, "late") == 0 && a->frame >= 2) {
+        if (late == 0) {
+            static const shader_source stage = {
+                GL_FRAGMENT_SHADER, "void main() { gl_FragColor = vec4(gl_FragCoord.x * 0.01); }\n"};
+            late = program_build(&stage, 1);
+        }
+        glUseProgram(late);
+    }
     app_update_matrices(a);
     fixed_cube(a);
+    glUseProgram(0);
     limit(a->mode);
 }
 

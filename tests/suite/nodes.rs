@@ -12,6 +12,7 @@ tests! {
     four_nodes_show_what_one_process_shows,
     with_their_own_clocks_nodes_differ,
     a_program_that_reads_past_the_clock_is_named,
+    programs_with_other_names_are_alike,
     a_vulkan_program_that_differs_is_named,
     stopped_and_killed_nodes_do_not_stop_the_others,
 }
@@ -90,6 +91,13 @@ fn a_program_that_reads_past_the_clock_is_named() {
         let words = "node 1 draws something else than the others in frame 3";
         assert!(nodes.words().contains(words), "{mode}: {}", nodes.words());
     }
+}
+
+/// The driver gives the program other names of objects on each node, as Cupola has others there.
+fn programs_with_other_names_are_alike() {
+    let nodes = ["node", "--local", "2", "--unpaced", PATIENT[0], PATIENT[1]];
+    let Some(nodes) = by_time(&rig(), "late", 8, &nodes) else { return };
+    assert!(nodes.words().contains("all alike"), "{}", nodes.words());
 }
 
 /// With `0` all nodes have the same direction. With the number of the node each has another

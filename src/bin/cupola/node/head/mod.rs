@@ -12,11 +12,16 @@ use std::time::Duration;
 /// Longest wait for each of the first frames, shorter than that of the programs.
 const START: Duration = Duration::from_secs(55);
 
+/// Time without a frame after which programs count as idle: they draw only when something happens.
+/// Keyboard and mouse then reach them without waiting for the end of a frame. A slow program is
+/// drawing then, and has read its events long before.
+const IDLE: Duration = Duration::from_millis(100);
+
 /// An action that follows from a decision.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// This event reaches the programs of all nodes at the end of this frame, which is released
-    /// next.
+    /// next, or at once, if it is released and the programs are idle.
     Input { frame: u64, event: Event },
     /// All nodes may show frames up to this number. `time` is the program's time after it; 0 leaves
     /// it open.
@@ -76,6 +81,8 @@ pub struct Head {
     early: Option<u64>,
     sums: Sums,
     input: Queue,
+    /// Time of the last release, or of the last events for idle programs.
+    acted: u64,
 }
 
 impl Head {
@@ -95,6 +102,7 @@ impl Head {
             early: None,
             sums: Sums::default(),
             input: Queue::default(),
+            acted: 0,
         }
     }
 
@@ -146,7 +154,21 @@ impl Head {
     pub fn tick(&mut self, now: u64) -> Vec<Action> {
         let mut actions = Vec::new();
         self.look(now, &mut actions);
+        if self.are_idle(now) {
+            let (frame, events) = (self.released, self.input.take(self.released));
+            if !events.is_empty() {
+                self.acted = now;
+            }
+            actions.extend(events.into_iter().map(|event| Action::Input { frame, event }));
+        }
         actions
+    }
+
+    /// True if all programs have waited for something to happen for a while.
+    fn are_idle(&self, now: u64) -> bool {
+        let mut here = self.nodes.iter().filter(|node| node.state != State::Gone);
+        let is_idle = |node: &Node| node.state == State::InStep && node.arrived.frame == self.released;
+        self.released > 0 && now.saturating_sub(self.acted) > nanoseconds(IDLE) && here.all(is_idle)
     }
 
     /// Number of nodes that are not gone.
@@ -230,6 +252,7 @@ impl Head {
         }
         if let Some(time) = self.time(newest, now) {
             self.released = newest;
+            self.acted = now;
             self.first_came = None;
             let in_step = |node: &Node| node.state == State::InStep;
             let members: Vec<usize> = (0..self.nodes.len()).filter(|number| in_step(&self.nodes[*number])).collect();

@@ -141,6 +141,31 @@ fn keyboard_and_mouse_come_with_the_frame_that_is_released() {
 }
 
 #[test]
+fn keyboard_and_mouse_reach_idle_programs() {
+    let mut head = head(2);
+    let line = |text: &str| Line::parse(text).expect("is understood").expect("says something");
+    let key = |is_down: bool| Action::Input { frame: 1, event: Event::Key { symbol: 0x61, is_down } };
+    head.arrived(0, at(1), 0);
+    head.arrived(1, at(1), 10 * MS);
+    head.add_input(line("key a"));
+    head.add_input(line("3: key a"));
+    assert_eq!(head.tick(110 * MS), []);
+    assert_eq!(head.tick(111 * MS), [key(true)]);
+    assert_eq!(head.tick(200 * MS), []);
+    assert_eq!(head.tick(212 * MS), [key(false)]);
+    // A line that waits for its frame.
+    assert_eq!(head.tick(500 * MS), []);
+    // One program draws: the next events come with its frame.
+    head.arrived(0, at(2), 501 * MS);
+    head.add_input(line("move 0.5 0.5"));
+    assert_eq!(head.tick(700 * MS), []);
+    head.arrived(1, at(2), 701 * MS);
+    let key = Action::Input { frame: 3, event: Event::Key { symbol: 0x61, is_down: true } };
+    head.arrived(0, at(3), 702 * MS);
+    assert!(head.arrived(1, at(3), 703 * MS).contains(&key));
+}
+
+#[test]
 fn windows_of_different_sizes_are_told() {
     let mut head = head(2);
     head.arrived(0, at(1), 0);
