@@ -33,6 +33,7 @@ mod injection;
 mod inspection;
 mod live;
 mod load;
+mod managed;
 mod matrix_forms;
 mod mirrors;
 mod nodes;
@@ -88,6 +89,7 @@ harness::tests! {
     live,
     load,
     frag_coord,
+    managed,
     matrix_forms,
     mirrors,
     nodes,

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::profile::Profile;
-use std::ffi::{c_int, c_long, c_uint, c_ulong, c_void};
+use std::ffi::{c_char, c_int, c_long, c_uint, c_ulong, c_void};
 use std::sync::OnceLock;
 
 /// `glXQueryDrawable`.
@@ -190,6 +190,49 @@ struct X11 {
     move_resize: unsafe extern "C" fn(*mut c_void, c_ulong, c_int, c_int, c_uint, c_uint) -> c_int,
     sync: unsafe extern "C" fn(*mut c_void, c_int) -> c_int,
     free: unsafe extern "C" fn(*mut c_void) -> c_int,
+    intern_atom: unsafe extern "C" fn(*mut c_void, *const c_char, c_int) -> c_ulong,
+    list_properties: unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_int) -> *mut c_ulong,
+    get_hints: unsafe extern "C" fn(*mut c_void, c_ulong, *mut SizeHints, *mut c_long) -> c_int,
+    set_hints: unsafe extern "C" fn(*mut c_void, c_ulong, *mut SizeHints),
+}
+
+/// Xlib's `XSizeHints`: the sizes that a window manager permits.
+#[repr(C)]
+#[derive(Default)]
+struct SizeHints {
+    flags: c_long,
+    /// x, y, width, height.
+    _place: [c_int; 4],
+    least: [c_int; 2],
+    most: [c_int; 2],
+    _increment: [c_int; 2],
+    /// Aspects and base size.
+    _others: [c_int; 6],
+    _gravity: c_int,
+}
+
+impl SizeHints {
+    /// `PMinSize`, `PMaxSize`, `PResizeInc`, `PAspect` of Xlib.
+    const LEAST: c_long = 1 << 4;
+    const MOST: c_long = 1 << 5;
+    const INCREMENT: c_long = 1 << 6;
+    const ASPECT: c_long = 1 << 7;
+
+    /// Permits a size. Returns true if it was not permitted.
+    fn permit(&mut self, size: [c_int; 2]) -> bool {
+        let before = self.flags;
+        self.flags &= !(Self::INCREMENT | Self::ASPECT);
+        let mut is_new = self.flags != before;
+        for (axis, side) in size.into_iter().enumerate() {
+            if self.flags & Self::LEAST != 0 && self.least[axis] > side {
+                (self.least[axis], is_new) = (side, true);
+            }
+            if self.flags & Self::MOST != 0 && self.most[axis] < side {
+                (self.most[axis], is_new) = (side, true);
+            }
+        }
+        is_new
+    }
 }
 
 fn x11() -> Option<&'static X11> {
@@ -206,6 +249,10 @@ fn x11() -> Option<&'static X11> {
                     move_resize: *library.get(b"XMoveResizeWindow\0").ok()?,
                     sync: *library.get(b"XSync\0").ok()?,
                     free: *library.get(b"XFree\0").ok()?,
+                    intern_atom: *library.get(b"XInternAtom\0").ok()?,
+                    list_properties: *library.get(b"XListProperties\0").ok()?,
+                    get_hints: *library.get(b"XGetWMNormalHints\0").ok()?,
+                    set_hints: *library.get(b"XSetWMNormalHints\0").ok()?,
                 })
             }
         })
@@ -214,12 +261,40 @@ fn x11() -> Option<&'static X11> {
 
 impl X11 {
     fn resize(&self, display: *mut c_void, window: c_ulong, size: (u32, u32)) {
-        // SAFETY: display and window are live objects of the program; XQueryTree's list is freed.
+        let top = self.top(display, window);
+        let (width, height) = (size.0 as c_int, size.1 as c_int);
+        let (mut hints, mut supplied) = (SizeHints::default(), 0);
+        // SAFETY: display and window are live objects of the program, and there is room for the
+        // answers.
         unsafe {
-            let mut top = window;
-            // Toolkits put the OpenGL window into other windows. The outermost one below the root
-            // determines the size.
+            // A window manager would keep a window that has one size at that size.
+            if (self.get_hints)(display, top, &mut hints, &mut supplied) != 0 && hints.permit([width, height]) {
+                (self.set_hints)(display, top, &mut hints);
+            }
+            (self.move_resize)(display, top, 0, 0, size.0, size.1);
+            (self.sync)(display, 0);
+        }
+    }
+
+    /// Returns the window that determines the size: toolkits put the OpenGL window into other
+    /// windows. It is the one that the window manager knows (it has the property `WM_STATE`), or the
+    /// outermost one below the root.
+    fn top(&self, display: *mut c_void, window: c_ulong) -> c_ulong {
+        let mut top = window;
+        // SAFETY: display and window are live objects of the program; the lists are freed.
+        unsafe {
+            let state = (self.intern_atom)(display, c"WM_STATE".as_ptr(), 0);
             for _ in 0..16 {
+                let mut count = 0;
+                let properties = (self.list_properties)(display, top, &mut count);
+                if !properties.is_null() {
+                    let list = std::slice::from_raw_parts(properties, usize::try_from(count).unwrap_or(0));
+                    let is_known = list.contains(&state);
+                    (self.free)(properties.cast());
+                    if is_known {
+                        break;
+                    }
+                }
                 let (mut root, mut parent, mut children, mut count) = (0, 0, std::ptr::null_mut(), 0);
                 if (self.query_tree)(display, top, &mut root, &mut parent, &mut children, &mut count) == 0 {
                     break;
@@ -232,8 +307,7 @@ impl X11 {
                 }
                 top = parent;
             }
-            (self.move_resize)(display, top, 0, 0, size.0, size.1);
-            (self.sync)(display, 0);
         }
+        top
     }
 }
