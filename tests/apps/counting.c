@@ -6,17 +6,6 @@
 
 static GLuint primitives, samples, everything, any, list;
 
-/* Draws a square of this half width straight ahead at this distance. */
-static void square(float half, float distance)
-{
-    glBegin(GL_QUADS);
-    glVertex3f(-half, -half, -distance);
-    glVertex3f(half, -half, -distance);
-    glVertex3f(half, half, -distance);
-    glVertex3f(-half, half, -distance);
-    glEnd();
-}
-
 static GLuint result(GLuint query)
 {
     GLuint value = 0;
@@ -33,8 +22,8 @@ static void setup(app *a)
     glGenQueries(1, &any);
     list = glGenLists(1);
     glNewList(list, GL_COMPILE);
-    square(1.0f, 8.0f);
-    square(2.0f, 9.0f);
+    fixed_square(1.0f, 8.0f);
+    fixed_square(2.0f, 9.0f);
     glEndList();
 }
 
@@ -59,14 +48,14 @@ static void draw(app *a)
     double size = a->window.height / 3.0;
     float half = (float)(4.0 * size / a->window.height * (2.0 / a->projection.m[5]) / 2.0);
     glBeginQuery(GL_SAMPLES_PASSED, samples);
-    square(half, 4.0f);
+    fixed_square(half, 4.0f);
     glEndQuery(GL_SAMPLES_PASSED);
     double part = result(samples) / (size * size);
     app_check(a, part > 0.5 && part < 2.0, "a square of %.0f samples has %u", size * size, result(samples));
 
     /* The same in two lists, and directly. Far away the result must still be more than 0. */
     glBeginQuery(GL_PRIMITIVES_GENERATED, primitives);
-    square(half, 4.0f);
+    fixed_square(half, 4.0f);
     glCallList(list);
     glEndQuery(GL_PRIMITIVES_GENERATED);
     app_check(a, result(primitives) == 3 || result(primitives) == 6, "three squares are %u primitives",
@@ -76,7 +65,7 @@ static void draw(app *a)
         first = result(primitives);
     app_check(a, result(primitives) == first, "the primitives become %u after %u", result(primitives), first);
     glBeginQuery(GL_ANY_SAMPLES_PASSED, any);
-    square(0.02f * half, 3.0f);
+    fixed_square(0.02f * half, 3.0f);
     glEndQuery(GL_ANY_SAMPLES_PASSED);
     app_check(a, result(any) == 1, "any samples of a small square: %u", result(any));
 

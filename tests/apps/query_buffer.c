@@ -12,16 +12,6 @@
 
 static GLuint query, buffer;
 
-static void square(float half, float distance)
-{
-    glBegin(GL_QUADS);
-    glVertex3f(-half, -half, -distance);
-    glVertex3f(half, -half, -distance);
-    glVertex3f(half, half, -distance);
-    glVertex3f(-half, half, -distance);
-    glEnd();
-}
-
 static void setup(app *a)
 {
     (void)a;
@@ -52,7 +42,7 @@ static void count(app *a)
 {
     glBeginQuery(GL_SAMPLES_PASSED, query);
     for (int i = 0; i < 40; ++i) {
-        square(0.5f, 4.0f - 0.02f * (float)i);
+        fixed_square(0.5f, 4.0f - 0.02f * (float)i);
         fixed_begin_pixels(a);
         glRecti(0, 0, 3, 3);
         fixed_end_pixels();
@@ -80,7 +70,7 @@ static void draw(app *a)
     GLuint value = content(a, "after a question");
     app_check(a, value == expected, "the result is %u in a buffer, and %u without it", value, expected);
     glBeginConditionalRender(query, GL_QUERY_WAIT);
-    square(0.1f, 2.0f);
+    fixed_square(0.1f, 2.0f);
     glEndConditionalRender();
     app_check_error(a, "after conditional rendering");
     app_check(a, content(a, "after conditional rendering") == expected, "conditional rendering writes a result");

@@ -15,6 +15,16 @@ void fixed_cube(const app *a)
     glEnd();
 }
 
+void fixed_square(float half, float distance)
+{
+    glBegin(GL_QUADS);
+    glVertex3f(-half, -half, -distance);
+    glVertex3f(half, -half, -distance);
+    glVertex3f(half, half, -distance);
+    glVertex3f(-half, half, -distance);
+    glEnd();
+}
+
 void fixed_begin_pixels(const app *a)
 {
     glMatrixMode(GL_PROJECTION);
