@@ -1,10 +1,11 @@
 //! Nodes that show the pictures of node 0: `cupola node --mirror`.
 
 use crate::display::{self, Display};
+use crate::finished::Finished;
 use crate::harness::{note, tests};
 use crate::nodes::{are_equal, by_time, children, kill, rig, until};
 use crate::programs::{Run, built, library, scratch};
-use cupola::ring::{Frame, Next, Reader};
+use cupola::ring::{Frame, Next, Reader, Shape, Writer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -14,6 +15,7 @@ tests! {
     mirrors_show_what_one_process_shows,
     a_mirror_that_is_stopped_loses_frames_and_delays_nothing,
     a_mirror_that_is_killed_leaves_the_others,
+    a_mirror_leaves_the_pictures_of_others_alone,
 }
 
 fn mirrors_show_what_one_process_shows() {
@@ -190,4 +192,24 @@ fn a_mirror_that_is_killed_leaves_the_others() {
     kill("KILL", show.nodes[0]);
     show.says("node 1: node 0 cannot be reached any more");
     until("the mirror's file is removed", || (!show.directory.join("ring-mirror-1").exists()).then_some(()));
+}
+
+/// Another program publishes pictures in the mirror's file: the mirror ends, and says why.
+fn a_mirror_leaves_the_pictures_of_others_alone() {
+    let folder = scratch("taken");
+    let taken = folder.join("ring-mirror-1");
+    let shape = Shape { name: "other".into(), size: (4, 4) };
+    let writer = Writer::create(&taken, &[shape], 3, false).expect("a ring");
+    let published = format!("--publish={}", folder.join("ring").display());
+    let nodes = ["node", "--local", "2", "--mirror", "--headless", &published];
+    let rig = rig();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.env("CUPOLA_LIBRARY", library()).args(nodes).arg("--rig").arg(&rig).args(["--frames", "30", "--"]);
+    let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
+    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    let Some(finished) = Finished::of(command, run.program, "node") else { return };
+    let words = finished.words();
+    assert!(!finished.succeeded() && words.contains("another program publishes its frames there"), "{words}");
+    assert!(Reader::open(&taken).is_ok(), "the file of the other program is gone");
+    writer.end();
 }

@@ -95,8 +95,7 @@ fn mirror(
     link.send(0, &Head::Outputs { bytes: names.len() }, names.as_bytes());
     let shown = shown(&link, &path);
     windows.close();
-    // A mirror that is stopped, or has lost node 0, leaves the file behind.
-    let _ = std::fs::remove_file(&path);
+    ring::remove_if_ended(&path);
     let (end, pictures) = shown?;
     for picture in &pictures {
         options.capture.as_ref().map_or(Ok(()), |file| capture(file, picture))?;
