@@ -140,10 +140,11 @@ impl Shared {
                         return false;
                     }
                     last = Instant::now();
-                    let first = *first.get_or_insert(frame.index);
+                    // Frames that the program left out of the ring are not lost.
+                    let first = *first.get_or_insert(frame.number);
                     let mut counts = self.counts[to].lock().unwrap_or_else(PoisonError::into_inner);
                     counts.sent += 1;
-                    counts.lost = (frame.index + 1).saturating_sub(first + counts.sent);
+                    counts.lost = (frame.number + 1).saturating_sub(first + counts.sent);
                 }
             }
         }
