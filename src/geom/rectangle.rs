@@ -95,9 +95,9 @@ impl LowerLeftRect {
         [self.width, self.height]
     }
 
-    /// The lower left corner and the upper right one, as `glBlitFramebuffer` takes them.
-    pub const fn corners(self) -> [i32; 4] {
-        [self.x, self.y, self.x + self.width, self.y + self.height]
+    /// The rectangle by its lower left corner and its upper right one.
+    pub const fn corners(self) -> BlitRect {
+        BlitRect::new(self.x, self.y, self.x + self.width, self.y + self.height)
     }
 
     /// x, y, width and height, in the order in which OpenGL returns them.
@@ -131,6 +131,35 @@ impl LowerLeftRect {
         let right = self.x.saturating_add(self.width).min(tile.width);
         let top = self.y.saturating_add(self.height).min(tile.height);
         Self::new(tile.x + left, tile.y + bottom, (right - left).max(0), (top - bottom).max(0))
+    }
+}
+
+/// Rectangle given by two opposite corners, as in `glBlitFramebuffer`; the origin is at the lower
+/// left. It is mirrored if its end is to the left of its start, or below it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlitRect {
+    /// The corner at which the picture starts.
+    pub start: [i32; 2],
+    /// The opposite corner.
+    pub end: [i32; 2],
+}
+
+impl BlitRect {
+    /// Makes a rectangle from its corners.
+    pub const fn new(x0: i32, y0: i32, x1: i32, y1: i32) -> Self {
+        Self { start: [x0, y0], end: [x1, y1] }
+    }
+
+    /// Returns the rectangle moved by `x` and `y`.
+    pub const fn moved(self, x: i32, y: i32) -> Self {
+        let ([x0, y0], [x1, y1]) = (self.start, self.end);
+        Self::new(x0 + x, y0 + y, x1 + x, y1 + y)
+    }
+
+    /// Returns the same rectangle, not mirrored.
+    pub fn unmirrored(self) -> LowerLeftRect {
+        let ([x0, y0], [x1, y1]) = (self.start, self.end);
+        LowerLeftRect::new(x0.min(x1), y0.min(y1), (x1 - x0).abs(), (y1 - y0).abs())
     }
 }
 

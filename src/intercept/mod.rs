@@ -3,21 +3,16 @@
 //!
 //! Interception fails open: if anything goes wrong, the program keeps running with its own picture,
 //! and the log gives the reason once.
+//!
+//! ```text
+//! gl, vk       hooks of the two APIs
+//! inspection   what is written about a frame
+//! scene        decisions about a frame that are the same for both APIs
+//! process      what the process around the program has: settings, log, clock, nodes, end
+//! ```
 
-pub mod call_sum;
-pub mod camera;
-pub mod clock;
-pub mod ending;
-pub mod file_stamp;
 pub mod gl;
 pub mod inspection;
-pub mod last_frame;
-pub mod lens;
-pub mod live;
-pub mod log;
-pub mod nodes;
-pub mod publishing;
+pub mod process;
 pub mod scene;
-pub mod settings;
-pub mod signals;
 pub mod vk;

@@ -27,7 +27,7 @@ extern "C" fn before_main(_: c_int, _: *const c_void, _: *const c_void) {
 }
 
 fn name_vendors() {
-    if cupola::intercept::settings::switched_off() {
+    if cupola::intercept::process::settings::switched_off() {
         return;
     }
     let previous = std::env::var("__GLX_VENDOR_LIBRARY_NAME").ok().filter(|name| name != "cupola");

@@ -5,6 +5,7 @@ use super::driver::api::*;
 use super::driver::values::integer;
 use super::objects::target::Target;
 use super::passes::GlBackend;
+use crate::backend::gl::objects::framebuffers::FramebufferBindings;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::map::MapPixel;
 use crate::correct::{LowerLeftRect, Plan};
@@ -42,13 +43,13 @@ fn read(gl: &Gl, backend: &GlBackend, size: (u32, u32)) -> Result<Vec<[f32; 4]>>
     let (width, height) = (size.0 as i32, size.1 as i32);
     let (mut texture, mut framebuffer) = (0, 0);
     let texture_before = integer(gl, GL_TEXTURE_BINDING_2D) as u32;
-    let framebuffers = [GL_READ_FRAMEBUFFER_BINDING, GL_DRAW_FRAMEBUFFER_BINDING].map(|n| integer(gl, n) as u32);
     let unpack_before = integer(gl, GL_PIXEL_UNPACK_BUFFER_BINDING) as u32;
     let pack_before = integer(gl, GL_PIXEL_PACK_BUFFER_BINDING) as u32;
     let mut texels = vec![[0.0f32; 4]; size.0 as usize * size.1 as usize];
     // SAFETY: a context is current; the names are those that it gave; rows of four floats need no
     // padding whatever the pack alignment, and the array holds width · height of them.
     let status = unsafe {
+        let framebuffers = FramebufferBindings::save(gl);
         gl.gen_textures(1, &mut texture);
         gl.bind_texture(GL_TEXTURE_2D, texture);
         gl.bind_buffer(GL_PIXEL_UNPACK_BUFFER, 0);
@@ -65,8 +66,7 @@ fn read(gl: &Gl, backend: &GlBackend, size: (u32, u32)) -> Result<Vec<[f32; 4]>>
         }
         gl.bind_buffer(GL_PIXEL_PACK_BUFFER, pack_before);
         gl.bind_texture(GL_TEXTURE_2D, texture_before);
-        gl.bind_framebuffer(GL_READ_FRAMEBUFFER, framebuffers[0]);
-        gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, framebuffers[1]);
+        framebuffers.restore(gl);
         gl.delete_framebuffers(1, &framebuffer);
         gl.delete_textures(1, &texture);
         status

@@ -2,12 +2,13 @@
 //!
 //! The modules of OpenGL and Vulkan describe each draw of the program's last frame ([`note_draw`]).
 //! When the program ends, the record is written as a page ([`page`]). Nothing is recorded unless a
-//! page was requested.
+//! page was requested. [`last_frame`] writes the statistics and the pictures at the end.
 
+pub mod last_frame;
 pub mod page;
 
-use crate::intercept::lens;
-use crate::intercept::settings::{Settings, settings};
+use crate::intercept::process::settings::{Settings, settings};
+use crate::intercept::scene::lens;
 use crate::lock::Lock;
 use crate::runtime::run_results::Picture;
 use crate::runtime::session::Intrinsics;

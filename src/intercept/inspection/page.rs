@@ -1,7 +1,7 @@
 //! The page of `cupola inspect`: one file, without scripts, that a browser shows.
 
 use super::{DrawNote, PassNote};
-use crate::intercept::lens::field_of_view;
+use crate::intercept::scene::lens::field_of_view;
 use crate::runtime::run_results::{self, Picture, Statistics};
 use std::fmt::{self, Write};
 
@@ -173,7 +173,7 @@ fn write_base64(out: &mut String, bytes: &[u8]) -> fmt::Result {
 mod tests {
     use super::{Page, html, write_base64};
     use crate::intercept::inspection::{DrawNote, PassNote};
-    use crate::intercept::lens::field_of_view;
+    use crate::intercept::scene::lens::field_of_view;
     use crate::runtime::run_results::Picture;
     use crate::runtime::session::Intrinsics;
 

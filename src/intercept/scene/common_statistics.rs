@@ -1,8 +1,8 @@
 //! The part of the statistics that comes from the plan and the rig, for both APIs.
 
-use crate::intercept::camera::Cameras;
-use crate::intercept::publishing;
-use crate::intercept::settings::settings;
+use crate::intercept::process::publishing;
+use crate::intercept::process::settings::settings;
+use crate::intercept::scene::camera::Cameras;
 use crate::runtime::Session;
 use crate::runtime::run_results::Statistics;
 

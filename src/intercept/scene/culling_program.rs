@@ -1,7 +1,7 @@
 //! Finds programs that do not draw objects outside their own field of view.
 
-use crate::intercept::lens::field_of_view;
-use crate::intercept::log;
+use crate::intercept::process::log;
+use crate::intercept::scene::lens::field_of_view;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 

@@ -1,6 +1,6 @@
 //! Finds programs in which no draw is recognised as a scene.
 
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::runtime::Session;
 
 /// Number of draws after which the message is logged.

@@ -3,6 +3,7 @@
 use crate::backend::gl::driver::api::Gl;
 use crate::backend::gl::driver::errors::drain;
 use crate::backend::gl::driver::{api, own_names};
+use crate::backend::gl::objects::framebuffers::FramebufferBindings;
 use crate::correct::LowerLeftRect;
 use crate::error::{Error, ErrorKind, Result};
 
@@ -23,10 +24,9 @@ pub struct Surface {
 /// State that [`Surface::begin_tile`] changed, to be restored.
 #[derive(Clone, Copy, Debug)]
 pub struct Saved {
-    draw: i32,
-    read: i32,
-    viewport: [i32; 4],
-    scissor: [i32; 4],
+    framebuffers: FramebufferBindings,
+    viewport: LowerLeftRect,
+    scissor: LowerLeftRect,
     scissor_test: bool,
 }
 
@@ -141,33 +141,30 @@ impl Surface {
 
     /// Binds the framebuffer, with viewport and scissor on `tile`.
     pub fn begin_tile(&self, gl: &Gl, tile: LowerLeftRect) -> Saved {
-        let mut saved = Saved { draw: 0, read: 0, viewport: [0; 4], scissor: [0; 4], scissor_test: false };
         let LowerLeftRect { x, y, width, height } = tile;
+        let (mut viewport, mut scissor) = ([0; 4], [0; 4]);
         // SAFETY: queries and sets plain state of the current context; `end_tile` restores it.
         unsafe {
-            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut saved.draw);
-            gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut saved.read);
-            gl.get_integerv(api::GL_VIEWPORT, saved.viewport.as_mut_ptr());
-            gl.get_integerv(api::GL_SCISSOR_BOX, saved.scissor.as_mut_ptr());
-            saved.scissor_test = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+            let framebuffers = FramebufferBindings::save(gl);
+            gl.get_integerv(api::GL_VIEWPORT, viewport.as_mut_ptr());
+            gl.get_integerv(api::GL_SCISSOR_BOX, scissor.as_mut_ptr());
+            let scissor_test = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
             gl.bind_framebuffer(api::GL_FRAMEBUFFER, self.framebuffer);
             gl.viewport(x, y, width, height);
             gl.scissor(x, y, width, height);
             gl.enable(api::GL_SCISSOR_TEST);
+            Saved { framebuffers, viewport: viewport.into(), scissor: scissor.into(), scissor_test }
         }
-        saved
     }
 
     /// Restores the state that [`Surface::begin_tile`] changed.
     pub fn end_tile(&self, gl: &Gl, saved: &Saved) {
-        let [x, y, width, height] = saved.viewport;
-        let [left, bottom, across, up] = saved.scissor;
+        let (viewport, scissor) = (saved.viewport, saved.scissor);
         // SAFETY: plain state commands with values that the driver gave.
         unsafe {
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, saved.draw as u32);
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, saved.read as u32);
-            gl.viewport(x, y, width, height);
-            gl.scissor(left, bottom, across, up);
+            saved.framebuffers.restore(gl);
+            gl.viewport(viewport.x, viewport.y, viewport.width, viewport.height);
+            gl.scissor(scissor.x, scissor.y, scissor.width, scissor.height);
             if !saved.scissor_test {
                 gl.disable(api::GL_SCISSOR_TEST);
             }
@@ -208,72 +205,34 @@ pub fn greatest_texture(gl: &Gl) -> u32 {
     greatest.max(1024) as u32
 }
 
-/// State of a framebuffer as a target of drawing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FramebufferState {
-    /// The framebuffer can be drawn to.
-    Complete,
-    /// The context has no framebuffer of this name.
-    Missing,
-    /// The framebuffer is not complete; the value is OpenGL's status.
-    Incomplete(u32),
-}
-
-/// Returns the state of a framebuffer of the current context; 0 = the window. Bindings are
-/// restored.
-pub fn framebuffer_state(gl: &Gl, framebuffer: u32) -> FramebufferState {
-    // SAFETY: queries the context, which is current.
-    if framebuffer != 0 && unsafe { gl.is_framebuffer(framebuffer) } == 0 {
-        return FramebufferState::Missing;
-    }
-    let mut bound = 0;
-    // SAFETY: writes one integer; the binding is restored.
-    let status = unsafe {
-        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
-        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-        let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);
-        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
-        status
-    };
-    if status == api::GL_FRAMEBUFFER_COMPLETE {
-        FramebufferState::Complete
-    } else {
-        FramebufferState::Incomplete(status)
-    }
-}
-
 /// Bindings that change while a surface is made.
-struct Bindings([i32; 4]);
+struct Bindings {
+    framebuffers: FramebufferBindings,
+    renderbuffer: i32,
+    texture: i32,
+}
 
 impl Bindings {
-    const NAMES: [u32; 4] = [
-        api::GL_DRAW_FRAMEBUFFER_BINDING,
-        api::GL_READ_FRAMEBUFFER_BINDING,
-        api::GL_RENDERBUFFER_BINDING,
-        api::GL_TEXTURE_BINDING_2D,
-    ];
-
     /// # Safety
     /// A context must be current.
     unsafe fn save(gl: &Gl) -> Self {
-        let mut values = [0; 4];
-        for (value, name) in values.iter_mut().zip(Self::NAMES) {
-            // SAFETY: writes one integer.
-            unsafe { gl.get_integerv(name, value) };
+        let (mut renderbuffer, mut texture) = (0, 0);
+        // SAFETY: each writes one integer.
+        unsafe {
+            gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer);
+            gl.get_integerv(api::GL_TEXTURE_BINDING_2D, &mut texture);
+            Self { framebuffers: FramebufferBindings::save(gl), renderbuffer, texture }
         }
-        Self(values)
     }
 
     /// # Safety
     /// The context of `save` must be current.
     unsafe fn restore(&self, gl: &Gl) {
-        let [draw, read, renderbuffer, texture] = self.0.map(|v| v as u32);
         // SAFETY: binds the objects that were bound.
         unsafe {
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw);
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read);
-            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer);
-            gl.bind_texture(api::GL_TEXTURE_2D, texture);
+            self.framebuffers.restore(gl);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, self.renderbuffer as u32);
+            gl.bind_texture(api::GL_TEXTURE_2D, self.texture as u32);
         }
     }
 }

@@ -2,15 +2,16 @@
 
 use crate::backend::gl::driver::api::*;
 use crate::backend::gl::driver::own_names;
-use crate::backend::gl::driver::values::integer;
 use crate::backend::gl::objects::binaries::Binaries;
+use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::backend::gl::objects::program;
 use crate::backend::gl::passes::unsampled_areas::counting;
 use crate::backend::gl::state;
 use crate::backend::gl::state::Capabilities;
 use crate::backend::gl::state::known_state::KnownState;
-use crate::correct::LowerLeftRect;
+use crate::correct::Intrinsics;
 use crate::correct::shaders::glsl::Specialised;
+use crate::correct::{BlitRect, LowerLeftRect};
 use crate::error::{Error, ErrorKind, Result};
 use glam::DMat3;
 
@@ -22,9 +23,8 @@ pub struct Spread<'a> {
     pub picture: LowerLeftRect,
     /// Sized format of the picture.
     pub format: u32,
-    /// Lens of the picture: scale and off-centre term to the right, then the same upwards
-    /// (`geom::reprojection::Intrinsics`).
-    pub lens: [f64; 4],
+    /// Lens of the picture.
+    pub lens: Intrinsics,
     /// Tiles of the bound draw framebuffer. The matrix of a tile maps a place in it (−1…1 to the
     /// right and up, 1) to a direction (right, up, ahead) in the camera's axes.
     pub tiles: &'a [(LowerLeftRect, DMat3)],
@@ -112,12 +112,10 @@ impl Backdrop {
     /// Copies the picture into the texture, which is bound afterwards.
     fn copy(&mut self, gl: &Gl, what: &Spread<'_>) -> Result<()> {
         let LowerLeftRect { width, height, .. } = what.picture;
-        let [x0, y0, x1, y1] = what.picture.corners();
         // SAFETY: objects of Cupola; bindings of framebuffers are restored here, those of textures
         // by the caller.
         let complete = unsafe {
-            let [read, draw] =
-                [GL_READ_FRAMEBUFFER_BINDING, GL_DRAW_FRAMEBUFFER_BINDING].map(|n| integer(gl, n) as u32);
+            let framebuffers = FramebufferBindings::save(gl);
             let other = self.size != [width, height] || self.format != what.format;
             if other {
                 // The storage of a texture cannot be changed.
@@ -142,11 +140,10 @@ impl Backdrop {
             if complete {
                 gl.bind_framebuffer(GL_READ_FRAMEBUFFER, what.framebuffer);
                 let (mask, filter) = (GL_COLOR_BUFFER_BIT, GL_NEAREST);
-                gl.blit_framebuffer(x0, y0, x1, y1, 0, 0, width, height, mask, filter);
+                blit(gl, what.picture.corners(), BlitRect::new(0, 0, width, height), mask, filter);
                 (self.size, self.format) = ([width, height], what.format);
             }
-            gl.bind_framebuffer(GL_READ_FRAMEBUFFER, read);
-            gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, draw);
+            framebuffers.restore(gl);
             complete
         };
         let refused = || Error::new(ErrorKind::Graphics, "The driver cannot copy the background of a scene.");
@@ -155,7 +152,7 @@ impl Backdrop {
 
     fn draw(&self, gl: &Gl, caps: &Capabilities, what: &Spread<'_>) {
         let [directions, lens, nearest] = self.places;
-        let [a, b, c, d] = what.lens;
+        let Intrinsics { a, b, c, d, .. } = what.lens;
         let side = ((b - 1.0) / a).abs().max(((b + 1.0) / a).abs());
         // SAFETY: a context is current; all names are ones that it gave; a matrix has nine numbers.
         unsafe {

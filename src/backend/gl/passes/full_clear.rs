@@ -56,14 +56,15 @@ impl FullClear {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correct::LowerLeftRect;
 
-    fn at(viewport: [i32; 4]) -> Target {
-        Target { framebuffer: 3, viewport: viewport.into() }
+    fn at(x: i32, y: i32, width: i32, height: i32) -> Target {
+        Target { framebuffer: 3, viewport: LowerLeftRect::new(x, y, width, height) }
     }
 
     #[test]
     fn pays_where_much_is_black_or_nobody_draws() {
-        let (left, right) = (at([0, 0, 50, 40]), at([50, 0, 50, 40]));
+        let (left, right) = (at(0, 0, 50, 40), at(50, 0, 50, 40));
         let worthwhile = |targets: &[Target], black: [f64; 2]| {
             FullClear::of(targets, (100, 40), black.into_iter()).map(|clear| clear.color(None).is_some())
         };
@@ -78,7 +79,7 @@ mod tests {
     fn what_no_output_shows_is_black() {
         let (black, red) = ([0.0; 3], [1.0, 0.0, 0.0]);
         let of = |width: u32| {
-            let clear = FullClear::of(&[at([0, 0, 50, 40])], (width, 40), [0.0].into_iter());
+            let clear = FullClear::of(&[at(0, 0, 50, 40)], (width, 40), [0.0].into_iter());
             move |cleared| clear.and_then(|clear| clear.color(cleared))
         };
         assert_eq!([None, Some(red), Some(black)].map(of(50)), [None, Some(red), Some(black)]);
@@ -87,12 +88,12 @@ mod tests {
 
     #[test]
     fn not_where_outputs_overlap_or_are_elsewhere() {
-        let (low, high) = (at([0, 0, 50, 40]), at([49, 39, 50, 40]));
+        let (low, high) = (at(0, 0, 50, 40), at(49, 39, 50, 40));
         let of = |targets: &[Target]| FullClear::of(targets, (100, 100), [1.0, 1.0].into_iter());
         assert_eq!(of(&[low, high]), None);
-        assert!(of(&[low, at([50, 0, 50, 40])]).is_some_and(|clear| clear.serves(&[low])));
+        assert!(of(&[low, at(50, 0, 50, 40)]).is_some_and(|clear| clear.serves(&[low])));
         let elsewhere = Target { framebuffer: 4, ..high };
-        assert_eq!(of(&[low, Target { framebuffer: 4, ..at([50, 0, 50, 40]) }]), None);
+        assert_eq!(of(&[low, Target { framebuffer: 4, ..at(50, 0, 50, 40) }]), None);
         assert!(of(&[low]).is_some_and(|clear| !clear.serves(&[elsewhere])));
     }
 }

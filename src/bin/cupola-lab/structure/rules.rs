@@ -17,7 +17,13 @@ pub struct Order {
 }
 
 /// Folders with an order inside.
-pub const ORDERS: [Order; 4] = [
+pub const ORDERS: [Order; 5] = [
+    Order {
+        folder: "src/intercept",
+        rooms: &["gl", "vk", "inspection", "scene", "process"],
+        most_against: 0,
+        largest_circle: 3,
+    },
     Order {
         folder: "src/intercept/gl",
         rooms: &[

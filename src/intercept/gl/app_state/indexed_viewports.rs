@@ -19,12 +19,12 @@ use crate::intercept::gl::state::driver::profile::ViewportLimits;
 ///
 /// # Safety
 /// `numbers` must be null or point at four numbers for each of `count` rectangles.
-unsafe fn rectangles<T: Copy + PartialOrd + Default>(
+unsafe fn rectangles<T: Copy + PartialOrd + Default, R: From<[T; 4]>>(
     ctx: &Context,
     first: u32,
     count: i32,
     numbers: *const T,
-) -> Option<Vec<[T; 4]>> {
+) -> Option<Vec<R>> {
     let count = usize::try_from(count).ok()?;
     if !ctx.driver.profile.viewport_arrays
         || numbers.is_null()
@@ -35,7 +35,7 @@ unsafe fn rectangles<T: Copy + PartialOrd + Default>(
     // SAFETY: as promised.
     let rectangles = unsafe { std::slice::from_raw_parts(numbers.cast::<[T; 4]>(), count) };
     let has_size = |[_, _, width, height]: &[T; 4]| *width >= T::default() && *height >= T::default();
-    rectangles.iter().all(has_size).then(|| rectangles.to_vec())
+    rectangles.iter().all(has_size).then(|| rectangles.iter().map(|numbers| R::from(*numbers)).collect())
 }
 
 /// Changes viewports and scissors of the program: now or, while a list is being compiled, each time
@@ -50,9 +50,9 @@ fn change(ctx: &mut Context, change: impl Fn(&mut WindowArrays) + Send + Sync + 
     });
 }
 
-fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<[f32; 4]>) {
+fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<Viewport>) {
     let ViewportLimits { edge, size } = ctx.driver.profile.viewport_limits;
-    for [x, y, width, height] in &mut viewports {
+    for Viewport { x, y, width, height } in &mut viewports {
         // The driver limits the numbers that it stores in the same way. `max` and `min` return the
         // bound for NaN.
         (*x, *y) = (x.max(edge[0]).min(edge[1]), y.max(edge[0]).min(edge[1]));
@@ -60,15 +60,15 @@ fn set_viewports(ctx: &mut Context, first: u32, mut viewports: Vec<[f32; 4]>) {
     }
     change(ctx, move |arrays| {
         for (own, viewport) in arrays.viewports.iter_mut().skip(first as usize).zip(&viewports) {
-            *own = (*viewport).into();
+            *own = *viewport;
         }
     });
 }
 
-fn set_scissors(ctx: &mut Context, first: u32, scissors: Vec<[i32; 4]>) {
+fn set_scissors(ctx: &mut Context, first: u32, scissors: Vec<LowerLeftRect>) {
     change(ctx, move |arrays| {
         for (own, scissor) in arrays.scissors.iter_mut().skip(first as usize).zip(&scissors) {
-            *own = (*scissor).into();
+            *own = *scissor;
         }
     });
 }

@@ -1,11 +1,11 @@
 //! The fixed-function projection: the program's `GL_PROJECTION`, and the projection of each view.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::call_sum;
 use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::process::call_sum;
 
 /// Runs a matrix command of the program, or records it into the list that is being compiled.
 fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::lock::Lock;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicPtr, Ordering};

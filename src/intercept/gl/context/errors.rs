@@ -3,7 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::frame::statistics::Counts;
-use crate::intercept::log;
+use crate::intercept::process::log;
 
 /// Removes errors from the driver that only questions of Cupola caused. A driver may refuse these
 /// questions.

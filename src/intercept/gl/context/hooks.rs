@@ -38,14 +38,14 @@ macro_rules! hooks {
                 let $gl = $ctx.driver.gl;
                 const OUTSIDE: $crate::backend::gl::driver::api::Outside = $crate::backend::gl::driver::api::Outside::of($name);
                 if $ctx.switched_off
-                    || $crate::intercept::ending::of_process()
+                    || $crate::intercept::process::ending::of_process()
                     || $ctx.driver.profile.is_outside(OUTSIDE)
                     || (!$between && $ctx.compat.immediate.refuses($gl))
                 {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }
-                $crate::intercept::call_sum::add_call!($name $(, $p)*);
+                $crate::intercept::process::call_sum::add_call!($name $(, $p)*);
                 // SAFETY: the bodies call the driver's functions, with the program's arguments or
                 // with objects of Cupola, on the thread where this context is current.
                 match $crate::fence::guard(|| unsafe { $body }) {

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::{live, log};
+use crate::intercept::process::{live, log};
 use crate::rig::{Divider, Method, Rig};
 use crate::runtime::session::{Extras, Session};
 
@@ -24,7 +24,7 @@ pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
 
 /// True if `wanted` accepts the method of an output of the rig with which the program was started.
 pub(in crate::intercept::gl) fn any_method(wanted: impl Fn(&Method) -> bool) -> bool {
-    let rig = crate::intercept::settings::settings().map(|settings| &settings.rig);
+    let rig = crate::intercept::process::settings::settings().map(|settings| &settings.rig);
     rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
 }
 

@@ -9,7 +9,7 @@ use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::runtime::session::MatrixClass;
 
 /// Prepares the next draw if vertices are projected: a program of Cupola replaces the

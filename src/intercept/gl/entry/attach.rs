@@ -8,7 +8,7 @@ use crate::intercept::gl::framebuffer::target::attach;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::Window;
-use crate::intercept::settings::settings;
+use crate::intercept::process::settings::settings;
 use crate::runtime::session::Extras;
 use std::sync::Arc;
 

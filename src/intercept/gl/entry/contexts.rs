@@ -1,12 +1,12 @@
 //! Effects of making a context current and of leaving it.
 
 use crate::backend::gl::driver::api::Gl;
-use crate::intercept::ending;
 use crate::intercept::gl::context::current::{CURRENT, HANDLE, after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::registry::{Entry, contexts};
 use crate::intercept::gl::frame::leaving;
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::process::ending;
 use std::sync::Arc;
 
 /// Corrects the picture of the window that the program is about to leave by making another context

@@ -16,7 +16,7 @@ use crate::intercept::gl::shader::{
     assembly, introspection, linking, program_pipelines, program_use, summed_uniforms, uniform_commands,
 };
 use crate::intercept::gl::vertex_input::{buffers, named_buffers_ext, vertex_array_commands};
-use crate::intercept::nodes;
+use crate::intercept::process::nodes;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 

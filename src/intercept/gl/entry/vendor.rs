@@ -1,7 +1,7 @@
 //! Common parts of the vendor wrappers of GLX and EGL.
 
 use crate::intercept::gl::entry::table;
-use crate::intercept::{log, settings};
+use crate::intercept::process::{log, settings};
 use std::ffi::CStr;
 
 /// Returns the entry point of a vendor library of libglvnd, which stays loaded. If there is none,

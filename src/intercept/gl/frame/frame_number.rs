@@ -1,8 +1,8 @@
 //! Number of a frame of a window, for `--frames`.
 
 use crate::intercept::gl::state::drawable::window::Window;
-use crate::intercept::last_frame;
-use crate::intercept::settings::settings;
+use crate::intercept::inspection::last_frame;
+use crate::intercept::process::settings::settings;
 use crate::lock::Lock;
 use std::collections::HashMap;
 use std::sync::Mutex;

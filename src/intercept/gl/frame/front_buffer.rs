@@ -5,13 +5,13 @@
 //! the program has drawn since the last one.
 
 use crate::backend::gl::driver::api;
-use crate::intercept::ending;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::frame::present;
 use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::process::ending;
 use std::time::Instant;
 
 /// Returns true if the program's drawing appears in the window without a swap.

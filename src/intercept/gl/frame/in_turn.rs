@@ -2,11 +2,12 @@
 //! frame on the dome.
 
 use crate::backend::gl::driver::api;
+use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::runtime::Session;
 
 /// Ends a frame of the program. Returns true if the window can be corrected: the views are not
@@ -41,17 +42,13 @@ fn collect(ctx: &mut Context, view: usize, is_last: bool) {
 
 fn copy(ctx: &Context, target: &DefaultFramebuffer, from: LowerLeftRect, to: LowerLeftRect) {
     let gl = ctx.driver.gl;
-    let ([x0, y0, x1, y1], [u0, v0, u1, v1]) = (from.corners(), to.corners());
     let filter = if from.size() == to.size() { api::GL_NEAREST } else { api::GL_LINEAR };
-    let (mut read, mut draw) = (0, 0);
     // SAFETY: copies between framebuffers of Cupola; the bindings are put back.
     unsafe {
-        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
-        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
+        let bindings = FramebufferBindings::save(gl);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable_framebuffer());
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, target.atlas_framebuffer());
-        gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, api::GL_COLOR_BUFFER_BIT, filter);
-        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
-        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
+        blit(gl, from.corners(), to.corners(), api::GL_COLOR_BUFFER_BIT, filter);
+        bindings.restore(gl);
     }
 }

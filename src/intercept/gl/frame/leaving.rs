@@ -4,8 +4,8 @@ use crate::intercept::gl::context::current::current;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::frame::{frame_number, frame_statistics, front_buffer, present};
 use crate::intercept::gl::offscreen::inspected;
-use crate::intercept::last_frame;
-use crate::intercept::settings;
+use crate::intercept::inspection::last_frame;
+use crate::intercept::process::settings;
 
 /// Corrects the window, since the program selects another window before it swaps this one.
 pub fn leave(ctx: &mut Context) {

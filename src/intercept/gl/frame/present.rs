@@ -1,7 +1,6 @@
 //! The end of a frame: correction into the window, counts, captures.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
@@ -13,9 +12,10 @@ use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::frame::Times;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::vertex_input::buffers;
-use crate::intercept::last_frame;
-use crate::intercept::nodes;
-use crate::intercept::{log, settings};
+use crate::intercept::inspection::last_frame;
+use crate::intercept::process::ending;
+use crate::intercept::process::nodes;
+use crate::intercept::process::{log, settings};
 use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
 use crate::system::thread_time;

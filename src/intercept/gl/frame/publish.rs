@@ -6,8 +6,8 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::while_reading;
 use crate::intercept::gl::state::frame::publishing::Publishing;
-use crate::intercept::publishing::{self, Stamp};
-use crate::intercept::settings;
+use crate::intercept::process::publishing::{self, Stamp};
+use crate::intercept::process::settings;
 use std::sync::Arc;
 
 /// Returns true if frames of the context's window are published.

@@ -10,7 +10,7 @@ use crate::backend::gl::driver::api;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{own_tile, views};
-use crate::intercept::log;
+use crate::intercept::process::log;
 
 /// Formats of colours that can be copied and filtered directly.
 const FORMATS: [u32; 9] = [
@@ -46,13 +46,7 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     tiles.clear();
     tiles.extend(session.rows(&lens).enumerate().map(|(view, rows)| (grid.tile(view), rows.directions(&lens))));
     debug_assert_eq!(tiles.len(), views(ctx));
-    let what = Spread {
-        framebuffer,
-        picture: grid.tile(own_tile(ctx)),
-        format,
-        lens: [lens.a, lens.b, lens.c, lens.d],
-        tiles: &tiles,
-    };
+    let what = Spread { framebuffer, picture: grid.tile(own_tile(ctx)), format, lens, tiles: &tiles };
     if let Some(target) = ctx.drawable.target_mut()
         && let Err(error) = target.backend.spread(ctx.driver.gl, &what, &ctx.driver.known_state)
     {

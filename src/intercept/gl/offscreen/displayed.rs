@@ -2,6 +2,7 @@
 //! its own picture.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::objects::framebuffers::FramebufferBindings;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::target::each_view;
@@ -12,7 +13,7 @@ use crate::intercept::gl::per_view::{panel, window_space};
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::displayed::Shows;
-use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
+use crate::intercept::gl::state::offscreen::images::Set;
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use std::cell::Cell;
 
@@ -118,7 +119,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
         // SAFETY: framebuffers of Cupola; the read binding is put back.
         unsafe {
-            let bindings = Bindings::save(ctx.driver.gl);
+            let bindings = FramebufferBindings::save(ctx.driver.gl);
             ctx.set_scissor(None);
             ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
             ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);

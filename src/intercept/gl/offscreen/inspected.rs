@@ -14,7 +14,7 @@ use crate::intercept::gl::state::shader::camera_matrices::MatrixStage;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation};
 use crate::intercept::inspection::{self, DrawNote, MatrixNote};
-use crate::intercept::lens::{Candidate, field_of_view};
+use crate::intercept::scene::lens::{Candidate, field_of_view};
 use crate::lock::Lock;
 
 /// Facts about a draw that the state does not contain.

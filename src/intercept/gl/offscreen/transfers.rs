@@ -2,7 +2,8 @@
 //! view.
 
 use crate::backend::gl::driver::api;
-use crate::correct::LowerLeftRect;
+use crate::backend::gl::objects::framebuffers::{self, FramebufferBindings};
+use crate::correct::{BlitRect, LowerLeftRect};
 use crate::intercept::gl::context::errors::drop_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{
@@ -11,13 +12,10 @@ use crate::intercept::gl::offscreen::view_copies::{
 use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::offscreen::depth_converter::DepthConverter;
-use crate::intercept::gl::state::offscreen::framebuffers;
-use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name};
+use crate::intercept::gl::state::offscreen::framebuffers::COLOURS;
+use crate::intercept::gl::state::offscreen::images::{Image, Name};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
-
-/// Rectangle given by two corners, as in `glBlitFramebuffer`.
-pub type Corners = [i32; 4];
 
 /// One side of a copy.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,7 +32,7 @@ enum Side {
 
 /// Performs `glBlitFramebuffer` between the program's framebuffers. Returns false if the caller
 /// must perform it unchanged.
-pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32, filter: u32) -> bool {
+pub fn blit(ctx: &mut Context, source: BlitRect, destination: BlitRect, mask: u32, filter: u32) -> bool {
     if !possible(ctx) {
         return false;
     }
@@ -57,7 +55,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
 }
 
 /// True if a copy covers all, or nearly all, of the window.
-pub fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
+pub fn fills_window(drawable: &Drawable, BlitRect { start: [x0, y0], end: [x1, y1] }: BlitRect) -> bool {
     let Some(target) = drawable.target() else { return false };
     let (width, height) = target.size();
     let inside = |a: i32, b: i32, size: u32| i64::from(a.max(b).min(size as i32) - a.min(b).max(0)).max(0);
@@ -90,7 +88,7 @@ fn draw_side(ctx: &mut Context) -> Side {
 }
 
 /// Notes what a copy reveals about images.
-fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
+fn note_blit(ctx: &mut Context, destination: BlitRect, mask: u32) {
     if mask & api::GL_COLOR_BUFFER_BIT == 0 {
         return;
     }
@@ -138,9 +136,9 @@ fn note_any_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Nam
 }
 
 /// Returns the colour images of the read framebuffer.
-fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
+fn colours_of_read(ctx: &Context) -> [Option<Name>; COLOURS] {
     let index = ctx.view_copies.position(ctx.app.read_framebuffer);
-    let mut colours = [None; framebuffers::COLOURS];
+    let mut colours = [None; COLOURS];
     if let Some(index) = index.filter(|_| ctx.app.read_framebuffer != 0) {
         for (colour, name) in colours.iter_mut().zip(ctx.view_copies.framebuffers[index].colours()) {
             *colour = Some(name);
@@ -196,20 +194,21 @@ impl Region {
     }
 
     /// Converts the program's corners to corners in the framebuffer.
-    fn corners(&self, corners: Corners) -> Corners {
+    fn corners(&self, corners: BlitRect) -> BlitRect {
         let LowerLeftRect { x, y, width, height } = self.rect;
         let scale = |value: i32, size: i32, full: i32| {
             let scaled = i64::from(value) * i64::from(size);
             (scaled as f64 / f64::from(full.max(1))).round() as i32
         };
-        let [x0, y0, x1, y1] = corners;
-        let ([across, up], w, h) = (self.size, width, height);
-        [x + scale(x0, w, across), y + scale(y0, h, up), x + scale(x1, w, across), y + scale(y1, h, up)]
+        let [across, up] = self.size;
+        let placed =
+            |[to_right, upwards]: [i32; 2]| [x + scale(to_right, width, across), y + scale(upwards, height, up)];
+        BlitRect { start: placed(corners.start), end: placed(corners.end) }
     }
 }
 
 /// Copies each view, and the program's own picture.
-fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mask: u32, filter: u32) {
+fn copy_views(ctx: &mut Context, from: (Side, BlitRect), to: (Side, BlitRect), mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
     for side in [from.0, to.0] {
         if let Side::ViewCopies(index) = side
@@ -239,7 +238,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
     let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { copy_count(ctx) };
     // SAFETY: framebuffers of Cupola, or as the program bound them; the bindings are put back.
     unsafe {
-        let bindings = Bindings::save(gl);
+        let bindings = FramebufferBindings::save(gl);
         for view in 0..count {
             let Some(target) = Region::of(ctx, to.0, view, mask, false) else { break };
             let source = Region::of(ctx, from.0, view, mask, true);
@@ -270,7 +269,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
 #[derive(Clone, Copy)]
 pub(in crate::intercept::gl) struct End {
     /// Rectangle of the picture.
-    pub corners: Corners,
+    pub corners: BlitRect,
     /// Samples per pixel; 0 = not multisampled.
     pub samples: i32,
     /// Format of the colours.
@@ -281,11 +280,10 @@ pub(in crate::intercept::gl) struct End {
 /// cannot scale multisampled pictures, and a filter would mix in texels beside the rectangle.
 pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, mask: u32, filter: u32) {
     let gl = ctx.driver.gl;
-    let extent = |[x0, y0, x1, y1]: Corners| [(x1 - x0).abs(), (y1 - y0).abs()];
-    let (here, there) = (extent(from.corners), extent(to.corners));
-    let issue = |[x0, y0, x1, y1]: Corners, [u0, v0, u1, v1]: Corners, mask: u32, filter: u32| {
+    let (here, there) = (from.corners.unmirrored().size(), to.corners.unmirrored().size());
+    let issue = |from: BlitRect, to: BlitRect, mask: u32, filter: u32| {
         // SAFETY: the caller bound both framebuffers.
-        unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, filter) };
+        unsafe { framebuffers::blit(gl, from, to, mask, filter) };
     };
     let is_depth = mask & api::GL_COLOR_BUFFER_BIT == 0;
     if is_depth && from.format != to.format && here == there && from.samples == 0 && to.samples == 0 {
@@ -306,27 +304,27 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     if mask & colour == 0 {
         return;
     }
-    let ([w, h], [across, up]) = (here, there);
+    let whole = |[width, height]: [i32; 2]| BlitRect::new(0, 0, width, height);
     let (resolved, scaled) = (canvas(ctx, here, from.format), (to.samples > 0).then(|| canvas(ctx, there, to.format)));
     let Some(resolved) = resolved else { return };
     // SAFETY: copies between framebuffers of Cupola and the bound ones; the bindings are put back.
     unsafe {
-        let bindings = Bindings::save(gl);
+        let bindings = FramebufferBindings::save(gl);
         let scissor = ctx.driver.scissor();
         ctx.set_scissor(None);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved);
-        issue(from.corners, [0, 0, w, h], colour, api::GL_NEAREST);
+        issue(from.corners, whole(here), colour, api::GL_NEAREST);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, resolved);
         if let Some(Some(scaled)) = scaled {
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, scaled);
-            issue([0, 0, w, h], [0, 0, across, up], colour, api::GL_LINEAR);
+            issue(whole(here), whole(there), colour, api::GL_LINEAR);
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, scaled);
         }
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bindings.draw());
         ctx.set_scissor(scissor);
         match scaled {
-            None => issue([0, 0, w, h], to.corners, colour, api::GL_LINEAR),
-            Some(_) => issue([0, 0, across, up], to.corners, colour, api::GL_NEAREST),
+            None => issue(whole(here), to.corners, colour, api::GL_LINEAR),
+            Some(_) => issue(whole(there), to.corners, colour, api::GL_NEAREST),
         }
         bindings.restore(gl);
     }
@@ -335,8 +333,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
 /// Copies depth to another format by a copy into a texture, as no other command can do it. Does not
 /// copy stencil.
 fn convert_depth(ctx: &mut Context, from: End, to: End) {
-    let ([x0, y0, x1, y1], gl) = (from.corners, ctx.driver.gl);
-    let (corner, size) = ([x0.min(x1), y0.min(y1)], [(x1 - x0).abs(), (y1 - y0).abs()]);
+    let (size, gl) = (from.corners.unmirrored().size(), ctx.driver.gl);
     let converters = &mut ctx.view_copies.depth_converters;
     if !converters.iter().any(|converter| converter.is(size, to.format)) {
         // One converter of each format is kept.
@@ -346,8 +343,7 @@ fn convert_depth(ctx: &mut Context, from: End, to: End) {
         converters.extend(DepthConverter::new(gl, size, to.format));
     }
     if let Some(converter) = converters.iter().find(|converter| converter.is(size, to.format)) {
-        let within = [x0 - corner[0], y0 - corner[1], x1 - corner[0], y1 - corner[1]];
-        converter.convert(gl, corner, within, to.corners);
+        converter.convert(gl, from.corners, to.corners);
     }
 }
 

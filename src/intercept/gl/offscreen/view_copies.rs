@@ -15,15 +15,16 @@
 //! in its corner.
 
 use crate::backend::gl::driver::api::Gl;
+use crate::backend::gl::objects::framebuffers::FramebufferBindings;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
-use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name, Pair, Set};
+use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
-use crate::intercept::{log, settings};
+use crate::intercept::process::{log, settings};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use crate::runtime::Session;
@@ -362,7 +363,7 @@ pub(super) fn look_at_read(ctx: &mut Context) {
     let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
     // SAFETY: a framebuffer of the program; the bindings are put back.
     unsafe {
-        let bindings = Bindings::save(ctx.driver.gl);
+        let bindings = FramebufferBindings::save(ctx.driver.gl);
         ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, name);
         framebuffers[index].examine(ctx.driver.gl, images);
         bindings.restore(ctx.driver.gl);

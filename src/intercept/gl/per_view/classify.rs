@@ -6,7 +6,7 @@ use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::app::window_arrays::WindowArrays;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::frame::Frame;
-use crate::intercept::gl::state::shader::programs::Lens;
+use crate::intercept::gl::state::shader::programs::ProgramLens;
 use crate::intercept::scene::viewport;
 use crate::runtime::session::MatrixClass;
 
@@ -50,8 +50,8 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
 }
 
 /// Returns the class of a draw with `lens`.
-fn of_lens(ctx: &mut Context, lens: Lens) -> DrawClass {
-    let (Lens::Perspective(told, how), Some(session)) = (lens, ctx.drawable.session()) else {
+fn of_lens(ctx: &mut Context, lens: ProgramLens) -> DrawClass {
+    let (ProgramLens::Perspective(told, how), Some(session)) = (lens, ctx.drawable.session()) else {
         return DrawClass::Flat;
     };
     let [width, height] = ctx.app.viewport.size().map(f64::from);

@@ -22,7 +22,7 @@ use crate::intercept::gl::state::shader::division_counter::Counter;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
 use crate::intercept::gl::state::shader::variants::{InUse, Kind, State, Variant};
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::lock::Lock;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::Arc;
@@ -122,7 +122,7 @@ fn limits(driver: &Driver, kind: Kind) -> Limits {
         Kind::Tessellation(_) => api::GL_MAX_TESS_CONTROL_ATOMIC_COUNTERS,
     };
     let counted = driver.profile.version >= 42 && number(counters) > 0;
-    let wanted = crate::intercept::settings::settings().is_some_and(|settings| settings.stats.is_some());
+    let wanted = crate::intercept::process::settings::settings().is_some_and(|settings| settings.stats.is_some());
     let bindings = number(api::GL_MAX_ATOMIC_COUNTER_BUFFER_BINDINGS) as u32;
     Limits {
         vertices: number(api::GL_MAX_GEOMETRY_OUTPUT_VERTICES),

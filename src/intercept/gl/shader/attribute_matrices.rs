@@ -9,7 +9,7 @@ use crate::intercept::gl::state::shader::attribute_matrices::AttributeMatrix;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::{buffers, ranges, vertex_arrays};
-use crate::intercept::lens::{self, Candidate, Told, rank};
+use crate::intercept::scene::lens::{self, Candidate, Told, rank};
 use std::ffi::{CStr, c_char};
 
 /// Result of the search for a lens in the attributes of a program.

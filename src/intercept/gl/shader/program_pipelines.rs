@@ -3,7 +3,7 @@
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::programs;
-use crate::intercept::gl::state::shader::programs::{Lens, Program};
+use crate::intercept::gl::state::shader::programs::{Program, ProgramLens};
 use std::sync::Arc;
 
 /// Chooses the program that draws: the program in use, or else the pipeline's last program before
@@ -29,18 +29,18 @@ pub fn active(ctx: &Context) -> Option<Arc<Program>> {
 }
 
 /// Returns the lens of the present draw. In a pipeline it is that of the last program that has one.
-pub fn lens(ctx: &mut Context, program: &Program) -> Lens {
+pub fn lens(ctx: &mut Context, program: &Program) -> ProgramLens {
     let lens = program.lens(ctx);
-    if ctx.shaders.pipelines.used != 0 || lens != Lens::Flat {
+    if ctx.shaders.pipelines.used != 0 || lens != ProgramLens::Flat {
         return lens;
     }
     for name in ctx.shaders.pipelines.stages().last_first() {
         let lens = programs::record(&ctx.share, name).filter(|p| p.name != program.name).map(|p| p.lens(ctx));
-        if let Some(lens) = lens.filter(|lens| *lens != Lens::Flat) {
+        if let Some(lens) = lens.filter(|lens| *lens != ProgramLens::Flat) {
             return lens;
         }
     }
-    Lens::Flat
+    ProgramLens::Flat
 }
 
 hooks! {

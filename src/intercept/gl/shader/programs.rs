@@ -6,28 +6,28 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::shader::attribute_matrices::{self, Found};
 use crate::intercept::gl::shader::{assembly, camera_matrices, uniforms};
-use crate::intercept::gl::state::shader::programs::{Lens, Program};
+use crate::intercept::gl::state::shader::programs::{Program, ProgramLens};
 use crate::intercept::gl::vertex_input::buffers;
-use crate::intercept::lens::Told;
-use crate::intercept::log;
+use crate::intercept::process::log;
+use crate::intercept::scene::lens::Told;
 use crate::lock::Lock;
 use crate::runtime::session::{MatrixClass, Session};
 use std::sync::Arc;
 
 impl Program {
     /// Returns the lens in the present matrices.
-    pub fn lens(&self, ctx: &mut Context) -> Lens {
+    pub fn lens(&self, ctx: &mut Context) -> ProgramLens {
         if self.location < 0 {
-            return Lens::Flat;
+            return ProgramLens::Flat;
         }
         if self.fixed_matrices {
             ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
             if let MatrixClass::Perspective(intrinsics) = ctx.compat.projection.class {
-                return Lens::Perspective(Told::sure(intrinsics), "fixed-function matrix in a shader");
+                return ProgramLens::Perspective(Told::sure(intrinsics), "fixed-function matrix in a shader");
             }
         }
         let (lens, known) = self.uniforms_lens(ctx);
-        if lens != Lens::Flat {
+        if lens != ProgramLens::Flat {
             return lens;
         }
         let mut matrices = self.attribute_matrices.locked();
@@ -35,8 +35,8 @@ impl Program {
             return if known { lens } else { given(ctx) };
         }
         match attribute_matrices::lens(ctx, &mut matrices) {
-            Found::Lens(told) => Lens::Perspective(told, "matrix of a vertex attribute"),
-            _ if known => Lens::Flat,
+            Found::Lens(told) => ProgramLens::Perspective(told, "matrix of a vertex attribute"),
+            _ if known => ProgramLens::Flat,
             Found::Nothing => given(ctx),
             Found::Unreadable => {
                 let lens = given(ctx);
@@ -53,10 +53,10 @@ impl Program {
 
     /// Returns the lens in the present uniforms, and whether the uniforms are sufficient to decide
     /// this.
-    fn uniforms_lens(&self, ctx: &Context) -> (Lens, bool) {
+    fn uniforms_lens(&self, ctx: &Context) -> (ProgramLens, bool) {
         let mut uniforms = self.uniforms.locked();
         if !uniforms.any() && !self.fixed_matrices {
-            return (Lens::Flat, false);
+            return (ProgramLens::Flat, false);
         }
         let generation = ctx.vertex_input.blocks.generation();
         let lens = uniforms.lens(ctx.driver.gl, generation, &buffers::of(&ctx.share));
@@ -65,12 +65,12 @@ impl Program {
 }
 
 /// Returns the rig's lens, for draws with a depth test by a program without a matrix.
-pub fn given(ctx: &Context) -> Lens {
+pub fn given(ctx: &Context) -> ProgramLens {
     match ctx.session().and_then(Session::given_lens) {
         Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
-            Lens::Perspective(Told::sure(lens), "the rig's lens")
+            ProgramLens::Perspective(Told::sure(lens), "the rig's lens")
         }
-        _ => Lens::Flat,
+        _ => ProgramLens::Flat,
     }
 }
 

@@ -1,8 +1,8 @@
 //! Uniforms that Cupola does not use. They have hooks only if several machines compare the calls of
 //! their programs.
 
-use crate::intercept::call_sum::add_values;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::process::call_sum::add_values;
 
 /// Number of values in this number of vectors of `length`.
 fn values(count: i32, length: usize) -> usize {

@@ -1,12 +1,12 @@
 //! Commands that set a program's matrices.
 
-use crate::intercept::call_sum;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::uniforms::MOST_NAMED;
 use crate::intercept::gl::shader::{program_pipelines, programs};
 use crate::intercept::gl::state::shader::programs::Program;
-use crate::intercept::lens::transposed;
+use crate::intercept::process::call_sum;
+use crate::intercept::scene::lens::transposed;
 use crate::lock::Lock;
 
 /// Notes a matrix that the program sets.

@@ -9,7 +9,7 @@ use crate::intercept::gl::state::shader::programs::FragCoord;
 use crate::intercept::gl::state::shader::uniforms::{
     Block, ChosenFrom, IndexLocation, Matrix, MatrixLocation, Uniforms,
 };
-use crate::intercept::lens::{Order, rank};
+use crate::intercept::scene::lens::{Order, rank};
 use std::collections::BTreeSet;
 use std::ffi::{CStr, CString, c_char};
 

@@ -7,12 +7,12 @@
 //! array may still hold the old buffer).
 
 use crate::backend::gl::driver::api;
-use crate::intercept::call_sum;
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::gl::vertex_input::buffer_bindings;
+use crate::intercept::process::call_sum;
 use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::MutexGuard;

@@ -1,6 +1,7 @@
 //! Life of a device: `vkCreateDevice`, its queues, `vkDestroyDevice`.
 
 use crate::backend::vk::{Api, missing_of_device};
+use crate::intercept::process::{clock, log, nodes, settings};
 use crate::intercept::vk::layer::features::Enabled;
 use crate::intercept::vk::layer::{chain_links, features};
 use crate::intercept::vk::state::device::{DEVICES, Device, Role, get};
@@ -11,7 +12,6 @@ use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::driver::{Driver, SetDeviceLoaderData};
 use crate::intercept::vk::state::views::vertices::VertexProcessing;
 use crate::intercept::vk::state::views::view_constants::ConstantPool;
-use crate::intercept::{clock, log, nodes, settings};
 use crate::lock::{Lock, SharedLock};
 use crate::runtime::cache;
 use ash::{ext, khr, vk};

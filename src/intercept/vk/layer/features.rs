@@ -2,7 +2,7 @@
 //! primitives, and atomic operations, if the statistics count primitives that are not divided
 //! enough.
 
-use crate::intercept::settings;
+use crate::intercept::process::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
 use crate::intercept::vk::state::driver::structures::{Copied, in_chain};
 use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};

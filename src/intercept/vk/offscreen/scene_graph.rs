@@ -5,8 +5,8 @@
 //! An image leads to the window by a flat draw of a few vertices that samples it and covers the
 //! whole target, or by a copy of the whole image.
 
-use crate::intercept::lens::{self, Candidate};
-use crate::intercept::settings;
+use crate::intercept::process::settings;
+use crate::intercept::scene::lens::{self, Candidate};
 use crate::intercept::vk::offscreen::images::READ_TOGETHER;
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;

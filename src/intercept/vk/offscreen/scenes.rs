@@ -1,8 +1,8 @@
 //! Images that hold a scene on its way to the window: their atlases and view copies.
 
+use crate::intercept::process::settings;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::scene::viewport;
-use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_images::ViewImages;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::{Image, Images, KnownScene, ViewCopies, aspects};

@@ -1,7 +1,7 @@
 //! Compute pipelines: the data that their shaders read and write, and variants with the camera
 //! matrices of a view.
 
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::pipelines::variants::Modules;

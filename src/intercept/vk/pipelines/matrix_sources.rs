@@ -1,6 +1,6 @@
 //! Matrices that shaders read: their locations and values.
 
-use crate::intercept::lens;
+use crate::intercept::scene::lens;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::Recording;

@@ -1,7 +1,7 @@
 //! Variants of the program's pipelines. Libraries have variants, too. A pipeline that is linked
 //! from libraries has variants that are linked from theirs.
 
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
 use crate::intercept::vk::pipelines::dividing_stage;

@@ -1,7 +1,7 @@
 //! Shader stages of a pipeline, changed for views in parts beside the position: positions on the
 //! screen, texels of images of the scene, camera matrices.
 
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::spirv::{self, DescriptorPlace};
 use crate::intercept::vk::state::device::Device;

@@ -243,7 +243,7 @@ impl Queries {
             match Scratch::new(device, scaler, &pool, queries) {
                 Ok(new) => *scratch = Some(new),
                 Err(error) => {
-                    crate::intercept::log::once(&format!(
+                    crate::intercept::process::log::once(&format!(
                         "Vulkan: counts of queries are copied without scaling: {error}"
                     ));
                 }

@@ -4,7 +4,7 @@
 //! blocks that the program fills are followed member by member. In doubt a value counts as flowing:
 //! this includes all conditions, in every function, and all arguments of a call.
 
-use crate::intercept::lens;
+use crate::intercept::scene::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
 use std::collections::{BTreeMap, HashMap, HashSet};

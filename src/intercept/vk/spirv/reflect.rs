@@ -1,6 +1,6 @@
 //! Locations of a shader's 4×4 matrices.
 
-use crate::intercept::lens;
+use crate::intercept::scene::lens;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};

@@ -1,6 +1,6 @@
 //! Decision whether draws are issued for each view, and the reason if they are not.
 
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
 use std::sync::OnceLock;
 

@@ -1,6 +1,6 @@
 //! Pipelines of the program and their layouts, and the pipelines that draw instead of them.
 
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::intercept::vk::spirv::{ComputeUse, DescriptorPlace, Matrix};
 use crate::lock::Lock;
 use crate::runtime::session::ViewMatrix;

@@ -1,7 +1,7 @@
 //! Pools of queries whose counts are scaled.
 
 use crate::backend::vk::Buffer;
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::intercept::scene::query_scaling::{Quantity, QueryScaling};
 use crate::intercept::vk::state::driver::Driver;
 use crate::lock::Lock;

@@ -6,10 +6,10 @@
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::single;
-use crate::intercept::call_sum;
 use crate::intercept::inspection;
-use crate::intercept::lens::{self, Candidate, Told};
+use crate::intercept::process::call_sum;
 use crate::intercept::scene::flat_program::OffScreen;
+use crate::intercept::scene::lens::{self, Candidate, Told};
 use crate::intercept::scene::to_window::ToWindow;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};

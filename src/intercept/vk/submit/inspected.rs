@@ -1,7 +1,7 @@
 //! Describes draws for `cupola inspect`.
 
 use crate::intercept::inspection::{self, DrawNote, MatrixNote};
-use crate::intercept::lens::Candidate;
+use crate::intercept::scene::lens::Candidate;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::recording::draw_groups::{DrawClass, DrawGroup, MatrixSource};
 

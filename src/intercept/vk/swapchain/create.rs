@@ -2,10 +2,10 @@
 //! correction.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::clock;
-use crate::intercept::live::{self, Live};
-use crate::intercept::log;
-use crate::intercept::settings::{self, Settings};
+use crate::intercept::process::clock;
+use crate::intercept::process::live::{self, Live};
+use crate::intercept::process::log;
+use crate::intercept::process::settings::{self, Settings};
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::swapchains::formats::{TexelFormat, is_usual};

@@ -2,19 +2,19 @@
 
 use crate::correct::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::clock;
-use crate::intercept::ending;
-use crate::intercept::last_frame::{self, LastFrame};
+use crate::intercept::inspection::last_frame::{self, LastFrame};
+use crate::intercept::process::clock;
+use crate::intercept::process::ending;
+use crate::intercept::process::settings::Settings;
+use crate::intercept::process::{log, nodes, publishing, settings};
 use crate::intercept::scene::common_statistics;
 use crate::intercept::scene::flat_program::OffScreen;
-use crate::intercept::settings::Settings;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::{publish, read_back};
-use crate::intercept::{log, nodes, publishing, settings};
 use crate::lock::Lock;
 use crate::rig::{Duplicate, Rig};
 use crate::runtime::run_results::{Picture, Statistics, ViewStatistics};

@@ -1,7 +1,7 @@
 //! Finished pictures for other processes: which pictures of a frame are read, and when.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::publishing::{self, Stamp};
+use crate::intercept::process::publishing::{self, Stamp};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::swapchains::Swapchain;

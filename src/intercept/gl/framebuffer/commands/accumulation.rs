@@ -8,7 +8,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::context::own_calls::OwnCalls;
-use crate::intercept::log;
+use crate::intercept::process::log;
 
 /// Returns the parts of the atlas that an operation on the program's window affects: the whole
 /// atlas, or the parts of the program's own pictures within the scissor. As for clears, a scissor

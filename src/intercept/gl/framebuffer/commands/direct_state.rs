@@ -6,6 +6,7 @@
 //! the scissor has an effect: while the window is bound, the scissor is that of a tile.
 
 use crate::backend::gl::driver::api;
+use crate::correct::BlitRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::commands::{bindings, blits, clears, draw_buffers, window_answers};
@@ -99,7 +100,8 @@ macro_rules! named_framebuffer_hooks {
                 } else if ctx.compiling() {
                     gl.blit_named_framebuffer(real(ctx, read), real(ctx, draw), x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
                 } else {
-                    bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
+                    let (source, destination) = (BlitRect::new(x0, y0, x1, y1), BlitRect::new(u0, v0, u1, v1));
+                    bound(ctx, Some(draw), Some(read), |ctx| blits::blit(ctx, source, destination, mask, filter));
                 }
             };
             "glNamedFramebufferTexture" named_framebuffer_texture(framebuffer: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {

@@ -1,5 +1,6 @@
 //! The program's own picture, resampled from the views for its first read.
 
+use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::backend::gl::{GlBackend, OwnFramebuffer, Target};
 
 use crate::backend::gl::driver::api;
@@ -9,7 +10,7 @@ use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::reading::{first_read_color, first_read_depth};
 use crate::intercept::gl::state::frame::Frame;
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::rig::{Camera, Filter, Transfer};
 use crate::runtime::session::{Frustum, Session};
 use glam::DMat3;
@@ -118,25 +119,18 @@ pub(in crate::intercept::gl) fn copy(
     let mut backend = GlBackend::new(gl, ctx.driver.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
     backend.prepare(gl, plan, plan.views.panel.is_some())?;
     let LowerLeftRect { width, height, .. } = tile;
-    let [x0, y0, x1, y1] = tile.corners();
+    let whole = LowerLeftRect::new(0, 0, width, height);
     let canvas = OwnFramebuffer::new(gl, width, height);
-    backend.present(
-        gl,
-        atlas,
-        &[Target { framebuffer: canvas.framebuffer, viewport: LowerLeftRect::new(0, 0, width, height) }],
-    );
+    backend.present(gl, atlas, &[Target { framebuffer: canvas.framebuffer, viewport: whole }]);
     // SAFETY: copies between framebuffers of Cupola; bindings and scissor test are put back.
     unsafe {
         let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
         gl.disable(api::GL_SCISSOR_TEST);
-        let (mut read, mut draw) = (0, 0);
-        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
-        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
+        let bindings = FramebufferBindings::save(gl);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, canvas.framebuffer);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-        gl.blit_framebuffer(0, 0, width, height, x0, y0, x1, y1, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
-        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
-        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
+        blit(gl, whole.corners(), tile.corners(), api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+        bindings.restore(gl);
         if scissor {
             gl.enable(api::GL_SCISSOR_TEST);
         }

@@ -2,8 +2,9 @@
 //! one texel, from the view that shows its direction.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::correct;
-use crate::correct::LowerLeftRect;
+use crate::correct::{BlitRect, LowerLeftRect};
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::driver::Driver;
@@ -165,7 +166,6 @@ pub fn read(gl: &Gl, framebuffer: u32, rect: LowerLeftRect, content: Content) ->
 /// Writes content into a tile of the stand-in image. Restores all state that it changes.
 pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content: Content, pixels: &[u32]) {
     let [width, height] = tile.size();
-    let [x0, y0, x1, y1] = tile.corners();
     let texture = crate::backend::gl::driver::own_names::texture(gl);
     let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {
@@ -180,17 +180,14 @@ pub fn write(gl: &Gl, window: &DefaultFramebuffer, tile: LowerLeftRect, content:
     unsafe {
         let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
         gl.disable(api::GL_SCISSOR_TEST);
-        let (mut read, mut draw, mut own) = (0, 0, 0);
-        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
-        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
+        let (bindings, mut own) = (FramebufferBindings::save(gl), 0);
         gl.gen_framebuffers(1, &mut own);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, own);
         gl.framebuffer_texture2_d(api::GL_READ_FRAMEBUFFER, attachment, api::GL_TEXTURE_2D, texture, 0);
         gl.read_buffer(if content == Content::Color { attachment } else { api::GL_NONE });
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window.framebuffer());
-        gl.blit_framebuffer(0, 0, width, height, x0, y0, x1, y1, bits, api::GL_NEAREST);
-        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
-        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
+        blit(gl, BlitRect::new(0, 0, width, height), tile.corners(), bits, api::GL_NEAREST);
+        bindings.restore(gl);
         gl.delete_framebuffers(1, &own);
         gl.delete_textures(1, &texture);
         if scissor {

@@ -1,6 +1,7 @@
 //! Resolves the samples of the atlas for reads, and sets its alpha for windows without alpha.
 
 use crate::backend::gl::driver::api;
+use crate::backend::gl::objects::framebuffers::blit;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
@@ -60,7 +61,7 @@ impl DefaultFramebuffer {
         self.ready.set(None);
         let gl = ctx.driver.gl;
         let (width, height) = self.surface.size();
-        let [x0, y0, x1, y1] = part.unwrap_or(LowerLeftRect::new(0, 0, width, height)).corners();
+        let rect = part.unwrap_or(LowerLeftRect::new(0, 0, width, height)).corners();
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
         let reads =
             if ctx.drawable.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
@@ -72,10 +73,10 @@ impl DefaultFramebuffer {
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer());
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
-            gl.blit_framebuffer(x0, y0, x1, y1, x0, y0, x1, y1, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+            blit(gl, rect, rect, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
             if part.is_some() {
                 let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
-                gl.blit_framebuffer(x0, y0, x1, y1, x0, y0, x1, y1, depth, api::GL_NEAREST);
+                blit(gl, rect, rect, depth, api::GL_NEAREST);
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer));

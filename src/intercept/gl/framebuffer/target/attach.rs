@@ -11,7 +11,7 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
-use crate::intercept::{live, log, settings};
+use crate::intercept::process::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
 
 /// Replaces the window's framebuffer by the stand-in. If that fails, the program keeps the

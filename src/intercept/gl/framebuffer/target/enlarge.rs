@@ -1,13 +1,14 @@
 //! More tiles in the atlas: the panel and the program's own picture, at their first use.
 
 use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::objects::framebuffers::blit;
 use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::target::attach::{adopt, clear_everything};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::runtime::session::Extras;
 
 /// Adds the flat panel at its first use.
@@ -81,10 +82,9 @@ unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer
     // SAFETY: as promised.
     unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer()) };
     let copy = |from: LowerLeftRect, to: LowerLeftRect| {
-        let ([x0, y0, x1, y1], [u, v]) = (from.corners(), to.origin());
-        let (right, top) = (u + from.width, v + from.height);
+        let to = LowerLeftRect::new(to.x, to.y, from.width, from.height);
         // SAFETY: both rectangles lie in their framebuffers.
-        unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u, v, right, top, mask, api::GL_NEAREST) };
+        unsafe { blit(gl, from.corners(), to.corners(), mask, api::GL_NEAREST) };
     };
     for (from, to) in from.into_iter().zip(to) {
         if let (Some(from), Some(to)) = (from, to) {

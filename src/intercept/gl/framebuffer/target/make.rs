@@ -12,7 +12,7 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::{live, settings};
+use crate::intercept::process::{live, settings};
 use crate::rig::Duplicate;
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};

@@ -15,8 +15,8 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::{self, Plan};
 use crate::intercept::gl::context::errors::take_own_errors;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::log;
-use crate::intercept::settings::{self, Mask};
+use crate::intercept::process::log;
+use crate::intercept::process::settings::{self, Mask};
 use crate::runtime::cache;
 use crate::views::Tile;
 

@@ -18,7 +18,7 @@ use crate::runtime::session::Session;
 
 /// True if the settings allow to leave out draws.
 pub fn enabled() -> bool {
-    crate::intercept::settings::settings().is_some_and(|s| s.cull)
+    crate::intercept::process::settings::settings().is_some_and(|s| s.cull)
 }
 
 /// Returns the views of the window that can show a draw of `class` with vertices within `bounds`.

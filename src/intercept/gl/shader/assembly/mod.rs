@@ -15,8 +15,8 @@ use crate::intercept::gl::context::errors;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::shader::assembly::{AssemblyProgram, Parameter, Uploaded};
-use crate::intercept::gl::state::shader::programs::{IDENTITY, Lens};
-use crate::intercept::lens::{self, Candidate};
+use crate::intercept::gl::state::shader::programs::{IDENTITY, ProgramLens};
+use crate::intercept::scene::lens::{self, Candidate};
 use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::{Arc, Mutex};
@@ -49,7 +49,7 @@ fn ask(ctx: &Context, what: u32) -> u32 {
 }
 
 /// Returns the lens in the present parameters.
-pub fn lens(ctx: &Context, program: &AssemblyProgram) -> Lens {
+pub fn lens(ctx: &Context, program: &AssemblyProgram) -> ProgramLens {
     let mut values = program.values.locked();
     values.clear();
     for matrix in &program.matrices {
@@ -72,8 +72,8 @@ pub fn lens(ctx: &Context, program: &AssemblyProgram) -> Lens {
     let candidates = program.matrices.iter().zip(values.iter());
     let candidates = candidates.map(|(matrix, value)| Candidate { rank: 0, value, order: matrix.order });
     match lens::find(candidates) {
-        Some((told, _)) => Lens::Perspective(told, "parameters of a vertex program"),
-        None => Lens::Flat,
+        Some((told, _)) => ProgramLens::Perspective(told, "parameters of a vertex program"),
+        None => ProgramLens::Flat,
     }
 }
 

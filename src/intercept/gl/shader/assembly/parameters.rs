@@ -2,7 +2,7 @@
 
 use crate::intercept::gl::state::shader::assembly::{Parameter, ParameterMatrix};
 use crate::intercept::gl::state::shader::position_names::Uses;
-use crate::intercept::lens;
+use crate::intercept::scene::lens;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::RangeInclusive;
 
@@ -190,7 +190,7 @@ fn numbers(brackets: &str) -> Option<RangeInclusive<u32>> {
 #[cfg(test)]
 mod tests {
     use super::{Parameter, ParameterMatrix, of_position};
-    use crate::intercept::lens::Order;
+    use crate::intercept::scene::lens::Order;
 
     fn matrices(body: &str) -> Vec<ParameterMatrix> {
         let found = of_position(&format!("!!ARBvp1.0\n{body}\nEND"));

@@ -17,7 +17,7 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::programs::{FragCoord, Position, Program};
-use crate::intercept::log;
+use crate::intercept::process::log;
 use crate::lock::Lock;
 use std::collections::{HashMap, HashSet};
 use std::ffi::{CStr, c_char, c_void};

@@ -8,7 +8,7 @@ use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::error::Result;
 use crate::intercept::gl::state::drawable::cleared_views::Content;
 use crate::intercept::gl::state::drawable::window_config::Config;
-use crate::intercept::settings;
+use crate::intercept::process::settings;
 use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;

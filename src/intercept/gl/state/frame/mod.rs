@@ -12,13 +12,13 @@ pub mod publishing;
 pub mod statistics;
 
 use crate::correct::LowerLeftRect;
-use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::frame::background::Background;
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
 use crate::intercept::gl::state::frame::publishing::Publishing;
 use crate::intercept::gl::state::frame::statistics::Counts;
+use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::runtime::frame_times::FrameTimes;

@@ -5,7 +5,7 @@ use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
 use crate::backend::gl::{OwnFramebuffer, Target};
 use crate::correct::LowerLeftRect;
-use crate::intercept::publishing::{self, Stamp};
+use crate::intercept::process::publishing::{self, Stamp};
 use crate::ring::{Pictures, Shape};
 use crate::runtime::session::Session;
 use std::ffi::c_void;

@@ -2,7 +2,9 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
-use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name, with_texture};
+use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
+use crate::correct::BlitRect;
+use crate::intercept::gl::state::offscreen::images::{self, Name, with_texture};
 
 /// A depth texture of Cupola, and a framebuffer with this texture alone. `glBlitFramebuffer` copies
 /// depth between equal formats only; `glCopyTexSubImage2D` converts.
@@ -27,7 +29,7 @@ impl DepthConverter {
         });
         // SAFETY: makes an object of Cupola; the bindings are put back.
         let complete = unsafe {
-            let bindings = Bindings::save(gl);
+            let bindings = FramebufferBindings::save(gl);
             converter.framebuffer = own_names::framebuffer(gl);
             gl.bind_framebuffer(api::GL_FRAMEBUFFER, converter.framebuffer);
             images::attach(gl, api::GL_DEPTH_ATTACHMENT, level);
@@ -54,21 +56,20 @@ impl DepthConverter {
         self.format
     }
 
-    /// Copies from the read framebuffer to the draw framebuffer. The source is the rectangle with
-    /// the lower left corner `[x, y]`. Its part between the corners `from` goes to the rectangle
-    /// between the corners `to`. Bindings are put back.
-    pub fn convert(&self, gl: &Gl, [x, y]: [i32; 2], from: [i32; 4], to: [i32; 4]) {
-        let [width, height] = self.size;
+    /// Copies the rectangle `from` of the read framebuffer, which has the converter's size, to the
+    /// rectangle `to` of the draw framebuffer. Bindings are put back.
+    pub fn convert(&self, gl: &Gl, from: BlitRect, to: BlitRect) {
+        let ([x, y], [width, height]) = (from.unmirrored().origin(), self.size);
         with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, self.texture, || {
             // SAFETY: Cupola's texture is bound.
             unsafe { gl.copy_tex_sub_image2_d(api::GL_TEXTURE_2D, 0, 0, 0, x, y, width, height) };
         });
         // SAFETY: a framebuffer of Cupola; the binding is put back.
         unsafe {
-            let bindings = Bindings::save(gl);
+            let bindings = FramebufferBindings::save(gl);
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.framebuffer);
             let (mask, filter) = (api::GL_DEPTH_BUFFER_BIT, api::GL_NEAREST);
-            gl.blit_framebuffer(from[0], from[1], from[2], from[3], to[0], to[1], to[2], to[3], mask, filter);
+            blit(gl, from.moved(-x, -y), to, mask, filter);
             bindings.restore(gl);
         }
     }

@@ -3,7 +3,8 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
-use crate::intercept::gl::state::offscreen::images::{self, Bindings, Image, Name};
+use crate::backend::gl::objects::framebuffers::FramebufferBindings;
+use crate::intercept::gl::state::offscreen::images::{self, Image, Name};
 use crate::intercept::scene::obstacle::Obstacle;
 
 /// Greatest number of colour attachments that are followed.
@@ -94,7 +95,7 @@ impl Framebuffer {
         let mut buffers = [api::GL_NONE; COLOURS];
         // SAFETY: makes an object of Cupola; the bindings are put back.
         let complete = unsafe {
-            let bindings = Bindings::save(gl);
+            let bindings = FramebufferBindings::save(gl);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.name);
             for (i, buffer) in buffers.iter_mut().enumerate() {
                 let mut value = 0;

@@ -3,6 +3,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
+use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::backend::gl::objects::surface::greatest_texture;
 use crate::correct::LowerLeftRect;
 
@@ -266,7 +267,7 @@ impl Image {
         let mut pair = Pair { context, ours: 0, own: 0 };
         // SAFETY: makes objects of Cupola; bindings are put back.
         let complete = unsafe {
-            let bindings = Bindings::save(gl);
+            let bindings = FramebufferBindings::save(gl);
             pair.ours = own_names::framebuffer(gl);
             pair.own = own_names::framebuffer(gl);
             let own = self.attach_for_copies(gl, pair.own, self.name);
@@ -378,49 +379,13 @@ pub unsafe fn attach(gl: &Gl, point: u32, image: Name) {
 /// Copies between rectangles of one size in two framebuffers; bindings are put back. The
 /// scissor test must be off.
 fn copy(gl: &Gl, from: (u32, LowerLeftRect), to: (u32, LowerLeftRect), mask: u32) {
-    let ([x0, y0, x1, y1], [u0, v0, u1, v1]) = (from.1.corners(), to.1.corners());
     // SAFETY: framebuffers of Cupola, or bindings as the program made them, that are put back.
     unsafe {
-        let bindings = Bindings::save(gl);
+        let bindings = FramebufferBindings::save(gl);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);
-        gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, api::GL_NEAREST);
+        blit(gl, from.1.corners(), to.1.corners(), mask, api::GL_NEAREST);
         bindings.restore(gl);
-    }
-}
-
-/// The bound framebuffers, so that they can be put back.
-pub struct Bindings {
-    draw: i32,
-    read: i32,
-}
-
-impl Bindings {
-    /// # Safety
-    /// A context must be current.
-    pub unsafe fn save(gl: &Gl) -> Self {
-        let mut bindings = Self { draw: 0, read: 0 };
-        // SAFETY: each writes one integer.
-        unsafe {
-            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bindings.draw);
-            gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut bindings.read);
-        }
-        bindings
-    }
-
-    /// Returns the framebuffer that was bound for drawing.
-    pub fn draw(&self) -> u32 {
-        self.draw as u32
-    }
-
-    /// # Safety
-    /// The context of `save` must be current.
-    pub unsafe fn restore(&self, gl: &Gl) {
-        // SAFETY: puts back what was bound.
-        unsafe {
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.read as u32);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.draw as u32);
-        }
     }
 }
 
@@ -470,6 +435,7 @@ pub type Set = u64;
 mod tests {
     use super::{TileGrid, sized};
     use crate::backend::gl::driver::api;
+    use crate::correct::BlitRect;
 
     #[test]
     fn tiles_are_apart_and_inside() {
@@ -478,7 +444,7 @@ mod tests {
             let [width, height] = grid.extent(count);
             let all: Vec<_> = (0..count).map(|index| grid.tile(index)).collect();
             for (i, tile) in all.iter().enumerate() {
-                let [x, y, right, top] = tile.corners();
+                let BlitRect { start: [x, y], end: [right, top] } = tile.corners();
                 assert!(x % 7 == 0 && y % 5 == 0 && right <= width && top <= height);
                 assert!(!all[..i].contains(&all[i]));
             }

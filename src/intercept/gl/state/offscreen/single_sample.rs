@@ -3,7 +3,8 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::driver::own_names;
-use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name};
+use crate::backend::gl::objects::framebuffers::FramebufferBindings;
+use crate::intercept::gl::state::offscreen::images::{self, Name};
 
 /// A framebuffer with colours only.
 pub struct SingleSampleImage {
@@ -20,7 +21,7 @@ impl SingleSampleImage {
         let mut canvas = Self { framebuffer: 0, renderbuffer: 0, size, format };
         // SAFETY: makes objects of Cupola; the bindings are put back.
         let complete = unsafe {
-            let bindings = Bindings::save(gl);
+            let bindings = FramebufferBindings::save(gl);
             let mut bound = 0;
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut bound);
             canvas.renderbuffer = own_names::renderbuffer(gl);

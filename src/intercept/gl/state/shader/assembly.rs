@@ -1,7 +1,7 @@
 //! Vertex programs in assembly language.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
-use crate::intercept::lens::Order;
+use crate::intercept::scene::lens::Order;
 use std::sync::Mutex;
 
 /// A vertex program in assembly language that re-projects its position.

@@ -1,9 +1,9 @@
 //! Matrices of a program that may be functions of its camera.
 
 use crate::backend::gl::driver::api::Gl;
-use crate::intercept::camera::Cameras;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
+use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::eye::{self, Eye};
 use crate::runtime::session::{CameraFunction, Direction, Intrinsics, ViewMatrix};
 

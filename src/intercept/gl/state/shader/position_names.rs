@@ -1,6 +1,6 @@
 //! Names in a program's shaders that may flow into the position.
 
-use crate::intercept::lens::{self, Order};
+use crate::intercept::scene::lens::{self, Order};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Names in shaders that may flow into a position.

@@ -7,7 +7,7 @@ use crate::intercept::gl::state::shader::camera_matrices::CameraMatrices;
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use crate::intercept::gl::state::shader::variants::Variants;
-use crate::intercept::lens::Told;
+use crate::intercept::scene::lens::Told;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex};
 
@@ -179,7 +179,7 @@ impl FragCoord {
 
 /// Projection with which a program draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
+pub enum ProgramLens {
     /// A perspective projection, and the way in which it was found.
     Perspective(Told, &'static str),
     /// No perspective projection.

@@ -1,10 +1,10 @@
 //! The 4×4 matrices of a program.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::state::shader::programs::Lens;
+use crate::intercept::gl::state::shader::programs::ProgramLens;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
-use crate::intercept::lens::{self, Candidate, Order, transposed};
-use crate::intercept::log;
+use crate::intercept::process::log;
+use crate::intercept::scene::lens::{self, Candidate, Order, transposed};
 
 /// The 4×4 matrices of a program.
 #[derive(Default)]
@@ -15,7 +15,7 @@ pub struct Uniforms {
     pub(in crate::intercept::gl) arrays: Vec<ChosenFrom>,
     /// The program's name.
     pub(in crate::intercept::gl) program: u32,
-    pub(in crate::intercept::gl) lens: Option<Lens>,
+    pub(in crate::intercept::gl) lens: Option<ProgramLens>,
     pub(in crate::intercept::gl) generation: u64,
     /// True if the buffer of a block is mapped permanently. The program may then write to it at any
     /// time, without a call.
@@ -89,7 +89,7 @@ impl Matrix {
 
 impl Uniforms {
     /// Returns the lens that the matrices hold now.
-    pub fn lens(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) -> Lens {
+    pub fn lens(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) -> ProgramLens {
         self.refresh(gl, generation, buffers);
         for array in &mut self.arrays {
             if let IndexLocation::Uniform(location) = array.index {
@@ -106,7 +106,7 @@ impl Uniforms {
         if self.lens.is_none() {
             self.lens = Some(self.find());
         }
-        self.lens.unwrap_or(Lens::Flat)
+        self.lens.unwrap_or(ProgramLens::Flat)
     }
 
     /// Reads the blocks again if `generation` has changed since the last time, or if a buffer may
@@ -168,7 +168,7 @@ impl Uniforms {
         }
     }
 
-    fn find(&mut self) -> Lens {
+    fn find(&mut self) -> ProgramLens {
         // An element that Cupola does not follow gives no information.
         let is_kept = |array: usize, number: u32| self.matrices.iter().any(|m| m.element == Some((array, number)));
         let chosen = |array: usize| self.arrays.get(array)?.chosen.filter(|number| is_kept(array, *number));
@@ -179,7 +179,7 @@ impl Uniforms {
         let found = lens::find(used().map(Matrix::candidate));
         let Some((told, number)) = found else {
             self.unclear = false;
-            return Lens::Flat;
+            return ProgramLens::Flat;
         };
         let array = used().nth(number).and_then(|matrix| matrix.element).map(|(array, _)| array);
         let beside = used().filter(|matrix| array.is_some() && matrix.element.map(|(array, _)| array) == array);
@@ -191,9 +191,9 @@ impl Uniforms {
                 "a shader chooses between matrices with different lenses, and Cupola cannot see which one it takes: its \
                  draws are flat. If they show a scene, set camera.lens in the rig",
             );
-            return Lens::Flat;
+            return ProgramLens::Flat;
         }
-        Lens::Perspective(told, told.how())
+        ProgramLens::Perspective(told, told.how())
     }
 
     /// Reads the matrices in blocks again, and the numbers that choose among them. Returns true if

@@ -4,7 +4,7 @@
 //! Until submission a draw may be part of the scene, which the panel does not show, or flat, which
 //! the views do not show.
 
-use crate::intercept::settings;
+use crate::intercept::process::settings;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::Recording;
 use crate::intercept::vk::state::recording::draw_parameters::{BYTES, DrawParameters, IndirectDraw};

@@ -6,8 +6,8 @@
 pub mod framebuffers;
 pub mod scene_graph;
 
+use crate::intercept::process::settings;
 use crate::intercept::scene::viewport;
-use crate::intercept::settings;
 use crate::intercept::vk::state::driver::own_image::OwnImage;
 use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
 use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};

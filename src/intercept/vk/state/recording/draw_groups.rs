@@ -2,11 +2,11 @@
 //! submitted.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
-use crate::intercept::camera::Cameras;
-use crate::intercept::lens::Told;
+use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::eye::Eye;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::intercept::scene::frame_order::FrameOrder;
+use crate::intercept::scene::lens::Told;
 use crate::intercept::scene::to_window::Area;
 use crate::intercept::vk::spirv::Matrix;
 use crate::intercept::vk::state::pipelines::MatrixStage;

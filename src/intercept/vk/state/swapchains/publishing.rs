@@ -1,6 +1,6 @@
 //! Read-back of the published pictures of a window.
 
-use crate::intercept::publishing::{self, Stamp};
+use crate::intercept::process::publishing::{self, Stamp};
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::driver::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};

@@ -1,6 +1,6 @@
 use super::{of_stage, with_all_of};
 use crate::intercept::gl::state::shader::position_names::Choice;
-use crate::intercept::lens::Order;
+use crate::intercept::scene::lens::Order;
 
 fn flows(text: &str, name: &str) -> bool {
     of_stage([text]).expect("understood").contain(name)

@@ -8,7 +8,7 @@
 use super::file_stamp::FileStamp;
 use super::log;
 use super::settings::Settings;
-use crate::intercept::settings;
+use crate::intercept::process::settings;
 use crate::lock::Lock;
 use crate::rig::Rig;
 use std::path::Path;

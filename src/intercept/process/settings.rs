@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 pub struct Settings {
     /// The rig at the start (`CUPOLA_RIG`, preset or file; `fisheye` if unset). Keys of the profile
     /// and `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_CONTENT`, `CUPOLA_METHOD` and
-    /// `CUPOLA_DUPLICATE` are applied. [`crate::intercept::live::rig`] returns the current rig.
+    /// `CUPOLA_DUPLICATE` are applied. [`crate::intercept::process::live::rig`] returns the current rig.
     pub rig: Rig,
     /// The rig's file as an absolute path, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,

@@ -1,7 +1,7 @@
 //! The program's cameras: the lenses that it draws with, and the transform of each view for them.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
-use crate::intercept::lens::same;
+use crate::intercept::scene::lens::same;
 use crate::runtime::Session;
 use crate::runtime::session::{CameraFunction, Intrinsics, MatrixClass, classify};
 

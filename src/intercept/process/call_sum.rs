@@ -154,16 +154,16 @@ impl<T> Parameter for *mut T {
 /// Adds a call with its parameters.
 macro_rules! add_call {
     ($name:literal $(, $parameter:expr)*) => {
-        if $crate::intercept::call_sum::is_on() {
-            const CODE: u64 = $crate::intercept::call_sum::code($name);
+        if $crate::intercept::process::call_sum::is_on() {
+            const CODE: u64 = $crate::intercept::process::call_sum::code($name);
             if CODE != 0 {
-                $crate::intercept::call_sum::add(CODE);
+                $crate::intercept::process::call_sum::add(CODE);
                 $({
-                    const IS_NAME: bool = $crate::intercept::call_sum::is_name(stringify!($parameter));
-                    let number = $crate::intercept::call_sum::Parameter::number($parameter);
+                    const IS_NAME: bool = $crate::intercept::process::call_sum::is_name(stringify!($parameter));
+                    let number = $crate::intercept::process::call_sum::Parameter::number($parameter);
                     match IS_NAME {
-                        true => $crate::intercept::call_sum::add_name(stringify!($parameter), number),
-                        false => $crate::intercept::call_sum::add(number),
+                        true => $crate::intercept::process::call_sum::add_name(stringify!($parameter), number),
+                        false => $crate::intercept::process::call_sum::add(number),
                     }
                 })*
             }

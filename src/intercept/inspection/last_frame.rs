@@ -1,8 +1,9 @@
 //! The most recent frame's statistics and pictures, which are written when the program ends.
 
-use super::inspection::page::{self, Page};
-use super::settings::{self, Settings};
-use super::{inspection, log, publishing, signals};
+use crate::intercept::inspection;
+use crate::intercept::inspection::page::{self, Page};
+use crate::intercept::process::settings::{self, Settings};
+use crate::intercept::process::{log, publishing, signals};
 use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
 use crate::runtime::run_results::{self, Picture, Statistics};
