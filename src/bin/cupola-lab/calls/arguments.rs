@@ -222,6 +222,8 @@ impl<'a> Caller<'a> {
             return self.slot(letter);
         }
         let from: &[i32] = match name {
+            // Names that lists of Cupola keep apart are not neighbours.
+            "range" if of == "glDeleteLists" => &[0, 1, 1, 1, -1],
             "width" | "height" | "depth" | "srcWidth" | "srcHeight" | "srcDepth" | "w" | "h" => &SIZES,
             "x" | "y" | "z" | "left" | "bottom" | "xoffset" | "yoffset" | "zoffset" => &PLACES,
             _ if name.starts_with("src") || name.starts_with("dst") => &PLACES,

@@ -12,7 +12,7 @@ pub struct Pair {
     pub file: PathBuf,
 }
 
-/// The first difference.
+/// Answers to a line that differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Number of the line, from 1.
@@ -26,6 +26,7 @@ pub struct Difference {
 /// Result of an episode.
 pub enum Outcome {
     Same,
+    /// The first difference.
     Different(Difference),
     /// Line in which the driver crashed without Cupola.
     Crashed(usize),
@@ -37,8 +38,18 @@ impl Pair {
         std::fs::write(&self.file, lines.join("\n") + "\n").map_err(failure)
     }
 
-    /// Plays lines with and without Cupola at the same time.
+    /// Plays lines with and without Cupola at the same time, and finds the first difference.
     pub fn compare(&mut self, lines: &[String]) -> Result<Outcome, Failure> {
+        Ok(self.compare_knowing(lines, |_| false)?.1)
+    }
+
+    /// Plays lines as [`Self::compare`]. Also returns the calls before the first difference whose
+    /// answers differ in a kind that `is_known`.
+    pub fn compare_knowing(
+        &mut self,
+        lines: &[String],
+        is_known: impl Fn(&str) -> bool,
+    ) -> Result<(Vec<Difference>, Outcome), Failure> {
         self.write(lines)?;
         self.plain.send(&self.file)?;
         self.ours.send(&self.file)?;
@@ -47,7 +58,7 @@ impl Pair {
             let ours = self.ours.receive();
             (plain.join().unwrap_or_else(|_| Err(Failure::new("a player's thread panicked"))), ours)
         });
-        Ok(outcome(&plain?, &ours?, lines))
+        Ok(outcome(&plain?, &ours?, lines, is_known))
     }
 
     /// Plays lines as [`Self::compare`], in a new process with Cupola.
@@ -67,9 +78,37 @@ fn number(line: &str) -> usize {
     line.split(' ').next().and_then(|word| word.parse().ok()).unwrap_or(0)
 }
 
-/// Finds the first difference between answers to the lines.
-pub fn outcome(plain: &Answers, ours: &Answers, lines: &[String]) -> Outcome {
-    let difference = plain.lines.iter().zip(&ours.lines).find(|(plain, ours)| plain != ours);
+/// Finds the calls before the first other difference whose answers differ in a kind that
+/// `is_known`, and the first other difference between answers to the lines.
+pub fn outcome(
+    plain: &Answers,
+    ours: &Answers,
+    lines: &[String],
+    is_known: impl Fn(&str) -> bool,
+) -> (Vec<Difference>, Outcome) {
+    let is_crash = |line: &str| line.split(' ').nth(1) == Some("signal");
+    let is_call = |line: usize| lines.get(line.wrapping_sub(1)).is_some_and(|line| line.contains(' '));
+    let mut known = Vec::new();
+    let difference = plain.lines.iter().zip(&ours.lines).find(|(plain, ours)| {
+        if plain == ours {
+            return false;
+        }
+        let line = number(plain);
+        if is_crash(plain) || is_crash(ours) || line != number(ours) || !is_call(line) {
+            return true;
+        }
+        let kind = kind(plain, ours, lines);
+        if !is_known(&kind) {
+            return true;
+        }
+        known.push(Difference { line, kind, plain: plain.to_string(), ours: ours.to_string() });
+        false
+    });
+    (known, first(difference, plain, ours, lines))
+}
+
+/// Returns the outcome for the first difference between lines of answers.
+fn first(difference: Option<(&String, &String)>, plain: &Answers, ours: &Answers, lines: &[String]) -> Outcome {
     let is_crash = |line: &str| line.split(' ').nth(1) == Some("signal");
     match difference {
         Some((plain, _)) if is_crash(plain) => Outcome::Crashed(number(plain)),

@@ -5,6 +5,10 @@ use super::registry::{Command, Registry};
 use super::{rules, sources};
 use clap::ValueEnum;
 
+/// Slot of the display list that is called between Begin and End. It has vertices only: errors of
+/// other commands there are a known limit, and so are lists with a Begin of their own.
+const LIST_OF_VERTICES: usize = SLOTS - 1;
+
 /// A kind of context.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
@@ -180,7 +184,7 @@ impl Writer<'_, '_> {
             && command.name.starts_with("glCallList")
         {
             // A list that calls itself would never end.
-            if slot > 0 {
+            if slot > 0 && slot != LIST_OF_VERTICES {
                 let called = self.caller.random.below(slot);
                 self.line(format!("v glCallList %l{called}"));
             }
@@ -207,9 +211,11 @@ impl Writer<'_, '_> {
     }
 
     /// Writes Begin and End. No forbidden command follows elements and lists, because Cupola does
-    /// not refuse all of them.
+    /// not refuse all of them. In a display list there are vertices only: Mesa 22.3 loses
+    /// attributes that no vertex follows.
     fn primitive(&mut self) {
-        const COMMANDS: [&str; 10] = [
+        const VERTICES: [&str; 3] = ["glVertex2f", "glVertex3fv", "glVertex4d"];
+        const COMMANDS: [&str; 9] = [
             "glVertex2f",
             "glVertex3fv",
             "glColor4f",
@@ -217,22 +223,24 @@ impl Writer<'_, '_> {
             "glTexCoord2f",
             "glMaterialfv",
             "glVertex4d",
-            "glEvalCoord1f",
             "glVertexAttrib4f",
             "glEdgeFlag",
         ];
         let has_lists = self.caller.one_in(4);
         self.named("glBegin");
         for _ in 0..self.caller.random.below(10) {
-            if !self.caller.one_in(6) {
+            if self.list.is_some() {
+                let name = self.caller.pick(&VERTICES);
+                self.named(name);
+            } else if !self.caller.one_in(6) {
                 let name = self.caller.pick(&COMMANDS);
                 self.named(name);
             } else if !has_lists {
                 self.in_primitive = true;
                 self.call();
                 self.in_primitive = false;
-            } else if self.list.is_none() && self.caller.one_in(2) {
-                self.named("glCallList");
+            } else if self.caller.one_in(2) {
+                self.line(format!("v glCallList %l{LIST_OF_VERTICES}"));
             } else {
                 self.named("glArrayElement");
             }
@@ -245,7 +253,11 @@ impl Writer<'_, '_> {
         self.line(format!("v glNewList %l{slot} 0x1300"));
         self.list = Some(slot);
         for _ in 0..self.caller.random.below(20) {
-            self.step();
+            if slot == LIST_OF_VERTICES {
+                self.named("glVertex3fv");
+            } else {
+                self.step();
+            }
         }
         self.list = None;
         self.line("v glEndList");

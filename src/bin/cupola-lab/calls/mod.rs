@@ -66,6 +66,10 @@ pub struct Arguments {
     /// Folder for files of calls
     #[arg(long, value_name = "DIR", default_value = "out/calls")]
     folder: PathBuf,
+    /// Do not let Mesa draw anything: more calls per second; the results of queries and feedback
+    /// are not compared
+    #[arg(long, conflicts_with = "vulkan")]
+    no_drawing: bool,
     /// Set an environment variable for the player with Cupola
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -103,6 +107,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         plain = arguments.validation.plain();
         ours.extend(arguments.validation.with_cupola(&ours));
     }
+    if arguments.no_drawing {
+        let variable = ("GALLIUM_NOOP".to_owned(), Some("true".to_owned()));
+        plain.push(variable.clone());
+        ours.push(variable);
+    }
     for variable in &arguments.set {
         ours.push(setting("--set", variable)?);
     }
@@ -136,7 +145,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         let index = (seed % kinds.len() as u64) as usize;
         let (kind, vocabulary) = (kinds[index], &vocabularies[index]);
-        let lines = episode::lines(vocabulary, seed, kind, arguments.calls);
+        let mut lines = episode::lines(vocabulary, seed, kind, arguments.calls);
+        lines.retain(|line| !rules::crashes_mesa(line, !arguments.no_drawing));
         report.play(&mut pair, &lines, &format!("seed {seed}, {}", kind.word()), arguments.keep)?;
     }
     for (kind, vocabulary) in kinds.iter().zip(&vocabularies) {
@@ -250,39 +260,58 @@ impl Report {
         Ok(())
     }
 
-    /// Plays an episode. After a crash of the driver, or a call that differs as an earlier one did,
-    /// it is played without that line.
+    /// Plays an episode. After a crash of the driver it is played without that line. Calls that
+    /// differ as earlier ones did are counted; if anything else differs after them, the episode is
+    /// played without them.
     fn play(&mut self, pair: &mut Pair, lines: &[String], name: &str, keep: bool) -> Result<(), Failure> {
         self.episodes += 1;
         let mut lines = lines.to_vec();
         for _ in 0..MOST_LINES_LEFT_OUT {
-            let played = match pair.compare(&lines)? {
+            let (known, outcome) = pair.compare_knowing(&lines, |kind| self.differences.contains_key(kind))?;
+            for difference in &known {
+                if let Some((count, _)) = self.differences.get_mut(&difference.kind) {
+                    *count += 1;
+                }
+            }
+            if !known.is_empty() && !matches!(outcome, Outcome::Same) {
+                for difference in known.iter().rev() {
+                    lines.remove(difference.line - 1);
+                }
+                self.left_out += known.len();
+                continue;
+            }
+            let played = match outcome {
                 Outcome::Same => {
                     self.calls += lines.len();
                     return Ok(());
                 }
                 Outcome::Crashed(line) => {
                     let call = lines.get(line.wrapping_sub(1)).map_or("", String::as_str);
-                    *self.crashes.entry(compare::command(call).to_owned()).or_default() += 1;
+                    let count = self.crashes.entry(compare::command(call).to_owned()).or_default();
+                    *count += 1;
+                    if *count == 1 {
+                        let file = self.folder.join(format!("crash-{}.calls", compare::command(call)));
+                        let lines = lines[..line.min(lines.len())].join("\n");
+                        std::fs::write(&file, format!("# {name}\n{lines}\n"))
+                            .map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
+                    }
                     line
                 }
                 Outcome::Different(difference) => {
-                    let is_known = self.differences.contains_key(&difference.kind);
                     self.found(pair, &lines, name, keep, &difference)?;
-                    // A question would differ again.
-                    let is_call = lines.get(difference.line.wrapping_sub(1)).is_some_and(|line| line.contains(' '));
-                    if !is_known || !is_call {
-                        self.calls += difference.line;
-                        return Ok(());
-                    }
-                    difference.line
+                    self.calls += difference.line;
+                    return Ok(());
                 }
             };
             if played < 2 || played > lines.len() {
                 return Ok(());
             }
-            lines.remove(played - 1);
-            self.left_out += 1;
+            // A list that is still being compiled would crash at its next end.
+            let ends_list = lines[played - 1].ends_with(" glEndList");
+            let begin = lines[..played].iter().rposition(|line| line.contains(" glNewList ")).filter(|_| ends_list);
+            let first = begin.unwrap_or(played - 1);
+            lines.drain(first..played);
+            self.left_out += played - first;
         }
         Ok(())
     }

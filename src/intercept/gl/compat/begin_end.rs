@@ -14,7 +14,7 @@ use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::draw::routing::draw;
 use crate::intercept::gl::per_view::issue::plain_program;
 use crate::intercept::gl::per_view::window_space::program_window_space;
-use crate::intercept::gl::projected_vertices;
+use crate::intercept::gl::projected_vertices::{self, Attribute};
 use crate::intercept::gl::state::compat::begin_end::{Phase, list_of};
 use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
 use crate::intercept::gl::state::draw::bounds::Bounds;
@@ -64,33 +64,20 @@ pub fn leave_to_list(ctx: &mut Context) {
 struct Current([Option<[f32; 4]>; 3]);
 
 impl Current {
+    const ATTRIBUTES: [Attribute; 3] = [Attribute::Color, Attribute::Normal, Attribute::Texture(0)];
+
     fn get(gl: &Gl, wanted: [bool; 3]) -> Self {
-        let names = [api::GL_CURRENT_COLOR, api::GL_CURRENT_NORMAL, api::GL_CURRENT_TEXTURE_COORDS];
-        Self(std::array::from_fn(|i| {
-            wanted[i].then(|| {
-                let mut value = [0.0; 4];
-                // SAFETY: writes four floats at most.
-                unsafe { gl.get_floatv(names[i], value.as_mut_ptr()) };
-                value
-            })
-        }))
+        Self(std::array::from_fn(|i| wanted[i].then(|| Self::ATTRIBUTES[i].current(gl))))
     }
 
     /// Restores the current values. Before the first vertex also sets values that are current
     /// already: if an attribute changes only after some vertices, Mesa gives these vertices a wrong
     /// value unless the attribute was set before them.
     fn set(&self, gl: &Gl) {
-        let [color, normal, texture] = &self.0;
-        // SAFETY: reads three or four floats.
-        unsafe {
-            if let Some(color) = color {
-                gl.color4fv(color.as_ptr());
-            }
-            if let Some(normal) = normal {
-                gl.normal3fv(normal.as_ptr());
-            }
-            if let Some(texture) = texture {
-                gl.tex_coord4fv(texture.as_ptr());
+        for (attribute, value) in Self::ATTRIBUTES.iter().zip(&self.0) {
+            if let Some(value) = value {
+                // SAFETY: the program calls glBegin, so that it has the fixed-function pipeline.
+                unsafe { attribute.set(gl, value) };
             }
         }
     }

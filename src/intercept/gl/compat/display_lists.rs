@@ -8,7 +8,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::app_state::window_state;
-use crate::intercept::gl::compat::{begin_end, raster_position};
+use crate::intercept::gl::compat::{begin_end, matrices, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command, Item, ListState, Primitive, Recording, record};
@@ -53,6 +53,9 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
                     Item::Real { list, draws, raster, sets_state, bounds, primitive } => {
                         if ctx.compat.immediate.under_way() || primitive.within.is_some() {
                             begin_end::run_part(ctx, *list, *primitive);
+                        } else if ctx.compat.immediate.passed_on {
+                            // SAFETY: a list that exists, between the program's own Begin and End.
+                            unsafe { ctx.driver.gl.call_list(*list) };
                         } else {
                             run_real(ctx, *list, *draws, *raster, bounds);
                         }
@@ -60,8 +63,11 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
                             ctx.driver.known_state.forget();
                         }
                     }
-                    Item::Command(command) if ctx.compat.immediate.under_way() && !calls(command) => {
-                        ctx.driver.note_error(api::GL_INVALID_OPERATION);
+                    Item::Command(command) if !calls(command) && ctx.compat.immediate.refuses(ctx.driver.gl) => {
+                        // If Begin was passed on, the driver has noted the error already.
+                        if ctx.compat.immediate.under_way() {
+                            ctx.driver.note_error(api::GL_INVALID_OPERATION);
+                        }
                     }
                     Item::Command(command) => run(ctx, command, depth),
                 }
@@ -107,11 +113,7 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         return;
     }
     match command {
-        Command::MatrixMode(mode) => {
-            // SAFETY: the program's own command.
-            unsafe { gl.matrix_mode(*mode) };
-            ctx.app.matrix_mode = *mode;
-        }
+        Command::MatrixMode(mode) => matrices::set_mode(ctx, *mode),
         Command::Viewport(rect) => {
             ctx.app.set_viewport(*rect);
             if !ctx.redirected() {
@@ -304,7 +306,16 @@ hooks! {
         if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(&ctx.driver, &mut ctx.lists, base) }
     };
     "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
-        forget(ctx, list, u32::try_from(range).unwrap_or(0));
-        gl.delete_lists(list, range);
+        let Some(count) = u32::try_from(range).ok().filter(|count| *count > list_recording::OWN_NAMES) else {
+            forget(ctx, list, u32::try_from(range).unwrap_or(0));
+            gl.delete_lists(list, range);
+            return;
+        };
+        // A program that deletes all names must not delete the lists of Cupola.
+        let parts = ctx.share.lists.locked().of_program(list, count);
+        for (first, count) in parts {
+            forget(ctx, first, count);
+            gl.delete_lists(first, count as i32);
+        }
     };
 }

@@ -1,6 +1,7 @@
 //! The fixed-function projection: the program's `GL_PROJECTION`, and the projection of each view.
 
 use crate::backend::gl::driver::api;
+use crate::backend::gl::driver::values::integer;
 use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -15,6 +16,17 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
     }
     run();
     ctx.compat.projection.touch(ctx.app.matrix_mode);
+}
+
+/// `glMatrixMode`.
+pub(super) fn set_mode(ctx: &mut Context, mode: u32) {
+    // SAFETY: the program's own command.
+    unsafe { ctx.driver.gl.matrix_mode(mode) };
+    ctx.app.matrix_mode = match mode {
+        api::GL_MODELVIEW | api::GL_PROJECTION | api::GL_TEXTURE => mode,
+        // The driver may refuse other matrices.
+        _ => integer(ctx.driver.gl, api::GL_MATRIX_MODE) as u32,
+    };
 }
 
 /// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like
@@ -81,8 +93,7 @@ hooks! {
         if ctx.compiling() {
             list_recording::record(ctx, Command::MatrixMode(mode));
         } else {
-            gl.matrix_mode(mode);
-            ctx.app.matrix_mode = mode;
+            set_mode(ctx, mode);
         }
     };
     "glLoadIdentity" load_identity() = |ctx, gl| matrix_command(ctx, Command::LoadIdentity, || gl.load_identity());

@@ -17,7 +17,7 @@ use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::compat::projection;
-use crate::intercept::gl::state::compat::raster_position::ScenePosition;
+use crate::intercept::gl::state::compat::raster_position::{ScenePosition, TextureCoordinates};
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::scene::query_scaling::QueryScaling;
@@ -31,14 +31,13 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         let class = classify(ctx);
         if class == DrawClass::FixedScene {
             let mut model_view = [0.0; 16];
-            let (mut texture, mut depths) = ([0.0; 4], [0.0; 2]);
-            // SAFETY: writes eighteen doubles and four floats; a raster position implies a
-            // fixed-function pipeline.
-            unsafe {
+            let mut depths = [0.0; 2];
+            // SAFETY: writes eighteen doubles; a raster position implies a fixed-function pipeline.
+            let texture = unsafe {
                 gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr());
                 gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
-                gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
-            }
+                TextureCoordinates::of(gl)
+            };
             ctx.compat.raster.projections.clone_from(&ctx.compat.projection.per_view);
             ctx.compat.raster.scene =
                 Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });

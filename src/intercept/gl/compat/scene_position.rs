@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::state::compat::raster_position::ScenePosition;
+use crate::intercept::gl::state::compat::raster_position::{ScenePosition, TextureCoordinates};
 
 /// Raster position of the scene during drawing in several views. [`Placed::end`] restores the
 /// driver's state.
@@ -86,7 +86,7 @@ struct Present {
     /// True for each of [`Present::SWITCHES`] that is on.
     on: [bool; 2],
     color: [f32; 4],
-    texture: [f32; 4],
+    texture: TextureCoordinates,
     depths: [f64; 2],
 }
 
@@ -96,18 +96,17 @@ impl Present {
     const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
 
     fn of(gl: &Gl) -> Self {
-        let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
-        // SAFETY: plain state; writes four floats twice, and two doubles.
-        let on = unsafe {
+        let (mut color, mut depths) = ([0.0; 4], [0.0; 2]);
+        // SAFETY: plain state; writes four floats, and two doubles.
+        let (on, texture) = unsafe {
             gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-            gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
             gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
-            Self::SWITCHES.map(|switch| gl.is_enabled(switch) != 0)
+            (Self::SWITCHES.map(|switch| gl.is_enabled(switch) != 0), TextureCoordinates::of(gl))
         };
         Self { on, color, texture, depths }
     }
 
-    /// Sets a position of the scene again, with the colour, the texture coordinate and the depth
+    /// Sets a position of the scene again, with the colour, the texture coordinates and the depth
     /// range that it was first set with. All other state stays unchanged.
     fn set_again(&self, gl: &Gl, position: &ScenePosition) {
         let [x, y, z, w] = position.object;
@@ -117,11 +116,11 @@ impl Present {
             on().for_each(|switch| gl.disable(switch));
             gl.depth_range(position.depths[0], position.depths[1]);
             gl.color4fv(position.color.as_ptr());
-            gl.tex_coord4fv(position.texture.as_ptr());
+            position.texture.set(gl);
             gl.raster_pos4d(x, y, z, w);
             gl.depth_range(self.depths[0], self.depths[1]);
             gl.color4fv(self.color.as_ptr());
-            gl.tex_coord4fv(self.texture.as_ptr());
+            self.texture.set(gl);
             on().for_each(|switch| gl.enable(switch));
         }
     }

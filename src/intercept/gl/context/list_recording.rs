@@ -110,6 +110,8 @@ pub struct Lists {
     pub(in crate::intercept::gl) items: HashMap<u32, Arc<Vec<Item>>>,
     /// Names reserved for Cupola that are not in use.
     own: Vec<u32>,
+    /// First names of the blocks of [`OWN_NAMES`] names that are reserved for Cupola.
+    blocks: Vec<u32>,
 }
 
 /// Number of names that are generated at once.
@@ -131,6 +133,7 @@ pub fn own_name(ctx: &Context) -> u32 {
             first + PROGRAM_NAMES
         };
         lists.own.extend((first..first + OWN_NAMES).rev());
+        lists.blocks.push(first);
     }
     lists.own.pop().unwrap_or_default()
 }
@@ -221,6 +224,21 @@ impl Recording {
 }
 
 impl Lists {
+    /// Returns the parts of a range of names, first name and number, without those of Cupola.
+    pub(in crate::intercept::gl) fn of_program(&self, first: u32, count: u32) -> Vec<(u32, u32)> {
+        let end = first.saturating_add(count);
+        let (mut parts, mut start) = (Vec::new(), first);
+        let mut blocks: Vec<u32> = self.blocks.iter().copied().filter(|block| (first..end).contains(block)).collect();
+        blocks.sort_unstable();
+        for block in blocks {
+            parts.push((start, block - start));
+            start = (block + OWN_NAMES).min(end);
+        }
+        parts.push((start, end - start));
+        parts.retain(|(_, count)| *count > 0);
+        parts
+    }
+
     pub(in crate::intercept::gl) fn forget(&mut self, ctx: &Context, list: u32) {
         let Some(items) = self.items.remove(&list) else { return };
         for item in items.iter() {
@@ -243,7 +261,16 @@ impl Lists {
 
 #[cfg(test)]
 mod tests {
-    use super::Primitive;
+    use super::{Lists, Primitive};
+
+    #[test]
+    fn a_long_range_of_names_spares_the_lists_of_cupola() {
+        let lists = Lists { blocks: vec![20_000, 8193], ..Lists::default() };
+        assert_eq!(lists.of_program(1, 8192), [(1, 8192)]);
+        assert_eq!(lists.of_program(1, 100_000), [(1, 8192), (9217, 10_783), (21_024, 78_977)]);
+        assert_eq!(lists.of_program(8193, 5), []);
+        assert_eq!(lists.of_program(20, 0), []);
+    }
 
     #[test]
     fn parts_of_lists_know_what_goes_on_in_others() {

@@ -9,6 +9,7 @@ use crate::backend::gl::driver::api;
 use crate::correct::BlitRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::commands::{bindings, blits, clears, draw_buffers, window_answers};
 use crate::intercept::gl::framebuffer::target::unsampled_areas::Cleared;
 use crate::intercept::gl::offscreen::view_copies;
@@ -28,12 +29,18 @@ pub(super) fn bound<R>(
             bindings::bind(ctx, target, to);
         }
     };
+    // The driver performs these commands at once while the program compiles a display list. What
+    // Cupola calls for them must not become part of the list.
+    let compiling = list_recording::pause(ctx);
     change(ctx, api::GL_DRAW_FRAMEBUFFER, before[0], draw.unwrap_or(before[0]));
     change(ctx, api::GL_READ_FRAMEBUFFER, before[1], read.unwrap_or(before[1]));
     let answer = run(ctx);
     let now = [ctx.app.draw_framebuffer, ctx.app.read_framebuffer];
     change(ctx, api::GL_DRAW_FRAMEBUFFER, now[0], before[0]);
     change(ctx, api::GL_READ_FRAMEBUFFER, now[1], before[1]);
+    if compiling {
+        list_recording::go_on(ctx, None);
+    }
     answer
 }
 

@@ -6,6 +6,7 @@ use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
+use crate::intercept::gl::framebuffer::commands::window_answers;
 use crate::intercept::gl::framebuffer::reading::read_back;
 use crate::intercept::gl::offscreen::{sampling, transfers, view_copies};
 use std::ffi::c_void;
@@ -13,6 +14,24 @@ use std::ffi::c_void;
 /// Returns the texture that is bound at `target` if its images are followed; 0 = none.
 fn bound(ctx: &Context, target: u32) -> u32 {
     if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(&ctx.driver, target) } else { 0 }
+}
+
+/// True if the program reads its window, which has no alpha, into a texture format with alpha.
+/// OpenGL ES refuses that. Cupola's stand-in image has alpha.
+fn lacks_alpha(ctx: &Context, format: u32) -> bool {
+    const WITHOUT_ALPHA: [u32; 9] = [
+        api::GL_RED,
+        api::GL_RG,
+        api::GL_RGB,
+        api::GL_LUMINANCE,
+        api::GL_R8,
+        api::GL_RG8,
+        api::GL_RGB8,
+        api::GL_RGB565,
+        api::GL_SRGB8,
+    ];
+    let window_has_alpha = || ctx.drawable.target().is_none_or(|target| target.config().alpha_bits > 0);
+    ctx.driver.profile.es && ctx.reads_redirected() && !WITHOUT_ALPHA.contains(&format) && !window_has_alpha()
 }
 
 /// Handles a call that sets the size of a texture level. `filled`: the call also sets its texels.
@@ -125,6 +144,14 @@ hooks! {
     "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
             let gl = ctx.driver.gl;
+            if lacks_alpha(ctx, format) {
+                // The driver reports an error.
+                // SAFETY: the program's own call.
+                window_answers::with_own(ctx, api::GL_READ_FRAMEBUFFER, |gl| unsafe {
+                    gl.copy_tex_image2_d(target, level, format, x, y, w, h, border);
+                });
+                return;
+            }
             let texture = sampling::bound(&ctx.driver, target);
             if texture != 0 && !view_copies::is_alike(ctx, texture, level, [w, h]) {
                 view_copies::forget_texture(ctx, texture);

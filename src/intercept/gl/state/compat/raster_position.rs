@@ -1,5 +1,8 @@
 //! The raster position.
 
+use crate::backend::gl::driver::api::{self, Gl};
+use crate::backend::gl::driver::values::integer;
+
 /// Raster position of the program: in the scene, or in a tile.
 #[derive(Clone, Default)]
 pub struct RasterPosition {
@@ -30,15 +33,54 @@ impl RasterPosition {
     }
 }
 
+/// Current texture coordinates of all units of the fixed-function pipeline.
+#[derive(Clone)]
+pub(in crate::intercept::gl) struct TextureCoordinates(Vec<[f32; 4]>);
+
+impl TextureCoordinates {
+    /// Returns the present coordinates.
+    ///
+    /// # Safety
+    /// A context with the fixed-function pipeline must be current.
+    pub(in crate::intercept::gl) unsafe fn of(gl: &Gl) -> Self {
+        let units = integer(gl, api::GL_MAX_TEXTURE_COORDS).clamp(1, 32) as u32;
+        let active = integer(gl, api::GL_ACTIVE_TEXTURE) as u32;
+        let coordinates = (0..units).map(|unit| {
+            let mut coordinates = [0.0; 4];
+            // SAFETY: writes four floats; a unit of the driver.
+            unsafe {
+                gl.active_texture(api::GL_TEXTURE0 + unit);
+                gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, coordinates.as_mut_ptr());
+            }
+            coordinates
+        });
+        let coordinates = coordinates.collect();
+        // SAFETY: puts back what was active.
+        unsafe { gl.active_texture(active) };
+        Self(coordinates)
+    }
+
+    /// Sets these coordinates.
+    ///
+    /// # Safety
+    /// As for [`Self::of`].
+    pub(in crate::intercept::gl) unsafe fn set(&self, gl: &Gl) {
+        for (unit, coordinates) in (0u32..).zip(&self.0) {
+            // SAFETY: four floats; a unit of the driver.
+            unsafe { gl.multi_tex_coord4fv(api::GL_TEXTURE0 + unit, coordinates.as_ptr()) };
+        }
+    }
+}
+
 /// A raster position in the scene.
 #[derive(Clone)]
 pub(in crate::intercept::gl) struct ScenePosition {
     pub(in crate::intercept::gl) object: [f64; 4],
     pub(in crate::intercept::gl) model_view: [f64; 16],
-    /// Current colour at the time when the position was set, lit if lighting was on. `texture` is
-    /// the texture coordinate at that time.
+    /// Current colour at the time when the position was set, lit if lighting was on.
     pub(in crate::intercept::gl) color: [f32; 4],
-    pub(in crate::intercept::gl) texture: [f32; 4],
+    /// Texture coordinates of all units at that time.
+    pub(in crate::intercept::gl) texture: TextureCoordinates,
     /// Depth range at the time when the position was set.
     pub(in crate::intercept::gl) depths: [f64; 2],
     /// Distance by which bitmaps have moved the position since then, in pixels.
