@@ -18,6 +18,7 @@ tests! {
     the_documentation_has_the_versions,
     what_was_published_stays_as_it_is,
     a_change_of_what_was_published_is_seen,
+    each_published_function_is_called_by_a_program_of_that_version,
 }
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -259,6 +260,47 @@ fn a_change_of_what_was_published_is_seen() {
     assert!(!changed("#define CUPOLA_RAMP_POWER 2", "#define CUPOLA_RAMP_POWER 3"));
     assert!(!changed("double yaw,", "float yaw,"));
     assert!(!changed("enum cupola_status cupola_rig_free(struct cupola_rig *rig);", ""));
+}
+
+/// C programs that the suite also compiles with the headers of the first published version.
+const FIRST_PROGRAMS: [&str; 4] =
+    ["tests/apps/embed.c", "tests/apps/embed_vertex.c", "tests/apps/vulkan/project.c", "examples/c/vk_dome.c"];
+
+/// Names of the functions that a header declares.
+fn functions(header: &str) -> Vec<String> {
+    let statements = declared(header).statements.into_iter();
+    let names = statements.filter_map(|statement| {
+        let (start, _) = statement.split_once('(')?;
+        let name = start.rsplit([' ', '*']).next()?;
+        name.starts_with("cupola_").then(|| name.to_owned())
+    });
+    names.collect()
+}
+
+/// The functions of `header` that no program of `texts` calls.
+fn uncalled(header: &str, texts: &[String]) -> Vec<String> {
+    let calls = |text: &String, name: &str| {
+        text.match_indices(&format!("{name}(")).any(|(at, _)| {
+            let before = text[..at].chars().next_back();
+            !before.is_some_and(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+        })
+    };
+    functions(header).into_iter().filter(|name| !texts.iter().any(|text| calls(text, name))).collect()
+}
+
+fn each_published_function_is_called_by_a_program_of_that_version() {
+    let read = |path: &str| std::fs::read_to_string(Path::new(ROOT).join(path)).expect("a file");
+    let texts = FIRST_PROGRAMS.map(read);
+    for (header, least) in [("cupola.h", 20), ("cupola_vk.h", 14)] {
+        let header = read(&format!("tests/abi/0.1/{header}"));
+        assert!(functions(&header).len() >= least, "{:?}", functions(&header));
+        assert_eq!(uncalled(&header, &texts), [""; 0]);
+    }
+    // Control: a function that no program calls is found, also if
+    // other names begin with its name.
+    let added = "enum cupola_status cupola_rig(struct cupola_rig *rig);\nenum cupola_status load(void);\n\
+                 enum cupola_status cupola_rig_save(void);\n";
+    assert_eq!(uncalled(added, &texts), ["cupola_rig", "cupola_rig_save"]);
 }
 
 fn main() -> std::process::ExitCode {

@@ -162,7 +162,8 @@ fn vkcube_in_one_pass() {
 }
 
 /// A program whose own shader projects to the output, with the library's functions in its text, in
-/// each arrangement of the views.
+/// each arrangement of the views. The same program, compiled with the published headers of version
+/// 0.1, shows the same.
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     for method in ["vertex", "fragment"] {
         for views in ["atlas", "layers", "images"] {
@@ -170,6 +171,8 @@ fn a_shader_of_the_program_s_own_projects_to_the_picture() {
             let run = Run { program: "vk_project", ..vk_cube(&extra, &[]) };
             let Some(finished) = run.vulkan_embedding() else { return };
             let picture = finished.picture("shot.ppm");
+            let Some(first) = run.vulkan_embedding_of_first_version() else { return };
+            expect_identical(&first.picture("shot.ppm"), &picture, &format!("vk_project 0.1 {extra:?}"));
             expect_good(&against_the_map(&run, &picture), &picture, &format!("vk_project {extra:?}"));
             // Negative control: a lens with another opening angle.
             let other = Fisheye { aperture: 176.0, ..CIRCLE };
