@@ -58,6 +58,12 @@ pub const OUTLINES: u8 = 9;
 /// have views of different sizes, in 255ths. Worst value found: 1.
 pub const RESAMPLED: u8 = 1;
 
+/// Least part of a picture that must be compared. Least value found: 0.638.
+const LEAST_COMPARED: f64 = 0.62;
+
+/// Least part of the pixels without light that must be compared. Least value found: 0.858.
+const LEAST_BLACK: f64 = 0.85;
+
 /// Expected content at a place of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
@@ -80,22 +86,41 @@ pub struct Report {
     /// Column and row of the pixel with that difference.
     pub worst_at: (usize, usize),
     /// Pixels that should be black.
+    pub dark: usize,
+    /// Number of those pixels that are far enough from others to be compared.
     pub black: usize,
-    /// Number of those pixels that are not black.
+    /// Number of compared pixels that should be black and are not.
     pub lit: usize,
     /// Differences times 32, to look at.
     pub picture: Picture,
 }
 
 impl Report {
-    /// Whether nothing is wrong and more than half of the pixels were compared.
+    /// Whether nothing is wrong and enough of the picture and of its black pixels were compared.
     pub fn good(&self) -> bool {
-        self.wrong == 0 && self.lit == 0 && self.share() > 0.5
+        let black = self.black as f64 >= LEAST_BLACK * self.dark as f64;
+        self.wrong == 0 && self.lit == 0 && self.share() >= LEAST_COMPARED && black
     }
 
     /// Compared pixels as a part of all.
     pub fn share(&self) -> f64 {
         self.compared as f64 / self.picture.pixels.len() as f64
+    }
+
+    /// One line with the results.
+    fn words(&self) -> String {
+        let (x, y) = self.worst_at;
+        format!(
+            "{} of {} pixels ({:.1} % of the picture) are wrong, the worst by {:.2}/255 at column {x} row {y}; {} of \
+             {} black pixels are lit, {} are near others",
+            self.wrong,
+            self.compared,
+            100.0 * self.share(),
+            self.worst,
+            self.lit,
+            self.black,
+            self.dark - self.black
+        )
     }
 }
 
@@ -116,6 +141,7 @@ pub fn compare_with(
         worst: 0.0,
         worst_at: (0, 0),
         black: 0,
+        dark: 0,
         lit: 0,
         picture: Picture::from_fn(picture.width, picture.height, |_, _| [0; 3]),
     };
@@ -125,6 +151,7 @@ pub fn compare_with(
             match surroundings.centre(x, y) {
                 Shown::Unknown => {}
                 Shown::Black => {
+                    report.dark += 1;
                     if surroundings.all(x, y, |place| place == Kind::Black) {
                         report.black += 1;
                         report.lit += usize::from(found != [0; 3]);
@@ -230,29 +257,17 @@ pub fn compare(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
     compare_with(picture, Limits::USUAL, shown, cube_colour, cube_face)
 }
 
-/// Panics if the report is not good, and leaves the wrong picture and the differences under
-/// target/.
+/// Notes the results. Panics if the report is not good, and leaves the wrong picture and the
+/// differences under target/.
 pub fn expect_good(report: &Report, picture: &Picture, what: &str) {
+    note(format_args!("{what}: {}", report.words()));
     if report.good() {
         return;
     }
     let (wrong, difference) = (failure_path(what, "picture"), failure_path(what, "difference"));
     picture.save(&wrong);
     report.picture.save(&difference);
-    panic!(
-        "{what}: {} of {} pixels ({:.1} % of the picture) are wrong, the worst by {:.1}/255 at column {} row {}; \
-         {} of {} black pixels are lit\n  picture    {}\n  difference {} (×32)",
-        report.wrong,
-        report.compared,
-        100.0 * report.share(),
-        report.worst,
-        report.worst_at.0,
-        report.worst_at.1,
-        report.lit,
-        report.black,
-        wrong.display(),
-        difference.display()
-    );
+    panic!("{what}: {}\n  picture    {}\n  difference {} (×32)", report.words(), wrong.display(), difference.display());
 }
 
 /// Panics if two pictures differ at all, and leaves both under target/.
