@@ -54,6 +54,10 @@ pub const POINTS: f64 = 2.35;
 /// 255ths. Worst value found: 9.
 pub const OUTLINES: u8 = 9;
 
+/// For [`expect_alike`]: borders of squares over the scene, which are blended once in the views and
+/// once with the panel, in 255ths. Worst value found: 4.
+pub const BORDERS: u8 = 4;
+
 /// For [`expect_alike`]: edges of the cube in two pictures that both round their weights or that
 /// have views of different sizes, in 255ths. Worst value found: 1.
 pub const RESAMPLED: u8 = 1;

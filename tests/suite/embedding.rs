@@ -2,7 +2,7 @@
 
 use crate::compare::{Shown, compare, expect_good, expect_identical, expect_similar};
 use crate::dialects::{shown_by_fisheye, shown_by_window};
-use crate::harness::tests;
+use crate::harness::{note, tests};
 use crate::picture::Picture;
 use crate::programs::{
     Finished, embedding, embedding_of_first_version, validated, validated_of_first_version, watched,
@@ -150,9 +150,10 @@ fn the_vulkan_example_in_every_arrangement() {
     for form in forms {
         let Some(picture) = vulkan(form) else { return };
         expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, &format!("vk_dome {form:?}"));
-        // Layers have more than the planned resolution, so that their texels differ.
+        // Layers have more than the planned resolution, so that their texels differ. Of the other
+        // pictures 6 pixels were found to differ.
         if let Some(opengl) = opengl.as_ref().filter(|_| form[1] != "layers") {
-            expect_similar(&picture, opengl, 1, 1.0, &format!("vk_dome {form:?} against OpenGL"));
+            expect_similar(&picture, opengl, 1, 2e-4, &format!("vk_dome {form:?} against OpenGL"));
         }
     }
 }
@@ -163,7 +164,17 @@ fn the_vulkan_example_with_multiview() {
     let Some(at_once) = vulkan(&["--views", "layers"]) else { return };
     let Some(one_by_one) = vulkan(&["--views", "layers", "--one-by-one"]) else { return };
     let (differing, _) = at_once.difference(&one_by_one);
-    assert!(differing * 10 < at_once.pixels.len(), "{differing} pixels differ");
+    note(format_args!("{differing} pixels differ if all layers are drawn at once"));
+    // 2956 pixels were found to differ.
+    let most = 3200;
+    assert!(differing < most, "{differing} pixels differ");
+    // Control: a quarter of the picture shows what another quarter has to show.
+    let swapped = Picture::from_fn(256, 256, |x, y| match (x, y) {
+        (..128, ..128) => one_by_one.at(x + 128, y + 128),
+        _ => one_by_one.at(x, y),
+    });
+    let (differing, _) = swapped.difference(&one_by_one);
+    assert!(differing > 3 * most, "{differing} pixels differ for a wrong quarter");
 }
 
 /// Projectors, tables, masks and pictures of black. The first command buffer copies their values.
