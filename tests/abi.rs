@@ -1,10 +1,25 @@
 //! The C interface: the committed headers agree with the source, compile as C99 and C++17, and keep
 //! every declaration that was published.
 
+#![deny(dead_code)]
+
+mod harness;
+
+use harness::{missing, tests};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+tests! {
+    the_committed_headers_are_in_sync,
+    the_header_is_c99_and_cpp17,
+    a_wrong_use_does_not_compile,
+    the_documentation_has_the_versions,
+    what_was_published_stays_as_it_is,
+    a_change_of_what_was_published_is_seen,
+    each_published_function_is_called_by_a_program_of_that_version,
+}
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -29,7 +44,6 @@ fn header(config: &str, files: &[&str]) -> String {
 }
 
 /// `CUPOLA_WRITE_HEADER=1 cargo test --test abi` writes the headers again.
-#[test]
 fn the_committed_headers_are_in_sync() {
     for (name, config, files) in HEADERS {
         let path = Path::new(ROOT).join("include").join(name);
@@ -66,6 +80,15 @@ const USE: &str = "#include <cupola.h>\nint use(void);\nint use(void) { cupola_r
 /// Header of Vulkan itself.
 const VULKAN: &str = "/usr/include/vulkan/vulkan_core.h";
 
+/// Whether the header of Vulkan is installed. Without it the test counts as ignored.
+fn has_vulkan() -> bool {
+    let exists = Path::new(VULKAN).exists();
+    if !exists {
+        missing("no header of Vulkan (Debian: libvulkan-dev)");
+    }
+    exists
+}
+
 /// Program text with a log callback and structs of both headers.
 const CALLBACK: &str = r#"
 #ifdef __cplusplus
@@ -84,12 +107,10 @@ int use(void)
 }
 "#;
 
-#[test]
 fn the_header_is_c99_and_cpp17() {
     assert_eq!(compile("cc", &["-std=c99"], USE), Ok(()));
     assert_eq!(compile("c++", &["-std=c++17"], USE), Ok(()));
-    if !Path::new(VULKAN).exists() {
-        println!("SKIP: there is no header of Vulkan's");
+    if !has_vulkan() {
         return;
     }
     for order in [["cupola.h", "cupola_vk.h"], ["cupola_vk.h", "cupola.h"]] {
@@ -99,14 +120,12 @@ fn the_header_is_c99_and_cpp17() {
     }
 }
 
-#[test]
 fn a_wrong_use_does_not_compile() {
     let wrong = USE.replace("cupola_rig *rig", "cupola_gl *rig");
     assert!(compile("cc", &["-std=c99"], &wrong).is_err());
     assert!(compile("c++", &["-std=c++17"], &wrong).is_err());
 }
 
-#[test]
 fn the_documentation_has_the_versions() {
     let header = std::fs::read_to_string(Path::new(ROOT).join("include/cupola.h")).expect("a header");
     let number = |name: &str| {
@@ -204,11 +223,9 @@ fn layout(folder: &Path, header: &str, declared: &Declared) -> String {
     String::from_utf8(output.stdout).expect("the output is UTF-8")
 }
 
-#[test]
 fn what_was_published_stays_as_it_is() {
     for header in ["cupola.h", "cupola_vk.h"] {
-        if header == "cupola_vk.h" && !Path::new(VULKAN).exists() {
-            println!("SKIP: there is no header of Vulkan's");
+        if header == "cupola_vk.h" && !has_vulkan() {
             continue;
         }
         let (first, now) = (Path::new(FIRST_VERSION), Path::new(ROOT).join("include"));
@@ -224,7 +241,6 @@ fn what_was_published_stays_as_it_is() {
     }
 }
 
-#[test]
 fn a_change_of_what_was_published_is_seen() {
     let text = std::fs::read_to_string(Path::new(FIRST_VERSION).join("cupola.h")).expect("a header");
     let published = declared(&text);
@@ -244,4 +260,49 @@ fn a_change_of_what_was_published_is_seen() {
     assert!(!changed("#define CUPOLA_RAMP_POWER 2", "#define CUPOLA_RAMP_POWER 3"));
     assert!(!changed("double yaw,", "float yaw,"));
     assert!(!changed("enum cupola_status cupola_rig_free(struct cupola_rig *rig);", ""));
+}
+
+/// C programs that the suite also compiles with the headers of the first published version.
+const FIRST_PROGRAMS: [&str; 4] =
+    ["tests/apps/embed.c", "tests/apps/embed_vertex.c", "tests/apps/vulkan/project.c", "examples/c/vk_dome.c"];
+
+/// Names of the functions that a header declares.
+fn functions(header: &str) -> Vec<String> {
+    let statements = declared(header).statements.into_iter();
+    let names = statements.filter_map(|statement| {
+        let (start, _) = statement.split_once('(')?;
+        let name = start.rsplit([' ', '*']).next()?;
+        name.starts_with("cupola_").then(|| name.to_owned())
+    });
+    names.collect()
+}
+
+/// The functions of `header` that no program of `texts` calls.
+fn uncalled(header: &str, texts: &[String]) -> Vec<String> {
+    let calls = |text: &String, name: &str| {
+        text.match_indices(&format!("{name}(")).any(|(at, _)| {
+            let before = text[..at].chars().next_back();
+            !before.is_some_and(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+        })
+    };
+    functions(header).into_iter().filter(|name| !texts.iter().any(|text| calls(text, name))).collect()
+}
+
+fn each_published_function_is_called_by_a_program_of_that_version() {
+    let read = |path: &str| std::fs::read_to_string(Path::new(ROOT).join(path)).expect("a file");
+    let texts = FIRST_PROGRAMS.map(read);
+    for (header, least) in [("cupola.h", 20), ("cupola_vk.h", 14)] {
+        let header = read(&format!("tests/abi/0.1/{header}"));
+        assert!(functions(&header).len() >= least, "{:?}", functions(&header));
+        assert_eq!(uncalled(&header, &texts), [""; 0]);
+    }
+    // Control: a function that no program calls is found, also if
+    // other names begin with its name.
+    let added = "enum cupola_status cupola_rig(struct cupola_rig *rig);\nenum cupola_status load(void);\n\
+                 enum cupola_status cupola_rig_save(void);\n";
+    assert_eq!(uncalled(added, &texts), ["cupola_rig", "cupola_rig_save"]);
+}
+
+fn main() -> std::process::ExitCode {
+    harness::run(tests())
 }

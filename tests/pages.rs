@@ -131,6 +131,63 @@ fn goals_that_sources_name_are_in_the_results() {
     assert!(found > 0, "no source names a goal");
 }
 
+/// Name, greatest difference and, if it has one, edge of each tolerance of the direction test.
+fn tolerances(text: &str) -> Vec<(String, String, Option<String>)> {
+    let number = |text: &str, before: &str| -> Option<String> {
+        let rest = text.split(before).nth(1)?.trim_start();
+        let digits: String = rest.chars().take_while(|letter| letter.is_ascii_digit() || *letter == '.').collect();
+        (!digits.is_empty()).then_some(digits)
+    };
+    let constants = text.lines().filter_map(|line| line.trim_start().strip_prefix("pub const "));
+    let parts = constants.map(|constant| {
+        let (name, value) = constant.split_once(':').expect("a type");
+        let own = number(value, "tolerance:").or_else(|| number(value, "= "));
+        (name.to_owned(), own, number(value, "edge:"), value.contains("..Self::USUAL"))
+    });
+    let parts: Vec<_> = parts.collect();
+    let (_, usual, edge, _) = parts.iter().find(|(name, ..)| name == "USUAL").expect("the usual tolerances").clone();
+    let or = |own: Option<String>, other: &Option<String>, takes: bool| own.or(other.clone().filter(|_| takes));
+    let whole = parts.into_iter().map(|(name, own, own_edge, takes)| {
+        let most = or(own, &usual, takes).unwrap_or_else(|| panic!("{name} has no number"));
+        (name, most, or(own_edge, &edge, takes))
+    });
+    whole.collect()
+}
+
+#[test]
+fn the_page_lists_the_tolerances_of_the_direction_test() {
+    let read = |path: &str| std::fs::read_to_string(Path::new(ROOT).join(path)).unwrap();
+    let (source, page) = (read("tests/suite/compare.rs"), read("docs/testing.md"));
+    let found = tolerances(&source);
+    assert!(found.len() > 8, "{found:?}");
+    let rows = page.lines().filter(|line| line.starts_with("| `") && line.split(" | ").count() == 5);
+    assert_eq!(rows.count(), found.len(), "rows of docs/testing.md");
+    for (name, most, edge) in found {
+        let start = match edge {
+            Some(edge) => format!("\n| `{name}` | {most} | {edge} |"),
+            None => format!("\n| `{name}` | {most} |"),
+        };
+        assert!(page.contains(&start), "docs/testing.md has no row {start}");
+    }
+    // Control: a constant in each form is understood.
+    let text = "pub const USUAL: Self = Self { tolerance: 2.0, edge: 1.5 };\npub const A: Self = Self { edge: 3.0, \
+                ..Self::USUAL };\npub const B: u8 = 9;\n";
+    let named =
+        |name: &str, most: &str, edge: Option<&str>| (name.to_owned(), most.to_owned(), edge.map(str::to_owned));
+    let expected = [("USUAL", "2.0", Some("1.5")), ("A", "2.0", Some("3.0")), ("B", "9", None)];
+    assert_eq!(tolerances(text), expected.map(|(name, most, edge)| named(name, most, edge)));
+}
+
+/// The fields of the tolerances are private, so a comparison takes one of the constants.
+#[test]
+fn there_are_no_tolerances_beside_the_constants() {
+    let source = std::fs::read_to_string(Path::new(ROOT).join("tests/suite/compare.rs")).unwrap();
+    let (_, rest) = source.split_once("pub struct Limits {").expect("a struct");
+    let (fields, _) = rest.split_once("\n}").expect("its end");
+    assert!(!fields.contains("pub ") && fields.contains("    tolerance: f64,"), "{fields}");
+    assert!(!source.contains("for Limits {"), "no other type becomes Limits");
+}
+
 #[test]
 fn each_crate_is_described() {
     let manifest = std::fs::read_to_string(Path::new(ROOT).join("Cargo.toml")).unwrap();

@@ -1,6 +1,6 @@
 //! OpenGL programs whose compute shaders make pictures of the scene.
 
-use crate::compare::{EDGE, Limits, TOLERANCE, compare_with, expect_good, expect_identical};
+use crate::compare::{Limits, compare_with, expect_good, expect_identical};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
 use crate::programs::Run;
@@ -42,14 +42,11 @@ fn right(modes: &[&str], limits: Limits) {
     }
 }
 
-/// One more image rounds its values to bytes.
-const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
-
 /// One dispatch that samples the scene, loads from it, changes it or reads its depth. Its text may
 /// also have matrices of the camera that it does not use. The result is drawn or blitted to the
 /// window.
 fn pictures_that_compute_shaders_make() {
-    right(&["sampled", "stored", "same", "indirect", "depths", "declared", "pipeline", "blit"], ROUNDED);
+    right(&["sampled", "stored", "same", "indirect", "depths", "declared", "pipeline", "blit"], Limits::USUAL);
     planetarium_of("computed", &["--mode", "sampled"], |run, rig| {
         Some(run.under(rig)?.expect_success().expect_no_gl_errors())
     });
@@ -57,17 +54,17 @@ fn pictures_that_compute_shaders_make() {
 
 /// Two dispatches with an image of half the size between them.
 fn an_image_of_half_the_size() {
-    right(&["half"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+    right(&["half"], Limits::HALVED);
 }
 
 /// A sum over the picture, in a buffer, is the sum over the program's own picture.
 fn sums_of_the_whole_picture_are_made_once() {
-    right(&["exposure"], ROUNDED);
+    right(&["exposure"], Limits::USUAL);
 }
 
 /// A compute shader that computes places from pixels gets the matrices of the view.
 fn matrices_of_compute_shaders_are_those_of_the_view() {
-    right(&["light"], ROUNDED);
+    right(&["light"], Limits::USUAL);
     planetarium_of("computed", &["--mode", "light"], |run, rig| {
         Some(run.under(rig)?.expect_success().expect_no_gl_errors())
     });

@@ -68,8 +68,18 @@ fn the_domemaster_comparer_fails_wrong_pictures() {
     spot.pixels[100 * 256 + 77][2] ^= 0x20;
     assert!(!judge(&spot).good(), "one wrong pixel is not noticed");
     assert!(!judge(&Picture::from_fn(256, 256, |_, _| [0; 3])).good(), "a black picture is not noticed");
-    // A comparison of no pixels does not succeed.
+    // A comparison of no pixels does not succeed, nor one of few pixels.
     assert!(!compare(&picture, |_, _| Shown::Unknown).good());
+    let half = |x: f64, y: f64| if x < 128.0 { Shown::Unknown } else { shown_by_fisheye(right, CAMERA)(x, y) };
+    let report = compare(&picture, half);
+    assert!(report.wrong == 0 && report.share() > 0.3 && !report.good(), "{:.3} of the picture", report.share());
+    // Nor does one that leaves out the black pixels, here lines that are narrower than their zone.
+    let line = |x: f64, y: f64| match (x, y) {
+        (128.0..130.0, _) => Shown::Black,
+        _ => shown_by_window((256, 256), 75.0, CAMERA)(x, y),
+    };
+    let report = compare(&ideal((256, 256), line), line);
+    assert!(report.wrong == 0 && report.dark == 512 && report.black == 0 && !report.good(), "{} black", report.black);
 }
 
 fn the_perspective_comparer_fails_wrong_pictures() {

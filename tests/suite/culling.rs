@@ -53,16 +53,46 @@ fn off_screen(counts: &serde_json::Value) -> Vec<[u64; 2]> {
     views.map(|view| ["duplicated_draws_issued", "duplicated_draws_culled"].map(|key| number(view, key))).collect()
 }
 
+/// Number of draws that were left out of views, in the window and off screen.
+fn culled(counts: &serde_json::Value) -> u64 {
+    let views = counts["views"].as_array().expect("views").iter();
+    let in_window: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
+    in_window + off_screen(counts).iter().map(|[_, culled]| culled).sum::<u64>()
+}
+
+/// Checks that at least so many draws were left out, or none if `least` is 0.
+fn expect_culled(counts: &serde_json::Value, least: u64, what: &str) {
+    let culled = culled(counts);
+    let right = if least == 0 { culled == 0 } else { culled >= least };
+    assert!(right, "{what}: {culled} draws are left out, expected are {least}: {counts:#}");
+}
+
+/// Programs, with the least number of draws that are left out of views in three frames.
+const LEFT_OUT: [(&str, u64); 15] = [
+    ("immediate", 9),
+    ("display_list", 21),
+    ("occlusion", 18),
+    ("immediate_ways", 12),
+    // One draw shows all directions.
+    ("client_arrays", 0),
+    ("glsl120", 0),
+    ("core330_mvp", 0),
+    ("hud", 0),
+    ("text", 0),
+    ("state", 0),
+    ("feedback", 0),
+    ("gles3", 0),
+    ("post_process", 0),
+    // Its shader moves positions, so that bounds are not known.
+    ("draws", 0),
+    // Bounds of glRect are not known.
+    ("rectangles", 0),
+];
+
 fn pictures_stay_what_they_are() {
-    let programs = ["immediate", "display_list", "client_arrays", "glsl120", "core330_mvp", "draws", "rectangles"];
-    let more = ["hud", "text", "state", "occlusion", "feedback", "gles3", "post_process", "immediate_ways"];
-    for program in programs.into_iter().chain(more) {
+    for (program, least) in LEFT_OUT {
         let Some(counts) = same_picture(program, "fisheye") else { return };
-        let views = counts["views"].as_array().expect("views").iter();
-        let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
-        // Other programs show all directions in one draw, or none of their draws is known to be
-        // elsewhere.
-        assert!(culled > 0 || !["immediate", "display_list", "occlusion"].contains(&program), "{program}: {counts:#}");
+        expect_culled(&counts, least, program);
     }
 }
 
@@ -177,9 +207,7 @@ fn positions_of_every_form_are_where_they_are_drawn() {
         // strip, and for the four whose shader moves them. In the first of four frames no bounds
         // are known.
         assert_eq!(number("bounded_draws"), number("draws_seen") / 4 * 3 * 11 / 17, "{counts:#}");
-        let views = counts["views"].as_array().expect("views").iter();
-        let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
-        assert!(culled > number("bounded_draws"), "{counts:#}");
+        assert!(culled(&counts) > number("bounded_draws"), "{counts:#}");
     }
 }
 
@@ -215,16 +243,34 @@ fn what_opengl_answers_about_draws_off_screen_stays() {
     }
 }
 
-/// In some of these programs nothing can be left out.
+/// Programs that draw off screen and their rig, with the least number of draws that are left out of
+/// views in four frames.
+const LEFT_OUT_OFF_SCREEN: [(&str, &str, u64); 9] = [
+    ("positions", "fisheye", 909),
+    ("positions", "planetarium-6", 1152),
+    ("outlines", "fisheye", 375),
+    ("immediate_ways", "fisheye", 12),
+    ("counting", "fisheye", 12),
+    ("occlusion", "fisheye", 18),
+    // Bounds of glRect are not known.
+    ("rectangles", "fisheye", 0),
+    // One draw shows all directions.
+    ("gles2", "fisheye", 0),
+    ("gles3", "fisheye", 0),
+];
+
 fn pictures_that_are_drawn_off_screen_stay_what_they_are() {
-    let programs = ["positions", "outlines", "immediate_ways", "rectangles", "gles2", "gles3", "counting", "occlusion"];
-    for program in programs {
-        same(Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new(program) }, "fisheye");
+    for (program, rig, least) in LEFT_OUT_OFF_SCREEN {
+        let run = Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new(program) };
+        let Some(counts) = same(run, rig) else { return };
+        expect_culled(&counts, least, &format!("{program} off screen, {rig}"));
     }
-    same(Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new("positions") }, "planetarium-6");
-    same(Run { extra: &["--samples", "4"], ..Run::new("post_process") }, "fisheye");
+    // These programs show all directions in one draw.
+    let Some(counts) = same(Run { extra: &["--samples", "4"], ..Run::new("post_process") }, "fisheye") else { return };
+    expect_culled(&counts, 0, "post_process");
     for mode in ["resolve", "samples", "depth", "apart", "light", "twice", "bloom"] {
-        same(Run { extra: &["--mode", mode], ..Run::new("passes") }, "fisheye");
+        let Some(counts) = same(Run { extra: &["--mode", mode], ..Run::new("passes") }, "fisheye") else { return };
+        expect_culled(&counts, 0, mode);
     }
 }
 
@@ -241,9 +287,11 @@ fn random_scenes_off_screen_stay_what_they_are() {
             assert!(issued > 0 && culled > 2 * issued, "{mode} {seed}: {issued} issued, {culled} left out: {counts:#}");
         }
     }
-    for seed in ["1", "5"] {
+    for (seed, least) in [("1", 589), ("5", 693)] {
         let extra = ["--fbo", "--seed", seed, "--answers", "answers.txt"];
-        same(Run { frames: 6, cupola_frames: 6, extra: &extra, ..Run::new("random_arrays") }, "fisheye");
+        let run = Run { frames: 6, cupola_frames: 6, extra: &extra, ..Run::new("random_arrays") };
+        let Some(counts) = same(run, "fisheye") else { return };
+        expect_culled(&counts, least, &format!("random_arrays {seed}"));
     }
 }
 

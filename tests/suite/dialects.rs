@@ -1,9 +1,7 @@
 //! The direction test: unmodified programs of each dialect show the predicted colour in every
 //! pixel.
 
-use crate::compare::{
-    EDGE, Limits, Report, Shown, TOLERANCE, compare, compare_with, expect_good, expect_identical, expect_similar,
-};
+use crate::compare::{Limits, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
@@ -78,9 +76,7 @@ fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) ->
         let [x, y, _] = cube_point(direction);
         100 * cube_face(direction) + 10 * tile(x) as usize + tile(y) as usize
     };
-    // Tiles have different colours, and the texels of a view may be wider than the pixels of the
-    // picture.
-    compare_with(picture, Limits { edge: 2.5, tolerance: TOLERANCE, rim: true }, shown, colour, cell)
+    compare_with(picture, Limits::TILES, shown, colour, cell)
 }
 
 /// Without Cupola the programs draw the predicted picture.
@@ -285,14 +281,20 @@ fn an_srgb_window() {
         let run = Run { extra: &["--srgb", "--shot", "shot.ppm"], ..Run::new(program) };
         let (Some(plain), Some(under)) = (run.plain(), run.under("fisheye")) else { return };
         let picture = plain.expect_success().picture("shot.ppm");
-        let report =
-            compare_with(&picture, EDGE, shown_by_window(run.size, run.fov, camera_of(&run)), encoded, cube_face);
+        let report = compare_with(
+            &picture,
+            Limits::USUAL,
+            shown_by_window(run.size, run.fov, camera_of(&run)),
+            encoded,
+            cube_face,
+        );
         expect_good(&report, &picture, &format!("{program} sRGB without Cupola"));
         let under = under.expect_success().expect_no_gl_errors();
         let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
         for file in ["capture.png", "shot.ppm"] {
             let picture = under.picture(file);
-            let report = compare_with(&picture, EDGE, shown_by_fisheye(circle, camera_of(&run)), encoded, cube_face);
+            let report =
+                compare_with(&picture, Limits::USUAL, shown_by_fisheye(circle, camera_of(&run)), encoded, cube_face);
             expect_good(&report, &picture, &format!("{program} sRGB fisheye {file}"));
         }
     }

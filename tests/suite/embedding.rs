@@ -1,8 +1,8 @@
 //! Programs that draw their own views and use the C interface.
 
-use crate::compare::{Shown, compare, expect_good, expect_similar};
+use crate::compare::{Shown, compare, expect_good, expect_identical, expect_similar};
 use crate::dialects::{shown_by_fisheye, shown_by_window};
-use crate::harness::tests;
+use crate::harness::{note, tests};
 use crate::picture::Picture;
 use crate::programs::{
     Finished, embedding, embedding_of_first_version, validated, validated_of_first_version, watched,
@@ -29,16 +29,23 @@ fn the_c_interface_without_a_window() {
     expect_pictures_of_embed(&finished.expect_success());
 }
 
-/// The same program, compiled with the published headers of version 0.1. It must work and look the
-/// same.
+/// Programs that are compiled with the published headers of version 0.1. They must work and look
+/// the same.
 fn a_program_of_the_first_version() {
-    let Some(finished) = embedding_of_first_version("embed", &["256", "33", "-17"]) else { return };
-    let first = finished.expect_success();
-    expect_pictures_of_embed(&first);
-    let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
-    let current = finished.expect_success();
-    for file in ["views.ppm", "callback.ppm", "moved.ppm"] {
-        assert_eq!(first.picture(file).difference(&current.picture(file)), (0, 0), "{file}");
+    let programs: [(&str, &[&str]); 2] =
+        [("embed", &["views.ppm", "callback.ppm", "moved.ppm"]), ("embed_vertex", &["vertex.ppm", "fragment.ppm"])];
+    for (program, files) in programs {
+        let options = ["256", "33", "-17"];
+        let Some(first) = embedding_of_first_version(program, &options) else { return };
+        let Some(current) = embedding(program, &options, &[]) else { return };
+        let (first, current) = (first.expect_success(), current.expect_success());
+        match program {
+            "embed" => expect_pictures_of_embed(&first),
+            _ => expect_pictures_of_embed_vertex(&first),
+        }
+        for file in files {
+            expect_identical(&first.picture(file), &current.picture(file), &format!("{program} 0.1, {file}"));
+        }
     }
     // Control: the two headers differ.
     let headers = ["include/cupola.h", "tests/abi/0.1/cupola.h"]
@@ -85,7 +92,10 @@ fn expect_pictures_of_embed(finished: &Finished) {
 /// A program whose own shader projects to the output, with the library's functions in its text.
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     let Some(finished) = embedding("embed_vertex", &["256", "33", "-17"], &[]) else { return };
-    let finished = finished.expect_success();
+    expect_pictures_of_embed_vertex(&finished.expect_success());
+}
+
+fn expect_pictures_of_embed_vertex(finished: &Finished) {
     let shown = |aperture: f64| shown_by_fisheye(Fisheye { width: 256.0, height: 256.0, aperture, tilt: 90.0 }, CAMERA);
     for file in ["vertex.ppm", "fragment.ppm"] {
         let picture = finished.picture(file);
@@ -140,9 +150,10 @@ fn the_vulkan_example_in_every_arrangement() {
     for form in forms {
         let Some(picture) = vulkan(form) else { return };
         expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, &format!("vk_dome {form:?}"));
-        // Layers have more than the planned resolution, so that their texels differ.
+        // Layers have more than the planned resolution, so that their texels differ. Of the other
+        // pictures 6 pixels were found to differ.
         if let Some(opengl) = opengl.as_ref().filter(|_| form[1] != "layers") {
-            expect_similar(&picture, opengl, 1, 1.0, &format!("vk_dome {form:?} against OpenGL"));
+            expect_similar(&picture, opengl, 1, 2e-4, &format!("vk_dome {form:?} against OpenGL"));
         }
     }
 }
@@ -153,7 +164,17 @@ fn the_vulkan_example_with_multiview() {
     let Some(at_once) = vulkan(&["--views", "layers"]) else { return };
     let Some(one_by_one) = vulkan(&["--views", "layers", "--one-by-one"]) else { return };
     let (differing, _) = at_once.difference(&one_by_one);
-    assert!(differing * 10 < at_once.pixels.len(), "{differing} pixels differ");
+    note(format_args!("{differing} pixels differ if all layers are drawn at once"));
+    // 2956 pixels were found to differ.
+    let most = 3200;
+    assert!(differing < most, "{differing} pixels differ");
+    // Control: a quarter of the picture shows what another quarter has to show.
+    let swapped = Picture::from_fn(256, 256, |x, y| match (x, y) {
+        (..128, ..128) => one_by_one.at(x + 128, y + 128),
+        _ => one_by_one.at(x, y),
+    });
+    let (differing, _) = swapped.difference(&one_by_one);
+    assert!(differing > 3 * most, "{differing} pixels differ for a wrong quarter");
 }
 
 /// Projectors, tables, masks and pictures of black. The first command buffer copies their values.

@@ -1,10 +1,10 @@
 //! Views in turn: each frame of the program draws one view.
 
-use crate::compare::{EDGE, Limits, TOLERANCE, compare_with, expect_alike, expect_good, expect_identical};
+use crate::compare::{RESAMPLED, compare, expect_alike, expect_good, expect_identical};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye};
 use crate::harness::tests;
 use crate::programs::{Finished, Run};
-use crate::reference::{Fisheye, cube_colour, cube_face};
+use crate::reference::Fisheye;
 
 tests! {
     what_cannot_be_followed_is_right,
@@ -29,28 +29,25 @@ fn finished(run: &Run, rig: &str) -> Option<Finished> {
 }
 
 /// The program shows the predicted picture.
-fn right(program: &str, mode: &str, limits: impl Into<Limits>) {
+fn right(program: &str, mode: &str) {
     let extra = ["--mode", mode];
     let run = run(program, &extra, IN_TURN);
     let Some(under) = finished(&run, "fisheye") else { return };
     let picture = under.picture("capture.png");
-    let report = compare_with(&picture, limits, shown_by_fisheye(CIRCLE, camera_of(&run)), cube_colour, cube_face);
+    let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
     expect_good(&report, &picture, &format!("{program} {mode} in turn"));
 }
-
-/// One more image rounds its values to bytes.
-const ROUNDED: Limits = Limits { tolerance: TOLERANCE + 1.0, edge: EDGE, rim: false };
 
 /// Compute shaders that make pictures together with images of three dimensions or with sums. With
 /// copies per view these pictures are flat.
 fn what_cannot_be_followed_is_right() {
-    right("computed", "volume", ROUNDED);
-    right("computed", "gathered", ROUNDED);
+    right("computed", "volume");
+    right("computed", "gathered");
     let extra = ["--mode", "volume"];
     let run = run("computed", &extra, &[]);
     let Some(flat) = finished(&run, "fisheye") else { return };
     let picture = flat.picture("capture.png");
-    let report = compare_with(&picture, ROUNDED, shown_by_fisheye(CIRCLE, camera_of(&run)), cube_colour, cube_face);
+    let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
     assert!(!report.good(), "the comparison finds nothing wrong with a flat picture");
 }
 
@@ -58,12 +55,12 @@ fn what_cannot_be_followed_is_right() {
 /// computed from depth, in compute shaders, too.
 fn passes_and_matrices_are_those_of_the_view() {
     for mode in ["light", "samples", "copied_window", "blit", "depth"] {
-        right("passes", mode, EDGE);
+        right("passes", mode);
     }
     for mode in ["sky_off", "sky_vertices", "light_all", "place_all"] {
-        right("camera_matrices", mode, EDGE);
+        right("camera_matrices", mode);
     }
-    right("computed", "light", ROUNDED);
+    right("computed", "light");
 }
 
 fn six_projectors() {
@@ -78,7 +75,7 @@ fn flat_drawing_is_shown_once() {
     let turns = run("hud", &[], IN_TURN);
     let (Some(all), Some(turns)) = (finished(&all, "fisheye"), finished(&turns, "fisheye")) else { return };
     // With views in turn each view has the window's size, and otherwise another size.
-    expect_alike(&turns.picture("capture.png"), &all.picture("capture.png"), 3, "flat drawing in turn");
+    expect_alike(&turns.picture("capture.png"), &all.picture("capture.png"), RESAMPLED, "flat drawing in turn");
 }
 
 /// A frame on the dome takes as many frames of the program as there are views. With `warm_up` it

@@ -123,7 +123,8 @@ fn many_contexts() {
     let right = plain.expect_success().picture("window.ppm");
     let under = under.expect_success();
     assert!(!under.words().contains("cupola: "), "{}", under.words());
-    expect_similar(&under.picture("window.ppm"), &right, 1, 1.0, "many contexts");
+    // 2 of 9,216 pixels were found to differ.
+    expect_similar(&under.picture("window.ppm"), &right, 1, 4.4e-4, "many contexts");
 }
 
 /// 64 threads. Each has a display, a window and a context, and reads the pixels that it has drawn.
@@ -177,8 +178,9 @@ fn sixty_four_outputs() {
         expect_corrected(finished, what);
         assert_eq!(finished.statistics()["views"].as_array().map(Vec::len), Some(64), "{what}");
         for (name, picture) in finished.captures() {
-            // Colours between vertices are rounded differently.
-            expect_similar(&picture, &shared_views.picture(&name), 2, 1.0, &format!("{what}, {name}"));
+            // Colours between vertices are rounded differently: at most 293 of 1,200 pixels were
+            // found to differ.
+            expect_similar(&picture, &shared_views.picture(&name), 1, 0.49, &format!("{what}, {name}"));
         }
     }
 }

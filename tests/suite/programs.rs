@@ -192,7 +192,19 @@ impl Run<'_> {
     /// Runs a Vulkan test program that uses the C interface, under the validation layer. Panics if
     /// the layer writes a message. `None` as above.
     pub fn vulkan_embedding(&self) -> Option<Finished> {
-        let mut command = Command::new(vulkan_apps()?.join(self.program));
+        self.embedding_in(vulkan_apps()?)
+    }
+
+    /// As [`Self::vulkan_embedding`], for a program that was compiled with the headers of the first
+    /// published version.
+    pub fn vulkan_embedding_of_first_version(&self) -> Option<Finished> {
+        static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
+        let build = || build_vulkan("tests/apps/vulkan", "apps-vulkan-0.1", "first_version", &[FIRST_HEADERS]);
+        self.embedding_in(available(BUILT.get_or_init(build))?)
+    }
+
+    fn embedding_in(&self, folder: &Path) -> Option<Finished> {
+        let mut command = Command::new(folder.join(self.program));
         let place = display::place();
         command.args(self.arguments(&place));
         validating(&mut command);
@@ -324,9 +336,9 @@ pub fn embedding_of_first_version(program: &str, arguments: &[&str]) -> Option<F
     Finished::of(command, program, "embedding, 0.1")
 }
 
-/// Builds the Vulkan programs of `sources` into `folder`. Returns the name of a missing part if
+/// Builds the Vulkan programs of `sources` that `target` names into `folder`. Returns the name of a missing part if
 /// they cannot be built or validated.
-fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Result<PathBuf, &'static str> {
+fn build_vulkan(sources: &str, folder: &str, target: &str, settings: &[&str]) -> Result<PathBuf, &'static str> {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
     let needed = [
@@ -339,7 +351,7 @@ fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Result<PathBu
         return Err(what);
     }
     let output = Command::new("make")
-        .args(["-s", "-C", &format!("{}/{sources}", env!("CARGO_MANIFEST_DIR")), "vulkan"])
+        .args(["-s", "-C", &format!("{}/{sources}", env!("CARGO_MANIFEST_DIR")), target])
         .args(settings)
         .arg(format!("OUT={}", directory.display()))
         .arg(format!("CUPOLA={}", library().with_file_name("").display()))
@@ -359,13 +371,13 @@ fn available(built: &'static Result<PathBuf, &str>) -> Option<&'static Path> {
 /// Folder of the built Vulkan examples.
 fn vulkan_examples() -> Option<&'static Path> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
-    available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples", &[])))
+    available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples", "vulkan", &[])))
 }
 
 /// Folder of the built Vulkan test programs.
 pub fn vulkan_apps() -> Option<&'static Path> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
-    available(BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", &[])))
+    available(BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", "vulkan", &[])))
 }
 
 /// Variable that makes the validation layer check synchronisation, too.
@@ -403,6 +415,7 @@ pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
 /// version.
 pub fn validated_of_first_version(program: &str, arguments: &[&str]) -> Option<Finished> {
     static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
-    let folder = available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples-0.1", &[FIRST_HEADERS])))?;
+    let build = || build_vulkan("examples/c", "c-examples-0.1", "vulkan", &[FIRST_HEADERS]);
+    let folder = available(BUILT.get_or_init(build))?;
     Some(watched_in(folder, program, arguments)?.expect_success().expect_no_validation_messages())
 }

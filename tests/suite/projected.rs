@@ -1,7 +1,7 @@
 //! Shared parts of the tests of methods that project vertices directly to an output: a camera, a
 //! domemaster, the projectors of a planetarium.
 
-use crate::compare::{Report, compare, expect_alike, expect_good, far};
+use crate::compare::{RESAMPLED, Report, compare, expect_alike, expect_good, far};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
@@ -11,10 +11,6 @@ use std::path::PathBuf;
 
 /// The preset `fisheye` in these tests' windows.
 pub const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
-
-/// Tolerance for blended pictures of two methods, which both round: how far the edges of the cube
-/// may be beyond the values around them, in 255ths.
-const WEIGHED: u8 = 2;
 
 /// Colour to which the Vulkan programs clear their window.
 pub const GREY: [u8; 3] = [64; 3];
@@ -117,7 +113,7 @@ impl Projectors {
             let [plain, found, expected] = [plain, blended, expected].map(|finished| finished.picture(&name));
             let far = far(&found, &expected);
             assert!(far < 0.01, "{name}: {far} of the pixels are off");
-            expect_alike(&found, &expected, WEIGHED, &format!("blended, {name}"));
+            expect_alike(&found, &expected, RESAMPLED, &format!("blended, {name}"));
             let is_darker =
                 |(a, b): &(&[u8; 3], &[u8; 3])| (0..3).any(|channel| a[channel].saturating_sub(b[channel]) > 40);
             let darker = plain.pixels.iter().zip(&found.pixels).filter(is_darker).count();

@@ -2,7 +2,7 @@
 //! the exact map.
 
 use crate::compare::{
-    Shown, beyond_neighbours, compare, expect_alike, expect_good, expect_identical, expect_points, far,
+    OUTLINES, Shown, beyond_neighbours, compare, expect_alike, expect_good, expect_identical, expect_points, far,
 };
 use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::harness::{note, tests};
@@ -101,7 +101,7 @@ fn what_stands_in_for_the_pipeline_lights_as_it_does() {
         let off = far(&picture, &expected);
         assert!(off < 0.01, "{method}: {off:.4} of the pixels are off");
         // All but one of these pixels are where an outline is resampled.
-        expect_alike(&picture, &expected, 10, &format!("lit, {method}"));
+        expect_alike(&picture, &expected, OUTLINES, &format!("lit, {method}"));
         found = picture;
     }
     let Some(other) = start("list", "vertex") else { return };

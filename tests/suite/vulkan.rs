@@ -1,7 +1,7 @@
 //! The Vulkan layer: unmodified programs are drawn for each view. They are shown flat if that is
 //! not possible, and stay unchanged with the rig `identity`.
 
-use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
+use crate::compare::{Limits, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
 use crate::picture::Picture;
@@ -211,8 +211,7 @@ fn an_srgb_swapchain() {
         cube_colour(direction).map(|c| if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 })
     };
     let picture = finished.picture("capture.png");
-    let report =
-        compare_with(&picture, crate::compare::EDGE, shown_by_fisheye(CIRCLE, camera_of(&run)), encoded, cube_face);
+    let report = compare_with(&picture, Limits::USUAL, shown_by_fisheye(CIRCLE, camera_of(&run)), encoded, cube_face);
     expect_good(&report, &picture, "vk_cube sRGB");
 }
 
@@ -222,7 +221,8 @@ fn as_with_opengl() {
     let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
     let (Some(vulkan), Some(opengl)) = (vulkan.vulkan_under("fisheye"), opengl.under("fisheye")) else { return };
     let opengl = opengl.expect_success().picture("capture.png");
-    expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1.0, "Vulkan against OpenGL");
+    // 4 pixels were found to differ.
+    expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1.3e-4, "vk_cube against OpenGL");
 }
 
 /// Flat drawing after the scene is on the panel in front of it. Flat drawing before the scene is
@@ -438,11 +438,24 @@ fn a_part_of_the_window() {
         let Some(finished) = run.vulkan_under("fisheye") else { return };
         assert!(!finished.statistics()["notes"].to_string().contains("flat"), "{way}");
         let picture = finished.picture("capture.png");
+        // A filter reads the panel up to a pixel of the picture beyond the part, which is four
+        // texels.
+        let in_part = |margin: f64| {
+            move |[across, down]: [f64; 2]| [across, down].iter().all(|at| (32.0 - margin..64.0 + margin).contains(at))
+        };
+        let beside_part = in_part(5.0);
+        let beside = |x: f64, y: f64| match place_in_window(x, y, 256.0).is_some_and(beside_part) {
+            true => Shown::Unknown,
+            false => shown_by_fisheye(CIRCLE, camera_of(&run))(x, y),
+        };
+        expect_good(&compare(&picture, beside), &picture, &format!("vk_scenes {way}, beside the part"));
         let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
-        assert!((20..3000).contains(&report.wrong), "{way}: {} pixels are not the cube's", report.wrong);
+        assert!((90..120).contains(&report.wrong), "{way}: {} pixels are not the cube's", report.wrong);
         let (Some(plain), Some(same)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
         let plain = plain.expect_success().picture("shot.ppm");
         expect_identical(&same.picture("shot.ppm"), &plain, &format!("vk_scenes {way}"));
+        let (checked, wrong) = deviations(&plain, &picture, in_part(-5.0));
+        assert!(checked > 40 && wrong == 0, "{way}: {wrong} of {checked} pixels of the part are wrong");
     }
 }
 
@@ -481,35 +494,39 @@ fn the_panel_is_where_the_angles_say() {
     let run = Run { cupola: &["--capture-views", "views"], ..run };
     let Some(under) = run.vulkan_under("fisheye") else { return };
     let (program, shown) = (under.picture("views/program.png"), under.picture("capture.png"));
-    let (checked, wrong) = deviations(&program, &shown);
+    let (checked, wrong) = deviations(&program, &shown, |_| true);
     assert!(checked > 4_000 && wrong == 0, "{wrong} of {checked} pixels are wrong");
     let turned =
         Picture::from_fn(shown.width, shown.height, |x, y| shown.pixels[(shown.height - 1 - y) * shown.width + x]);
-    assert!(deviations(&program, &turned).1 > 100, "control: an upside-down picture is accepted");
+    assert!(deviations(&program, &turned, |_| true).1 > 100, "control: an upside-down picture is accepted");
 }
 
-/// Number of pixels that show the panel, and number of those that differ by more than 2/255 from
-/// the interpolated texels at their place.
-fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
+/// Place in the program's window that the panel shows at (x, y) of the domemaster, both in pixels
+/// from the top left of squares with sides of `length` pixels. `None` far from the panel.
+fn place_in_window(x: f64, y: f64, length: f64) -> Option<[f64; 2]> {
     // The preset's panel is 60° wide.
     let half = 30_f64.to_radians().tan();
+    let (x, y) = (2.0 * x / length - 1.0, 2.0 * y / length - 1.0);
+    let radius = x.hypot(y);
+    let angle = radius * std::f64::consts::FRAC_PI_2;
+    let tangent = angle.tan() / radius.max(1e-9) / half;
+    (angle <= 1.2).then(|| [x, y].map(|part| (0.5 + 0.5 * part * tangent) * length))
+}
+
+/// Number of pixels that show the panel where `is_asked` is true of the place in the window, and
+/// number of those that differ by more than 2/255 from the interpolated texels at their place.
+fn deviations(program: &Picture, shown: &Picture, is_asked: impl Fn([f64; 2]) -> bool) -> (usize, usize) {
     let (length, whole) = (shown.width as f64, shown.width);
     let (mut checked, mut wrong) = (0, 0);
     for (at, pixel) in shown.pixels.iter().enumerate() {
         let (x, y) = (at % whole, at / whole);
-        let (x, y) = ((2.0 * x as f64 + 1.0) / length - 1.0, (2.0 * y as f64 + 1.0) / length - 1.0);
-        let radius = x.hypot(y);
-        let angle = radius * std::f64::consts::FRAC_PI_2;
-        if angle > 1.2 {
-            continue;
-        }
-        let tangent = angle.tan() / radius.max(1e-9) / half;
-        let place = [x, y].map(|part| (0.5 + 0.5 * part * tangent) * length - 0.5);
-        if place.iter().any(|part| *part < 1.0 || *part > length - 2.0) {
+        let Some(place) = place_in_window(x as f64 + 0.5, y as f64 + 0.5, length) else { continue };
+        let inside = place.iter().all(|part| (1.5..=length - 1.5).contains(part));
+        if !inside || !is_asked(place) {
             continue;
         }
         checked += 1;
-        let [across, down] = place;
+        let [across, down] = place.map(|part| part - 0.5);
         let (left, top) = (across.floor() as usize, down.floor() as usize);
         let (part, under) = (across.fract(), down.fract());
         let texel = |x: usize, y: usize, channel: usize| f64::from(program.pixels[y * whole + x][channel]);

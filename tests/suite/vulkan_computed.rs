@@ -17,9 +17,6 @@ tests! {
     values_of_each_place_are_not_followed,
 }
 
-/// One more image rounds its values to bytes.
-const ROUNDED: Limits = Limits { tolerance: 3.0, edge: 2.5, rim: false };
-
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
 fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
@@ -51,38 +48,39 @@ fn right(modes: &[&str], limits: Limits) {
 /// the image that it reads, or reads its depth. It gets the picture's size from the image or from
 /// push constants.
 fn pictures_that_compute_shaders_make() {
-    right(&["sampled", "stored", "same", "depths", "pushed", "descriptors", "indirect"], ROUNDED);
+    right(&["sampled", "stored", "same", "depths", "pushed", "descriptors", "indirect"], Limits::ROUNDED);
     planetarium_of("vk_computed", &["--mode", "sampled"], Run::vulkan_under);
 }
 
 /// Several dispatches, also with an image of half the size, with levels of one image, and with the
 /// picture of the frame before.
 fn several_dispatches_in_a_chain() {
-    right(&["chain"], ROUNDED);
-    right(&["history"], ROUNDED);
-    right(&["half", "levels"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+    right(&["chain"], Limits::ROUNDED);
+    right(&["history"], Limits::ROUNDED);
+    right(&["half"], Limits::HALVED);
+    right(&["levels"], Limits::COARSE);
 }
 
 /// Atomic sums over the whole picture, in a buffer, are those of the program's own picture.
 fn numbers_of_the_whole_picture_are_gathered_once() {
-    right(&["exposure"], ROUNDED);
+    right(&["exposure"], Limits::ROUNDED);
 }
 
 /// A compute shader that computes places from pixels gets the matrices of the view.
 fn matrices_of_compute_shaders_are_those_of_the_view() {
-    right(&["light"], ROUNDED);
+    right(&["light"], Limits::ROUNDED);
     planetarium_of("vk_computed", &["--mode", "light"], Run::vulkan_under);
 }
 
 /// The result of compute shaders is blitted to the window, or more is drawn to it before.
 fn what_compute_shaders_made_is_copied_and_drawn_to() {
-    right(&["blit", "copy", "drawn"], ROUNDED);
+    right(&["blit", "copy", "drawn"], Limits::ROUNDED);
     planetarium_of("vk_computed", &["--mode", "blit"], Run::vulkan_under);
 }
 
 /// A shader without a declared format writes directly to the window's image.
 fn a_window_that_compute_shaders_write() {
-    right(&["written"], ROUNDED);
+    right(&["written"], Limits::ROUNDED);
     planetarium_of("vk_computed", &["--mode", "written"], Run::vulkan_under);
 }
 

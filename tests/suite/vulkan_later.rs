@@ -1,7 +1,7 @@
 //! Vulkan programs whose later passes read the scene: by places on the screen, its depth, or images
 //! of other sizes.
 
-use crate::compare::{EDGE, Limits, Shown, compare_with, expect_good, expect_identical};
+use crate::compare::{Limits, Shown, compare_with, expect_good, expect_identical};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
 use crate::harness::tests;
 use crate::picture::Picture;
@@ -25,7 +25,7 @@ fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
 
 /// Each mode shows the predicted picture without Cupola and on a dome. With the program's own lens
 /// it shows the same as without Cupola, to the byte.
-fn right(modes: &[&str], limits: impl Into<Limits> + Copy) {
+fn right(modes: &[&str], limits: Limits) {
     for mode in modes {
         let extra = ["--mode", mode, "--shot", "shot.ppm"];
         let run = run(&extra);
@@ -46,38 +46,35 @@ fn right(modes: &[&str], limits: impl Into<Limits> + Copy) {
 /// A shader that reads the scene at a place that it computes from its own place on the screen reads
 /// the same place of the view.
 fn passes_that_read_the_scene_by_places_on_the_screen() {
-    right(&["fetch", "divided", "given", "handed", "late"], EDGE);
+    right(&["fetch", "divided", "given", "handed", "late"], Limits::USUAL);
     planetarium_of("vk_later_passes", &["--mode", "fetch"], Run::vulkan_under);
 }
 
 /// If a later pass reads the scene's depth, alone or with two colour images, the depth is drawn for
 /// each view.
 fn passes_that_read_the_depth_of_the_scene() {
-    right(&["deferred", "depths", "volume", "prepass"], EDGE);
+    right(&["deferred", "depths", "volume", "prepass"], Limits::USUAL);
     planetarium_of("vk_later_passes", &["--mode", "deferred"], Run::vulkan_under);
 }
 
 /// Images of half or twice the window's size have half or twice the size of each view.
 fn images_of_other_sizes() {
-    // One more image rounds its values to bytes, and a filter reads across edges of the cube.
-    right(
-        &["double", "double_fetch", "double_blit", "double_depths", "chain"],
-        Limits { tolerance: 3.0, edge: 2.5, rim: false },
-    );
-    right(&["half", "half_fetch", "half_blit", "blit_half"], Limits { tolerance: 4.0, edge: 4.0, rim: true });
+    right(&["double", "double_fetch", "double_blit", "double_depths", "chain"], Limits::ROUNDED);
+    right(&["half", "half_blit", "blit_half"], Limits::HALVED);
+    right(&["half_fetch"], Limits::COARSE);
 }
 
 /// A triangle over the window. Its shader computes a direction with an inverse of the camera's
 /// matrix in a block, and from it the colour.
 fn skies_are_where_they_belong() {
-    right(&["sky", "sky_rows", "sky_inverted", "sky_columns", "sky_vertices"], EDGE);
-    right(&["sky_apart", "sky_forced"], EDGE);
+    right(&["sky", "sky_rows", "sky_inverted", "sky_columns", "sky_vertices"], Limits::USUAL);
+    right(&["sky_apart", "sky_forced"], Limits::USUAL);
     planetarium_of("vk_later_passes", &["--mode", "sky"], Run::vulkan_under);
 }
 
 /// Places that are computed from pixels and depth, and pixels that are computed from places, are
 /// those of the view.
 fn places_from_depth_are_those_of_the_scene() {
-    right(&["light", "light_back", "place"], EDGE);
+    right(&["light", "light_back", "place"], Limits::USUAL);
     planetarium_of("vk_later_passes", &["--mode", "light"], Run::vulkan_under);
 }

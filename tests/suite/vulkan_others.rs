@@ -34,7 +34,8 @@ fn vkcube_in_a_window_of_10_bits() {
     };
     let ten = ten.expect_success();
     assert!(!ten.words().contains("own picture"), "{}", ten.words());
-    expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
+    // 459 of 90,000 pixels were found to differ.
+    expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 0.0102, "vkcube in 10 and in 8 bits");
 }
 
 /// In a thousand frames with twenty sizes the validation layer writes only messages that it also

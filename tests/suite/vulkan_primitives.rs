@@ -1,7 +1,7 @@
 //! Method `primitive` in Vulkan programs: triangles and lines that a shader stage of Cupola
 //! divides, compared with the exact map.
 
-use crate::compare::{EDGE, Limits, Shown, TOLERANCE, compare_with, expect_good, expect_identical, expect_similar};
+use crate::compare::{LINES, Limits, Shown, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::harness::{note, tests};
 use crate::picture::Picture;
@@ -32,10 +32,6 @@ tests! {
 
 /// Options for an allowed error of half a pixel.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
-
-/// Limits for an allowed error of one pixel. A pixel is up to 1.6/255 wide. The greatest error
-/// found was 2.37/255, and 16 of 49,000 pixels exceeded the usual tolerance.
-const OF_ONE_PIXEL: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: EDGE, rim: false };
 
 /// Message in the log about a pipeline that is drawn as with the method `vertex`.
 const UNDIVIDED: &str = "what a pipeline draws is not divided";
@@ -121,9 +117,13 @@ fn all_that_shaders_hand_on_arrives() {
         let run = run("vk_handed", extra, &["--method", "primitive,max_error=1"]);
         let Some(finished) = vulkan_fisheye(&run) else { return };
         let picture = finished.picture("capture.png");
-        let report =
-            compare_with(&picture, OF_ONE_PIXEL, shown_by_fisheye(CIRCLE, camera_of(&run)), cube_colour, cube_face);
-        note(format_args!("{extra:?}: {:.2}/255", report.worst));
+        let report = compare_with(
+            &picture,
+            Limits::OF_ONE_PIXEL,
+            shown_by_fisheye(CIRCLE, camera_of(&run)),
+            cube_colour,
+            cube_face,
+        );
         expect_good(&report, &picture, &format!("vk_handed {extra:?}"));
         expect_divided(&finished, &format!("{extra:?}"));
     }
@@ -131,7 +131,7 @@ fn all_that_shaders_hand_on_arrives() {
 
 /// Surfaces beyond a clip plane of the program stay clipped.
 fn clip_distances_are_handed_on() {
-    for (method, limits) in [("primitive,max_error=1", OF_ONE_PIXEL), ("fragment", EDGE.into())] {
+    for (method, limits) in [("primitive,max_error=1", Limits::OF_ONE_PIXEL), ("fragment", Limits::USUAL)] {
         let cupola = ["--method", method];
         let run = run("vk_handed", &["--clip"], &cupola);
         let Some(finished) = vulkan_fisheye(&run) else { return };
@@ -145,7 +145,6 @@ fn clip_distances_are_handed_on() {
         let report = compare_with(&picture, limits, shown_by_fisheye(CIRCLE, camera_of(&run)), colour, cell);
         let grey = picture.pixels.iter().filter(|pixel| **pixel == GREY).count();
         assert!(grey > 2000, "{grey} pixels are clipped");
-        note(format_args!("{method}: {:.2}/255, {grey} pixels", report.worst));
         expect_good(&report, &picture, &format!("vk_handed, clipped, {method}"));
     }
 }
@@ -229,8 +228,7 @@ fn lines_are_divided() {
         };
         let Some(((lit, worst), finished)) = start(&DIVIDED) else { return };
         note(format_args!("{extra:?}: {lit} pixels, {worst:.2}/255"));
-        // A pixel is 1.6/255 wide at most.
-        assert!((1100..1350).contains(&lit) && worst < 3.0, "{extra:?}: {lit} pixels, {worst:.2}/255");
+        assert!((1100..1350).contains(&lit) && worst < LINES, "{extra:?}: {lit} pixels, {worst:.2}/255");
         expect_divided(&finished, &format!("{extra:?}"));
         let Some(((_, worst), _)) = start(&["--method", "vertex"]) else { return };
         assert!(worst > 20.0, "{extra:?}: without division the error is only {worst:.2}/255");
@@ -317,7 +315,8 @@ fn flat_drawing_over_and_behind_the_scene() {
     let (Some(found), Some(expected)) = (start("over", DIVIDED[1]), start("over", "fragment")) else { return };
     assert_eq!(found.statistics()["panel_draws"], 5);
     let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
-    expect_similar(&found, &expected, 2, 1.0, "flat over the scene");
+    // 36 % of the pixels were found to differ.
+    expect_similar(&found, &expected, 2, 0.73, "flat over the divided scene");
     let Some(behind) = start("before", DIVIDED[1]) else { return };
     let picture = behind.picture("capture.png");
     expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, primitive, with a background");

@@ -97,7 +97,8 @@ fn as_with_opengl() {
     let opengl = Run { program: "fine", extra: &[], ..vulkan.clone() };
     let (Some(vulkan), Some(opengl)) = (vulkan_fisheye(&vulkan), opengl.under("fisheye")) else { return };
     let opengl = opengl.expect_success().picture("capture.png");
-    expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1.0, "Vulkan against OpenGL");
+    // 2 pixels were found to differ.
+    expect_similar(&vulkan.picture("capture.png"), &opengl, 1, 1e-4, "fine triangles on Vulkan against OpenGL");
 }
 
 /// Projectors away from the middle of the dome, with y up and y down.
@@ -123,7 +124,8 @@ fn flat_drawing_over_and_behind_the_scene() {
     let (Some(found), Some(expected)) = (start("over", "vertex"), start("over", "fragment")) else { return };
     assert_eq!(found.statistics()["panel_draws"], 5);
     let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
-    expect_similar(&found, &expected, 2, 1.0, "flat over the scene");
+    // 31 % of the pixels were found to differ.
+    expect_similar(&found, &expected, 1, 0.62, "flat over the projected scene");
     let Some(behind) = start("before", "vertex") else { return };
     let picture = behind.picture("capture.png");
     expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, vertex, with a background");
@@ -162,7 +164,8 @@ fn vkcube_in_one_pass() {
 }
 
 /// A program whose own shader projects to the output, with the library's functions in its text, in
-/// each arrangement of the views.
+/// each arrangement of the views. The same program, compiled with the published headers of version
+/// 0.1, shows the same.
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     for method in ["vertex", "fragment"] {
         for views in ["atlas", "layers", "images"] {
@@ -170,6 +173,8 @@ fn a_shader_of_the_program_s_own_projects_to_the_picture() {
             let run = Run { program: "vk_project", ..vk_cube(&extra, &[]) };
             let Some(finished) = run.vulkan_embedding() else { return };
             let picture = finished.picture("shot.ppm");
+            let Some(first) = run.vulkan_embedding_of_first_version() else { return };
+            expect_identical(&first.picture("shot.ppm"), &picture, &format!("vk_project 0.1 {extra:?}"));
             expect_good(&against_the_map(&run, &picture), &picture, &format!("vk_project {extra:?}"));
             // Negative control: a lens with another opening angle.
             let other = Fisheye { aperture: 176.0, ..CIRCLE };

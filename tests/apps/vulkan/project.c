@@ -265,6 +265,19 @@ static void record(VkCommandBuffer buffer, uint32_t index)
     expect(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");
 }
 
+/* The frames so far are counted. Some of them are measured. */
+static void ask_statistics(void)
+{
+    cupola_vk_statistics counts = {.struct_size = 0};
+    CHECK(cupola_vk_get_statistics(dome, &counts) == CUPOLA_INVALID_ARGUMENT);
+    counts.struct_size = sizeof counts;
+    CHECK(cupola_vk_get_statistics(dome, NULL) == CUPOLA_INVALID_ARGUMENT);
+    CHECK(cupola_vk_get_statistics(dome, &counts) == CUPOLA_OK);
+    CHECK(counts.struct_size == sizeof counts && counts.frames == (uint64_t)direction.frames);
+    CHECK(counts.measured_frames < counts.frames && counts.last_nanoseconds <= counts.nanoseconds);
+    CHECK((counts.measured_frames > 0) == (counts.nanoseconds > 0));
+}
+
 static void parse(int argc, char **argv)
 {
     static const char *const arrangements[] = {"atlas", "layers", "images"};
@@ -309,6 +322,7 @@ int main(int argc, char **argv)
     if (direction.shot != NULL)
         window_shot(&w, direction.shot);
     expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
+    ask_statistics();
     CHECK(cupola_vk_destroy(dome) == CUPOLA_OK);
     free_pipeline(&w, &pipeline);
     free((void *)description.vertex.words);
