@@ -3,7 +3,7 @@
 
 use crate::cache::Cache;
 use crate::error::Result;
-use crate::rig::Rig;
+use crate::rig::{Camera, Overlay, Rig};
 use crate::views::arranging::choose;
 use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::sampling::output_map::OutputMap;
@@ -12,7 +12,14 @@ use crate::views::sampling::output_map::OutputMap;
 pub(in crate::views) fn arrange(rig: &Rig, output_maps: &[OutputMap], cache: &Cache) -> Result<Arrangement> {
     let sizes: Vec<_> = output_maps.iter().map(|output_map| output_map.size).collect();
     let is_sound = |found: &Arrangement| found.views.iter().all(|view| is_sound(view, output_maps.len()));
-    cache.cached("views", &(rig, sizes), is_sound, || choose::arrange(rig, output_maps))
+    cache.cached("views", &(what_decides(rig), sizes), is_sound, || choose::arrange(rig, output_maps))
+}
+
+/// Returns the rig without what has no effect on the arrangement, so that a new name, camera or
+/// panel finds the same one.
+fn what_decides(rig: &Rig) -> Rig {
+    let overlay = Overlay { yaw: 0.0, pitch: 0.0, width: 0.0 };
+    Rig { name: String::new(), camera: Camera::default(), overlay, ..rig.clone() }
 }
 
 /// True if the numbers of a view are finite, and its outputs are below `outputs`.
@@ -98,6 +105,15 @@ mod tests {
             plan(&other, (64, 64));
             plan(&one, (64, 65));
         }
+        assert_eq!(planned.get(), 3);
+        // The views are the same for another camera or panel.
+        other = one.clone();
+        other.camera.zoom = 2.0;
+        other.camera.lens = Some([1.0, 0.8]);
+        other.overlay.yaw = 0.5;
+        other.overlay.width = 1.5;
+        other.name = "other".to_owned();
+        plan(&other, (64, 64));
         assert_eq!(planned.get(), 3);
     }
 }

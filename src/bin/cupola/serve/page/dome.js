@@ -83,7 +83,7 @@ class Dome {
   }
 
   start() {
-    const gl = this.gl = this.canvas.getContext('webgl2', { antialias: true, alpha: false });
+    const gl = this.gl = this.canvas.getContext('webgl2', { antialias: false, alpha: false });
     if (!gl) throw new Error('This browser has no WebGL 2: the dome cannot be shown. The outputs beside it can.');
     const program = (vertex, fragment) => {
       const made = gl.createProgram();
