@@ -3,6 +3,7 @@
 //! enough.
 
 use crate::intercept::process::settings;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::layer::device_structures::length_for_device;
 use crate::intercept::vk::state::driver::structures::{Copied, in_chain};
 use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
@@ -16,18 +17,18 @@ const NO_WAY: &str = "the program enables device features in an unknown way, so 
 /// Decides how shaders process vertices. `offered` returns whether the device's geometry shaders
 /// can count, or the reason why there are none. `rig`: the rig at the start. Shaders are made for
 /// it, even if its file changes later.
-pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> VertexDecision {
+pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, Obstacle>) -> VertexDecision {
     let asks = |wanted: &dyn Fn(&Method) -> bool| {
         rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
     };
     let projects = asks(&|method| method.projects_vertices() && !method.divides());
     let without = if projects { VertexProcessing::Projected } else { VertexProcessing::Views };
     if !asks(&Method::divides) {
-        return VertexDecision { vertices: without, undivided: LATER, counts: false };
+        return VertexDecision { vertices: without, undivided: Some(LATER.into()), counts: false };
     }
     match offered() {
-        Ok(counts) => VertexDecision { vertices: VertexProcessing::Divided, undivided: "", counts },
-        Err(undivided) => VertexDecision { vertices: without, undivided, counts: false },
+        Ok(counts) => VertexDecision { vertices: VertexProcessing::Divided, undivided: None, counts },
+        Err(why) => VertexDecision { vertices: without, undivided: Some(why), counts: false },
     }
 }
 
@@ -56,7 +57,7 @@ pub unsafe fn enable<'a>(
     let decision = decide(settings.map(|settings| &settings.rig), || {
         let has = has();
         if has.geometry_shader == vk::FALSE {
-            return Err(NO_STAGE);
+            return Err(NO_STAGE.into());
         }
         // Only the statistics use the count.
         let wanted = settings.is_some_and(|settings| settings.stats.is_some());
@@ -125,13 +126,14 @@ mod tests {
     #[test]
     fn a_device_without_the_stage_draws_views() {
         let decided = |methods: &[&str], offered| decide(Some(&rig(methods)), || offered);
-        let refused = Err(NO_STAGE);
-        let without = |undivided| VertexDecision { vertices: VertexProcessing::Views, undivided, counts: false };
-        assert_eq!(decided(&["primitive"], refused), without(NO_STAGE));
-        assert_eq!(decided(&["primitive", "vertex"], refused).vertices, VertexProcessing::Projected);
+        let refused = || Err(NO_STAGE.into());
+        let undivided = Some(NO_STAGE.into());
+        let without = VertexDecision { vertices: VertexProcessing::Views, undivided, counts: false };
+        assert_eq!(decided(&["primitive"], refused()), without);
+        assert_eq!(decided(&["primitive", "vertex"], refused()).vertices, VertexProcessing::Projected);
         assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, VertexProcessing::Divided);
         for counts in [true, false] {
-            let divided = VertexDecision { vertices: VertexProcessing::Divided, undivided: "", counts };
+            let divided = VertexDecision { vertices: VertexProcessing::Divided, undivided: None, counts };
             assert_eq!(decided(&["primitive-tessellation"], Ok(counts)), divided);
         }
     }
@@ -141,7 +143,7 @@ mod tests {
         let decided = |rig: Option<&Rig>| decide(rig, || panic!("the device is not asked"));
         assert_eq!(
             decided(None),
-            VertexDecision { vertices: VertexProcessing::Views, undivided: LATER, counts: false }
+            VertexDecision { vertices: VertexProcessing::Views, undivided: Some(LATER.into()), counts: false }
         );
         assert_eq!(decided(Some(&rig(&["fragment"]))).vertices, VertexProcessing::Views);
         assert_eq!(decided(Some(&rig(&["vertex"]))).vertices, VertexProcessing::Projected);

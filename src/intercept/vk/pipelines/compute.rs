@@ -27,10 +27,11 @@ impl ComputePipeline {
                 Ok(variant) => made.variant = variant,
                 Err(why) => {
                     made.loses_cameras = true;
-                    let why = why.reason().unwrap_or_default();
-                    log::once(&format!(
-                        "Vulkan: a compute shader keeps the matrices of the program in all views: {why}"
-                    ));
+                    if let Some(reason) = why.reason() {
+                        log::once(&format!(
+                            "Vulkan: a compute shader keeps the matrices of the program in all views: {reason}"
+                        ));
+                    }
                 }
             }
             Some(made)

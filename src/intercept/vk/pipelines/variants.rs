@@ -77,7 +77,7 @@ type Linked = (Vec<Arc<Pipeline>>, Option<Arc<PipelineLayout>>);
 /// `parts` must be of a pipeline that the program has just made.
 pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, Obstacle> {
     if let Some(why) = parts.obstacle() {
-        return Err(why.into());
+        return Err(why);
     }
     let (linked, layout) = linked_libraries(device, parts)?;
     let mut made = inherited(parts, &linked);
@@ -102,16 +102,20 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                     match dividing_stage::stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&own_stages, modules.make(&words)?)),
-                        Err(why) => device.pipelines.divided.note_undivided(why),
+                        Err(why) => device.pipelines.divided.note_undivided(&why),
                     }
                 }
-                Err(why) => log::once(&format!("Vulkan: the draws of a pipeline are flat: {why}")),
+                Err(why) => {
+                    if let Some(reason) = why.reason() {
+                        log::once(&format!("Vulkan: the draws of a pipeline are flat: {reason}"));
+                    }
+                }
             }
         }
         let undivided = || create_both(device, cache, parts, [&stages, &stages], &linked);
         let pipelines = match &divided {
             Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
-                device.pipelines.divided.note_undivided(why.reason().unwrap_or_default());
+                device.pipelines.divided.note_undivided(&why);
                 undivided()
             }),
             None => undivided(),
@@ -279,7 +283,7 @@ unsafe fn spliced(
     stages: &[vk::PipelineShaderStageCreateInfo<'_>],
     changed: Option<(usize, Vec<u32>)>,
     ours: u32,
-) -> Result<(usize, Vec<u32>), &'static str> {
+) -> Result<(usize, Vec<u32>), Obstacle> {
     let (index, model) = last_stage(stages).ok_or("a pipeline without a vertex shader")?;
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };

@@ -6,6 +6,7 @@
 //! declared twice: as an array of the corners' values, and as outputs of this stage.
 
 use crate::correct::projected::division::Input;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, Linked, division, push};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER};
 use crate::intercept::vk::spirv::stage_outputs::{OutputPart, StageOutputs};
@@ -57,14 +58,14 @@ pub fn divide(
     set: u32,
     counts: bool,
     limits: &Limits,
-) -> Result<Vec<u32>, &'static str> {
+) -> Result<Vec<u32>, Obstacle> {
     let corners = input.corners();
     let emitted = POSITION + stage_outputs.components + u32::from(stage_outputs.number);
     // Each location needs four components of the device's limit.
     let needed = (emitted + BESIDE).max(stage_outputs.locations.saturating_mul(4));
     let room = limits.vertices.min(limits.all_components / emitted) / corners;
     if room < FEWEST || limits.runs < RUNS || limits.components.iter().any(|limit| needed > *limit) {
-        return Err("a shader has more outputs than the geometry shaders of the device allow");
+        return Err("a shader has more outputs than the geometry shaders of the device allow".into());
     }
     let none = Declarations::default();
     let mut additions = Additions::new(1, &none);
@@ -172,13 +173,13 @@ impl<'a> Stage<'a> {
     }
 
     /// Copies a type of the vertex shader.
-    fn copy(&mut self, id: u32) -> Result<u32, &'static str> {
+    fn copy(&mut self, id: u32) -> Result<u32, Obstacle> {
         // A type that is being copied has no number yet. A type that contains itself is damage.
         if let Some(known) = self.copied.get(&id) {
-            return if *known == 0 { Err(MISSING) } else { Ok(*known) };
+            return if *known == 0 { Err(MISSING.into()) } else { Ok(*known) };
         }
         if self.copied.len() > MOST_TYPES {
-            return Err(MISSING);
+            return Err(MISSING.into());
         }
         self.copied.insert(id, 0);
         let declared = &self.stage_outputs.declared;
@@ -206,14 +207,14 @@ impl<'a> Stage<'a> {
                 }
                 made
             }
-            _ => return Err(MISSING),
+            _ => return Err(MISSING.into()),
         };
         self.copied.insert(id, copied);
         Ok(copied)
     }
 
     /// Returns the corners' input variable for a variable of the vertex shader.
-    fn corners_of(&mut self, variable: u32, pointee: u32) -> Result<u32, &'static str> {
+    fn corners_of(&mut self, variable: u32, pointee: u32) -> Result<u32, Obstacle> {
         let (kind, count) = (self.copy(pointee)?, self.number(self.corners));
         let array = self.to.kind(Op::TypeArray, &[kind, count]);
         let made = self.variable(StorageClass::Input, array);
@@ -223,7 +224,7 @@ impl<'a> Stage<'a> {
         Ok(made)
     }
 
-    fn declare(&mut self) -> Result<Interface<'a>, &'static str> {
+    fn declare(&mut self) -> Result<Interface<'a>, Obstacle> {
         let stage_outputs = self.stage_outputs;
         let (_, pointee) = stage_outputs.declared.pointee(stage_outputs.position.0).ok_or(MISSING)?;
         let corner = self.corners_of(stage_outputs.position.0, pointee)?;
@@ -304,8 +305,8 @@ impl<'a> Stage<'a> {
         interface: &Interface<'_>,
         provoking: u32,
         room: u32,
-    ) -> Result<(), &'static str> {
-        let [run, left, corner, emit, end, _] = linked.open[..] else { return Err(MISSING) };
+    ) -> Result<(), Obstacle> {
+        let [run, left, corner, emit, end, _] = linked.open[..] else { return Err(MISSING.into()) };
         let (void, int, vector, weights) =
             (self.to.kind(Op::TypeVoid, &[]), self.int(), self.vector(4), self.vector(3));
         self.function(run, int, &[]);
@@ -322,7 +323,7 @@ impl<'a> Stage<'a> {
         self.end(Some(value));
 
         let given = self.function(emit, void, &[vector, weights]);
-        let [at, weights] = given[..] else { return Err(MISSING) };
+        let [at, weights] = given[..] else { return Err(MISSING.into()) };
         let float = self.float();
         let weights: Vec<u32> =
             (0..self.corners).map(|i| self.made(Op::CompositeExtract, float, &[weights, i])).collect();
@@ -348,8 +349,8 @@ impl<'a> Stage<'a> {
 
     /// Adds the function that is called for a part that is not fine enough. It increments the
     /// counter in `set`, if there is one.
-    fn count(&mut self, linked: &Linked, set: Option<u32>) -> Result<(), &'static str> {
-        let [.., count] = linked.open[..] else { return Err(MISSING) };
+    fn count(&mut self, linked: &Linked, set: Option<u32>) -> Result<(), Obstacle> {
+        let [.., count] = linked.open[..] else { return Err(MISSING.into()) };
         let (void, int) = (self.to.kind(Op::TypeVoid, &[]), self.int());
         let counter = set.map(|set| {
             // Version 1.0 has no other storage buffers.
@@ -375,13 +376,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Computes one output from the corners: by their weights, or from the provoking vertex.
-    fn hand_on(
-        &mut self,
-        pair: &Pair<'_>,
-        leaf: &OutputPart,
-        weights: &[u32],
-        provoking: u32,
-    ) -> Result<(), &'static str> {
+    fn hand_on(&mut self, pair: &Pair<'_>, leaf: &OutputPart, weights: &[u32], provoking: u32) -> Result<(), Obstacle> {
         let kind = self.copy(leaf.kind)?;
         let path: Vec<u32> = leaf.path.iter().map(|index| self.number(*index)).collect();
         let member = pair.member.map(|member| self.number(member));

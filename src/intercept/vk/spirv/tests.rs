@@ -194,7 +194,10 @@ fn several_geometry_shaders_in_a_module_are_refused() {
     let one = loose_position(&[point(7, b"go\0\0")], types);
     assert!(splice(&one, ExecutionModel::Geometry, "go", 2, false).is_ok());
     let two = loose_position(&[point(7, b"go\0\0"), point(9, b"on\0\0")], types);
-    assert_eq!(splice(&two, ExecutionModel::Geometry, "go", 2, false), Err("several geometry shaders in one module"));
+    assert_eq!(
+        splice(&two, ExecutionModel::Geometry, "go", 2, false),
+        Err("several geometry shaders in one module".into())
+    );
 }
 
 /// A handmade block with an array of structures with matrices.

@@ -6,6 +6,7 @@
 //! fragment's offset from the corner of its texel is added to the coordinates. So a shader that
 //! fetches at its own position gets its own texel, whichever image is larger.
 
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
@@ -38,7 +39,7 @@ pub struct Followed {
 ///
 /// # Errors
 /// What the shader does that cannot be followed, for the log.
-pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Followed>, &'static str> {
+pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Followed>, Obstacle> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let reads = Reads::of(&all, &declared);
@@ -54,13 +55,13 @@ pub fn texels(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Optio
         return Ok(None);
     }
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
-        return Err("several entry points in a module that reads images by texel coordinates");
+        return Err("several entry points in a module that reads images by texel coordinates".into());
     }
     if reads.unknown || reads.pictures.len() > MOST_PICTURES {
-        return Err("a shader that reads images by texel coordinates in a way that cannot be followed");
+        return Err("a shader that reads images by texel coordinates in a way that cannot be followed".into());
     }
     if words[3] > MOST_IDS {
-        return Err("a shader with too many ids");
+        return Err("a shader with too many ids".into());
     }
     let mut additions = Additions::new(words[3], &declared);
     let ours = Ours::new(&mut additions, (set, offset), given);
