@@ -3,12 +3,12 @@
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::pipelines::variants::Modules;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::state::pipelines::{CameraMatrix, ComputePipeline, ComputeVariant, MatrixStage};
 use crate::lock::Lock;
 use ::spirv::ExecutionModel;

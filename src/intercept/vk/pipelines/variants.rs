@@ -3,13 +3,13 @@
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
-use crate::intercept::vk::pipelines::dividing_stage;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::pipelines::view_stages;
+use crate::intercept::vk::projected_vertices;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
+use crate::intercept::vk::state::pipelines::create_info::{Parts, Relinked};
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::state::pipelines::{Pipeline, PipelineLayout, Variants};
 use ash::vk;
 use spirv_words::ExecutionModel;
@@ -99,7 +99,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                 Ok((index, words)) => {
                     modules.replace(&mut stages[index], &words)?;
                     made.follows = true;
-                    match dividing_stage::stage(device, parts, &layout) {
+                    match projected_vertices::dividing_stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&own_stages, modules.make(&words)?)),
                         Err(why) => device.pipelines.divided.note_undivided(&why),
@@ -255,7 +255,7 @@ fn with_stage<'a>(
     let ours = vk::PipelineShaderStageCreateInfo::default()
         .stage(vk::ShaderStageFlags::GEOMETRY)
         .module(module)
-        .name(spirv::ENTRY);
+        .name(projected_vertices::ENTRY);
     stages.iter().copied().chain([ours]).collect()
 }
 

@@ -3,9 +3,9 @@
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::spirv::{self, DescriptorPlace};
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::state::pipelines::{CameraMatrix, MatrixStage};
 use ::spirv::ExecutionModel;
 use ash::vk;

@@ -1,4 +1,9 @@
 //! Pipelines of the program and their layouts, and the pipelines that draw instead of them.
+//!
+//! [`create_info`] and [`stages`] read the structures from which the program makes pipelines.
+
+pub mod create_info;
+pub mod stages;
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;

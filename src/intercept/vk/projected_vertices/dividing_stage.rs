@@ -3,12 +3,13 @@
 
 use crate::correct::projected::division::Input;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::create_info::Parts;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
-use crate::intercept::vk::spirv;
+use crate::intercept::vk::projected_vertices::geometry_stage::{Limits, divide};
+use crate::intercept::vk::projected_vertices::stage_outputs::stage_outputs;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::in_chain;
 use crate::intercept::vk::state::pipelines::PipelineLayout;
+use crate::intercept::vk::state::pipelines::create_info::Parts;
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use ::spirv::ExecutionModel;
 use ash::vk;
 
@@ -58,16 +59,16 @@ pub unsafe fn stage(device: &Device, parts: &Parts<'_>, layout: &PipelineLayout)
         };
         let (words, name) = (words_of(device, vertex).ok_or(UNKNOWN)?, name_of(vertex));
         let fragment = fragment.as_ref().map(|(words, name)| (&words[..], ExecutionModel::Fragment, name.as_str()));
-        let stage_outputs = spirv::stage_outputs((&words, ExecutionModel::Vertex, &name), fragment)?;
+        let outputs = stage_outputs((&words, ExecutionModel::Vertex, &name), fragment)?;
         let provoking = if provokes_last(parts)? { input.corners() - 1 } else { 0 };
         let limits = &device.driver.limits;
-        let limits = spirv::Limits {
+        let limits = Limits {
             vertices: limits.max_geometry_output_vertices,
             all_components: limits.max_geometry_total_output_components,
             components: [limits.max_geometry_input_components, limits.max_geometry_output_components],
             runs: limits.max_geometry_shader_invocations,
         };
-        let words = spirv::divide(input, &stage_outputs, provoking, layout.ours, layout.counts, &limits)?;
+        let words = divide(input, &outputs, provoking, layout.ours, layout.counts, &limits)?;
         if !layout.counts {
             let _ =
                 device.pipelines.divided.uncounted.set(if device.role.vertices.counts { NO_ROOM } else { NO_COUNTER });

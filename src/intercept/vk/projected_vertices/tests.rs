@@ -2,9 +2,9 @@
 
 use crate::correct::projected::division::Input;
 use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::vk::projected_vertices::{Limits, divide, stage_outputs};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::tests::module;
-use crate::intercept::vk::spirv::{Limits, divide, stage_outputs};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
