@@ -1,6 +1,6 @@
 //! A rig in a window of a given size.
 //!
-//! [`places`] of views and outputs, [`matrices`] for each view, [`samples`] of what a program sees.
+//! `places` of views and outputs, `matrices` for each view, `samples` of what a program sees.
 
 mod matrices;
 mod places;

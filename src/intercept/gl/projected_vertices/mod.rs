@@ -4,6 +4,8 @@
 //! to be divided, a variant of the program with a geometry or tessellation stage is used
 //! (`variants`), or the processor divides them ([`draw_divided`]). A program of Cupola replaces the
 //! fixed-function pipeline ([`begin_stand_in`]). Other folders use only the exports of this file.
+//! `draw::divided` issues the draws that the processor divides: it stands higher, because it routes
+//! them.
 //!
 //! ```text
 //! vertex shader → [geometry or tessellation stage that divides] → lens of the output

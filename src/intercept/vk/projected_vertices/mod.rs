@@ -9,7 +9,7 @@
 //! * [`decide`] says, when a device is made, how its shaders process vertices. This cannot change
 //!   later, since pipelines are made once and a device's features cannot be added. `layer` enables
 //!   the features.
-//! * [`dividing_stage`] returns the words of a geometry stage for a pipeline of the program. The
+//! * [`dividing_stage()`] returns the words of a geometry stage for a pipeline of the program. The
 //!   stage divides lines and triangles until straight edges follow the lens, projects the parts,
 //!   and counts parts that are not fine enough. `pipelines` makes a variant of the pipeline with
 //!   it. If a pipeline cannot have the stage, its vertices alone are projected, and the log and the

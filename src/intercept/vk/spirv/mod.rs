@@ -1,7 +1,7 @@
 //! Shaders of the program: the locations of their matrices, the epilogue that reprojects vertices,
 //! and the position of fragments in the program's window.
 //!
-//! [`module`] reads words, [`functions`] adds to them. The other modules are used through the
+//! `module` reads words, `functions` adds to them. The other modules are used through the
 //! exports of this file.
 
 mod camera_matrices;

@@ -3,7 +3,7 @@
 //! [`prover`] proves from the text of a vertex shader that positions are an attribute times
 //! matrices. [`dependence`] finds the names that flow into the position, [`compute`] the images and
 //! buffers that a compute shader reads and writes. [`patch`] adds the epilogue that re-projects
-//! `gl_Position`. [`frag_coord`] gives fragment shaders window coordinates of the program. [`text`]
+//! `gl_Position`. [`frag_coord`] gives fragment shaders window coordinates of the program. `text`
 //! splits texts into words.
 
 pub mod compute;
