@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Returns the batches of output `index` for its method. `batches`: those of the default method.
 ///
 /// # Errors
-/// As [`SurfaceSampler::new`].
+/// As [`WarpMap::new`](crate::warp::WarpMap::new).
 pub(super) fn batches_of(
     rig: &Rig,
     index: usize,
@@ -43,7 +43,7 @@ pub(super) fn batches_of(
 /// Returns the meshes of the dome for outputs of the method `cube-mesh`.
 ///
 /// # Errors
-/// As [`SurfaceSampler::new`].
+/// As [`WarpMap::new`](crate::warp::WarpMap::new).
 pub fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>>>> {
     let outputs = rig.outputs.iter().enumerate();
     outputs
