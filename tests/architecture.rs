@@ -12,7 +12,7 @@ mod uses;
 
 use circles::circles;
 use source::{Source, code_of};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 use uses::Uses;
@@ -99,6 +99,27 @@ const COMMAND_ONLY: [&str; 7] =
 const MAY_ROUND: [&str; 2] = ["src/correct/single.rs", "src/blend/simulation.rs"];
 
 const LONGEST_FILE: usize = 600;
+
+/// Greatest number of Rust files of a folder in `src`, without those of its subfolders.
+const MOST_FILES: usize = 12;
+
+/// Folders with more files, and their number. It may only shrink.
+const MORE_FILES: [(&str, usize); 6] = [
+    ("src/backend/tests", 14),
+    ("src/bin/cupola", 16),
+    ("src/correct/shaders", 13),
+    ("src/intercept/gl/offscreen", 14),
+    ("src/intercept/scene", 13),
+    ("src/rig/model", 14),
+];
+
+/// Rooms with one door: others use the exports of their `mod.rs`, and cannot name the modules
+/// inside.
+const DOORS: [&str; 3] = [
+    "src/intercept/gl/projected_vertices",
+    "src/intercept/gl/shader/source/prover",
+    "src/intercept/vk/projected_vertices",
+];
 
 /// Names that `libcupola.so` may export, besides `cupola_*`.
 const ENTRY_POINTS: [&str; 3] = ["__glx_Main", "__egl_Main", "vkNegotiateLoaderLayerInterfaceVersion"];
@@ -200,6 +221,32 @@ impl OpenGl {
     }
 }
 
+/// The modules that a file declares so that other folders can name them: `pub mod`, or `pub(in …)
+/// mod`.
+fn open_modules(code: &str) -> Vec<&str> {
+    let declared = code.lines().filter_map(|line| line.trim().split_once("mod "));
+    let open = declared.filter(|(before, _)| before.starts_with("pub"));
+    open.map(|(_, rest)| rest.trim_end_matches(|c: char| !c.is_alphanumeric() && c != '_')).collect()
+}
+
+/// Folders with more than `most` files. An exception in `more` may have exactly its number of files.
+fn crowded(paths: &[&str], most: usize, more: &[(&str, usize)]) -> Vec<String> {
+    let mut numbers = BTreeMap::<&str, usize>::new();
+    for folder in paths.iter().filter_map(|path| Some(path.rsplit_once('/')?.0)) {
+        *numbers.entry(folder).or_default() += 1;
+    }
+    let exception = |folder: &str| more.iter().find(|(other, _)| *other == folder).map(|(_, number)| *number);
+    let large = numbers.iter().filter_map(|(folder, number)| {
+        let allowed = exception(folder).unwrap_or(most);
+        (*number > allowed).then(|| format!("{folder} has {number} files, more than {allowed}"))
+    });
+    let smaller = more.iter().filter_map(|(folder, allowed)| {
+        let number = numbers.get(folder).copied().unwrap_or(0);
+        (number < *allowed).then(|| format!("{folder} has only {number} files: lower its number {allowed} in the list"))
+    });
+    large.chain(smaller).collect()
+}
+
 fn report(findings: &[String]) {
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
@@ -299,6 +346,31 @@ fn files_are_short() {
     report(&findings);
 }
 
+#[test]
+fn folders_are_small() {
+    let sources = sources(&["src"], &["rs"]);
+    let paths: Vec<&str> = sources.iter().map(|source| source.path.as_str()).collect();
+    report(&crowded(&paths, MOST_FILES, &MORE_FILES));
+}
+
+/// The compiler refuses a use of a private module from outside, so it is enough to look at the
+/// declarations.
+#[test]
+fn rooms_have_one_door() {
+    let mut findings = Vec::new();
+    for room in DOORS {
+        let sources = sources(&[room], &["rs"]);
+        let door = format!("{room}/mod.rs");
+        match sources.iter().find(|source| source.path == door) {
+            None => findings.push(format!("{door} is missing")),
+            Some(source) => findings.extend(
+                open_modules(&code_of(&source.text)).iter().map(|name| format!("{door}: {name} is not private")),
+            ),
+        }
+    }
+    report(&findings);
+}
+
 /// Inside the large folders, too, a file uses only files of lower rooms. `ORDERS` records how many
 /// uses still break this order, and how many files use each other in a circle. Neither number may
 /// grow.
@@ -391,6 +463,12 @@ fn the_checks_find_violations() {
     {
         assert_eq!(violation("src/correct/plan.rs", code), None, "{code}");
     }
+    let door = code_of("mod a;\npub mod b;\n#[cfg(test)]\npub(in crate::x) mod c; // pub mod d;\npub use a::modern;");
+    assert_eq!(open_modules(&door), ["b", "c"]);
+    let paths = ["a/x.rs", "a/y.rs", "a/b/x.rs", "a/b/y.rs", "a/b/z.rs"];
+    assert_eq!(crowded(&paths, 2, &[]).len(), 1, "files of subfolders do not count");
+    assert!(crowded(&paths, 2, &[("a/b", 3)]).is_empty());
+    assert!(crowded(&paths, 2, &[("a/b", 4)])[0].contains("lower"), "an exception shrinks with its folder");
     assert_eq!(unwanted(&BTreeSet::from(["cupola_x".into(), "__egl_Main".into(), "dlsym".into()])).len(), 1);
 }
 

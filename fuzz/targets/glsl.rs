@@ -1,7 +1,7 @@
 //! The first byte says which stage and dialect; the text of a shader follows.
 #![no_main]
 
-use cupola::intercept::gl::projected_vertices::{carriers, interface};
+use cupola::intercept::gl::projected_vertices::{carry, read_interface};
 use cupola::intercept::gl::shader::source::patch::{Stage, has_main, mentions, patch, strip_comments};
 use cupola::intercept::gl::shader::source::prover::prove;
 
@@ -22,9 +22,9 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     }
     let _ = mentions(text, "ftransform");
     let _ = prove(text, es);
-    if let Ok(mut interface) = interface::read(&bare) {
+    if let Ok(mut interface) = read_interface(&bare) {
         let _ = interface.add_texture_coordinates(&bare);
         let _ = interface.edited(&bare);
-        let _ = carriers::carry(&bare, &interface);
+        let _ = carry(&bare, &interface);
     }
 });

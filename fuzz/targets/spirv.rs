@@ -2,9 +2,8 @@
 #![no_main]
 
 use cupola::correct::projected::division::Input;
-use cupola::intercept::vk::spirv::{
-    Limits, asks_place, camera_matrices, divide, frag_coord, matrices, splice, stage_outputs, texels,
-};
+use cupola::intercept::vk::projected_vertices::{Limits, divide, stage_outputs};
+use cupola::intercept::vk::spirv::{asks_place, camera_matrices, frag_coord, matrices, splice, texels};
 use spirv::ExecutionModel;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

@@ -3,7 +3,8 @@
 #![no_main]
 
 use cupola::correct::projected::division::Input;
-use cupola::intercept::vk::spirv::{Limits, camera_matrices, divide, frag_coord, splice, stage_outputs, texels};
+use cupola::intercept::vk::projected_vertices::{Limits, divide, stage_outputs};
+use cupola::intercept::vk::spirv::{camera_matrices, frag_coord, splice, texels};
 use spirv::ExecutionModel;
 use std::io::Write;
 use std::process::{Command, Stdio};

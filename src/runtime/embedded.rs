@@ -1,20 +1,20 @@
 //! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame. This
 //! file is for OpenGL.
 
+mod matrices;
 pub mod vulkan;
 
+use self::matrices::{check_planes, joined, no_view, projection, rotation, vectors_of_view};
 use super::cache;
-use super::session::{Extras, MatrixClass, Session, classify};
+use super::session::{Extras, Session};
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::backend::gl::objects::framebuffers::{FramebufferState, framebuffer_state};
 use crate::backend::gl::objects::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::LowerLeftRect;
-use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Blend, Rig, Viewer};
-use crate::views::View;
-use glam::{DMat4, DVec4};
+use glam::DMat4;
 
 /// Greatest width and height of the pictures, pixels.
 const LARGEST_PICTURE: u32 = 16384;
@@ -386,22 +386,6 @@ impl Embedded {
 
 const NO_CONTEXT: &str = "no OpenGL context is current in this thread";
 
-/// Reprojection matrix and lens constants of a view, for a program with this matrix.
-fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<(ReprojectionMatrix, LensConstants)> {
-    let MatrixClass::Perspective(lens) = classify(matrix) else {
-        let message = "the matrix is not a perspective matrix; expected one like that of glFrustum or gluPerspective";
-        return Err(Error::new(ErrorKind::InvalidArgument, message));
-    };
-    let rows = session.rows(&lens).nth(index).ok_or_else(|| no_view(index, session.views().len()))?;
-    Ok((ReprojectionMatrix::of(&rows), session.lenses().get(index).copied().unwrap_or_default()))
-}
-
-/// Joins the view constants.
-fn joined(rows: &ReprojectionMatrix, lens: &LensConstants) -> [f32; 32] {
-    let (rows, lens) = (rows.to_array(), lens.to_array());
-    std::array::from_fn(|i| if i < 16 { rows[i] } else { lens[i - 16] })
-}
-
 fn log_plan(rig: &Rig, session: &Session) {
     let ((width, height), plan) = (session.window(), &session.plan().views);
     let (count, (atlas_width, atlas_height)) = (plan.views.len(), plan.atlas);
@@ -412,18 +396,6 @@ fn log_plan(rig: &Rig, session: &Session) {
     for note in &plan.notes {
         log::warn!("rig {}: {note}", rig.name);
     }
-}
-
-fn no_view(index: usize, count: usize) -> Error {
-    Error::new(ErrorKind::InvalidArgument, format!("there is no view {index}; there are {count}, counted from 0"))
-}
-
-fn check_planes(near: f64, far: f64) -> Result<()> {
-    if near > 0.0 && near.is_finite() && far > near {
-        return Ok(());
-    }
-    let message = format!("near = {near}, far = {far}; expected 0 < near < far");
-    Err(Error::new(ErrorKind::InvalidArgument, message))
 }
 
 /// Checks that are the same for every API.
@@ -437,36 +409,4 @@ fn check_request(rig: &Rig, size: (u32, u32)) -> Result<()> {
         return Ok(());
     };
     Err(Error::new(ErrorKind::InvalidArgument, message))
-}
-
-/// Camera axes of the program → axes of a view, from the view's eye.
-fn rotation(session: &Session, view: &View) -> DMat4 {
-    let camera = session.camera(view);
-    DMat4::from_mat3(view.rotation * camera.rotation) * DMat4::from_translation(-camera.shift)
-}
-
-/// OpenGL's perspective matrix for a frustum; `far` may be infinite.
-fn projection(frustum: &crate::geom::Frustum, near: f64, far: f64) -> DMat4 {
-    if far.is_finite() {
-        return frustum.projection_matrix(near, far);
-    }
-    let mut matrix = frustum.projection_matrix(near, 2.0 * near);
-    matrix.z_axis.z = -1.0;
-    matrix.w_axis = DVec4::new(0.0, 0.0, -2.0 * near, 0.0);
-    matrix
-}
-
-#[cfg(test)]
-mod tests {
-    use super::projection;
-    use crate::geom::Frustum;
-
-    #[test]
-    fn an_infinite_far_plane_is_the_limit_of_distant_ones() {
-        let frustum = Frustum { left: -1.0, right: 1.2, bottom: -0.7, top: 0.6 };
-        let distant = frustum.projection_matrix(0.1, 1e9).to_cols_array();
-        for (limit, distant) in projection(&frustum, 0.1, f64::INFINITY).to_cols_array().into_iter().zip(distant) {
-            assert!((limit - distant).abs() < 1e-8, "{limit} {distant}");
-        }
-    }
 }

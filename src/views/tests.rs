@@ -2,175 +2,19 @@
 //! goals of docs/results.md.
 
 mod complete;
+mod rigs;
+mod verify;
+
+pub(crate) use rigs::{fisheye, lens, output, projector, random_rig, request, rig};
 
 use crate::error::ErrorKind;
-use crate::geom::Frustum;
 use crate::rig::*;
 use crate::testing::random::Random;
-use crate::views::sampling::cone::Cone;
+use crate::views::tests::verify::{texel, verify};
 use crate::views::*;
-use crate::warp::{WarpMap, exact_direction};
+use crate::warp::exact_direction;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
-
-pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
-    Rig {
-        name: "test".into(),
-        passthrough: false,
-        dome: Dome { radius: 5.0, tilt: 0.0, coverage: 2.0 * PI },
-        screen: None,
-        viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        camera: Camera::default(),
-        views: Views::default(),
-        content: None,
-        overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
-        outputs,
-        beside: Vec::new(),
-    }
-}
-
-pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
-    Output { blend: Blend { ramp: 0.2, ..Blend::default() }, ..crate::warp::testing::output(name, kind) }
-}
-
-pub(crate) fn fisheye(aperture_degrees: f64, tilt_degrees: f64) -> Output {
-    output("dome", OutputKind::Domemaster { aperture: aperture_degrees.to_radians(), tilt: tilt_degrees.to_radians() })
-}
-
-pub(crate) fn lens(width_degrees: f64, height_degrees: f64) -> Frustum {
-    Frustum::symmetric(width_degrees.to_radians(), height_degrees.to_radians())
-}
-
-pub(crate) fn projector(name: &str, position: DVec3, degrees: [f64; 3], frustum: Frustum) -> Output {
-    output(name, OutputKind::Projector { position, angles: degrees.map(f64::to_radians), frustum })
-}
-
-pub(crate) fn request(sizes: &[(u32, u32)]) -> Request {
-    Request { output_sizes: sizes.to_vec(), window: (800, 600), panel: false, primary: false, max_atlas: 16384 }
-}
-
-/// Returns the place at which a view shows a direction, in its tangents.
-fn tangents(view: &View, direction: DVec3) -> Option<DVec2> {
-    let local = view.rotation * direction;
-    (local.z < 0.0).then(|| DVec2::new(local.x, local.y) / -local.z)
-}
-
-/// Returns the place at which a view shows a direction, in texels from the tile's lower left
-/// corner.
-fn texel(view: &View, direction: DVec3) -> Option<DVec2> {
-    let at = tangents(view, direction)?;
-    let part = DVec2::new(
-        (at.x - view.frustum.left) / view.frustum.width(),
-        (at.y - view.frustum.bottom) / view.frustum.height(),
-    );
-    Some(part * DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height)))
-}
-
-/// Returns the view that serves a direction that `output` shows.
-fn answering(plan: &ViewPlan, output: usize, direction: DVec3) -> Option<usize> {
-    plan.output_views[output].iter().copied().find(|&view| {
-        let view = &plan.views[view];
-        tangents(view, direction).is_some_and(|at| view.owned.contains(at.x, at.y))
-    })
-}
-
-/// Returns the texels per pixel around a pixel, in the direction with the fewest; for a domemaster,
-/// per nominal pixel.
-fn least_density(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2, view: &View) -> Option<f64> {
-    const STEP: f64 = 1e-3;
-    let at = |offset: DVec2| texel(view, exact_direction(rig, output, size, pixel + offset)?);
-    let derivative = |axis: DVec2| Some((at(axis * STEP)? - at(-axis * STEP)?) / (2.0 * STEP));
-    let nominal = rig.views.resolution == Resolution::Nominal;
-    let (first, second) = if let (OutputKind::Domemaster { aperture, .. }, true) = (&rig.outputs[output].kind, nominal)
-    {
-        let middle = 0.5 * DVec2::new(f64::from(size.0), f64::from(size.1));
-        let radial = (pixel - middle).normalize_or(DVec2::X);
-        let angle = (pixel - middle).length() * aperture / f64::from(size.0.min(size.1));
-        // Around the axis, a pixel of the lens covers only sin(angle)/angle of a nominal one.
-        (derivative(radial)?, derivative(radial.perp())? * if angle > 0.0 { angle / angle.sin() } else { 1.0 })
-    } else {
-        (derivative(DVec2::X)?, derivative(DVec2::Y)?)
-    };
-    let (a, b, c) = (first.length_squared(), first.dot(second), second.length_squared());
-    Some((0.5 * (a + c) - (0.25 * (a - c) * (a - c) + b * b).sqrt()).max(0.0).sqrt())
-}
-
-/// Checks a plan against every pixel of every output. Returns the number of pixels whose resolution
-/// was measured, or a description of the error.
-fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<usize, String> {
-    let mut measured = 0;
-    let mut used = vec![false; plan.views.len()];
-    let scaled_down = plan.notes.iter().any(|note| note.contains("of the resolution asked for"));
-    for (output, &size) in request.output_sizes.iter().enumerate().filter(|(_, size)| **size != (0, 0)) {
-        let map = WarpMap::new(rig, output, size, Some(crate::views::sampling::output_map::UNIT_FRUSTUM)).unwrap();
-        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
-            let wrong = |what: String| Err(format!("{what} at pixel {x}, {y} of output {output}, {rig:?}, {plan:?}"));
-            let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let Some(direction) = map.direction(pixel) else { continue };
-            let Some(index) = answering(plan, output, direction) else { return wrong("no view".into()) };
-            used[index] = true;
-            let view = &plan.views[index];
-            let size = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
-            let slack = 1e-9 * size.max_element();
-            let inside = |at: DVec2| at.cmpge(DVec2::splat(0.5 - slack)).all() && at.cmple(size - 0.5 + slack).all();
-            if !texel(view, direction).is_some_and(inside) {
-                return wrong(format!("the footprint leaves the tile of view {index}"));
-            }
-            if scaled_down || view.program_lens {
-                continue;
-            }
-            if let Some(density) = least_density(rig, output, request.output_sizes[output], pixel, view) {
-                measured += 1;
-                if density < 0.9999 * rig.views.quality {
-                    return wrong(format!("{density} texels per pixel in view {index}"));
-                }
-            }
-        }
-    }
-    match used.iter().position(|used| !used) {
-        Some(idle) => Err(format!("nothing samples view {idle} of {rig:?}, {plan:?}")),
-        None => Ok(measured),
-    }
-}
-
-/// Returns a rig of up to four outputs, with everything that the planner depends on.
-pub(crate) fn random_rig(random: &mut Random) -> (Rig, Request) {
-    let count = 1 + (random.unit() * 4.0) as usize;
-    let mut rig = rig(Vec::new());
-    rig.dome.radius = random.range(1.0, 20.0);
-    rig.dome.tilt = random.range(0.0, PI / 2.0);
-    if random.unit() < 0.6 {
-        rig.dome.coverage = random.range(2.0, 5.5);
-    }
-    rig.viewer = Viewer {
-        position: random.direction() * random.range(0.0, 0.5) * rig.dome.radius,
-        yaw: random.range(-PI, PI),
-        pitch: random.range(-1.0, 1.0),
-        roll: random.range(-1.0, 1.0),
-    };
-    rig.views.quality = random.range(0.5, 2.0);
-    rig.views.method = if random.unit() < 0.4 { ViewMethod::Cube } else { ViewMethod::Auto };
-    rig.views.resolution = if random.unit() < 0.3 { Resolution::Full } else { Resolution::Nominal };
-    let mut sizes = Vec::new();
-    for index in 0..count {
-        let name = format!("output-{index}");
-        let frustum = lens(random.range(20.0, 80.0), random.range(15.0, 60.0))
-            .shifted(random.range(-0.3, 0.3), random.range(-0.3, 0.3));
-        let angles = [random.range(-PI, PI), random.range(-1.2, 1.2), random.range(-0.5, 0.5)];
-        let kind = match (random.unit() * 4.0) as u32 {
-            0 => OutputKind::Domemaster { aperture: random.range(1.0, 2.0 * PI), tilt: random.range(0.0, 2.0) },
-            1 => OutputKind::Perspective { angles, frustum: Some(frustum) },
-            _ => OutputKind::Projector {
-                position: random.direction() * random.range(0.0, 0.9) * rig.dome.radius,
-                angles,
-                frustum,
-            },
-        };
-        rig.outputs.push(output(&name, kind));
-        sizes.push((random.range(20.0, 160.0) as u32, random.range(20.0, 120.0) as u32));
-    }
-    (rig, request(&sizes))
-}
 
 #[test]
 fn random_rigs_are_shown_completely_sharply_and_without_idle_views() {

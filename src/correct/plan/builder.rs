@@ -3,22 +3,18 @@
 use crate::blend::Weights;
 use crate::cache::Cache;
 use crate::correct::passes::black::BlackPicture;
-use crate::correct::passes::facets::Facets;
 use crate::correct::passes::mask;
 use crate::correct::passes::output_pass::{Batch, OutputPass, Plan};
 use crate::correct::passes::source::Source;
-use crate::correct::plan::blocks;
 use crate::correct::plan::needs::Examined;
 use crate::correct::plan::picture::Picture;
-use crate::correct::sources::surface_sample::SurfaceSampler;
-use crate::correct::sources::{facets, output_source};
+use crate::correct::plan::{blocks, by_method};
+use crate::correct::sources::output_source;
 use crate::error::Result;
 use crate::geom::ContentMap;
-use crate::geom::rectangle::PixelRect;
 use crate::rig::{Flip, Method, Output, Rig};
 use crate::views::planner::Planning;
 use crate::views::{Request, ViewPlan};
-use std::sync::Arc;
 
 /// Plans the views and the passes of `rig`. The result is deterministic and needs no graphics API.
 /// Reads the files of masks.
@@ -48,8 +44,8 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     // An output outside the window is not drawn; its size only has to be valid.
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
-    let domes = dome_meshes(rig, sizes)?;
-    let mut planning = Planning::new(rig, request, sampling_margin(rig, &domes), cache)?;
+    let domes = by_method::dome_meshes(rig, sizes)?;
+    let mut planning = Planning::new(rig, request, by_method::sampling_margin(rig, &domes), cache)?;
     let mut views = planning.place()?;
     let pictures = pictures(rig, sizes, flips.zip(content), cache)?;
     let examine = |views: &ViewPlan| -> Vec<Examined> {
@@ -79,34 +75,10 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
             (0, 0) => Vec::new(),
             _ => blocks::batches(rig, index, &picture, &views, examined),
         };
-        let batches = by_method(rig, index, sizes, batches, &picture, &views, &domes)?;
+        let batches = by_method::batches_of(rig, index, sizes, batches, &picture, &views, &domes)?;
         passes.push(pass(rig, index, picture, batches, lift));
     }
     Ok(Plan { views, passes })
-}
-
-/// Returns the batches of an output for its method.
-fn by_method(
-    rig: &Rig,
-    index: usize,
-    sizes: &[(u32, u32)],
-    batches: Vec<Batch>,
-    picture: &Picture,
-    views: &ViewPlan,
-    domes: &[Option<Arc<Facets>>],
-) -> Result<Vec<Batch>> {
-    let &Picture { ref source, size, .. } = picture;
-    Ok(match rig.outputs[index].method {
-        Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
-        Method::Table { .. } => match source {
-            Source::Table(table) if table.step() > 1 => only_lit(batches, source, size),
-            _ => batches,
-        },
-        Method::Mesh { max_error } => {
-            meshed(only_lit(batches, source, size), &SurfaceSampler::new(rig, index, sizes)?, max_error)
-        }
-        Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
-    })
 }
 
 /// Returns the pass of an output. `lift`: greatest black of overlapping light. Outputs that know
@@ -176,58 +148,4 @@ fn complete(planning: &mut Planning<'_>, views: &ViewPlan, examined: &[Examined]
         changed |= planning.add(output, &examined.unseen);
     }
     changed
-}
-
-/// Greatest sampling margin in texels, however inexact a mesh is.
-const MOST_REACH: f64 = 64.0;
-/// Texels per pixel of an error: one in the middle of a view, and 1/cos² at an angle from it, here
-/// 60°.
-const TEXELS_PER_PIXEL: f64 = 4.0;
-
-/// Returns the greatest distance between the sampled and the exact place in a view, texels.
-fn sampling_margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
-    // A picture with projected vertices is sampled at exact places.
-    let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());
-    let errors = sampling.map(|(output, dome)| {
-        output.method.max_error().unwrap_or_else(|| dome.as_ref().map_or(0.0, |dome| dome.error))
-    });
-    let texels = TEXELS_PER_PIXEL * rig.views.quality * errors.fold(0.0, f64::max);
-    texels.ceil().min(MOST_REACH) as u32
-}
-
-/// Returns the meshes of the dome for outputs of the method `cube-mesh`.
-fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>>>> {
-    let outputs = rig.outputs.iter().enumerate();
-    outputs
-        .map(|(index, output)| match output.method {
-            Method::CubeMesh { density } => {
-                let sampler = SurfaceSampler::new(rig, index, sizes)?;
-                Ok(Some(Arc::new(facets::dome_facets(rig, index, &sampler, density))))
-            }
-            _ => Ok(None),
-        })
-        .collect()
-}
-
-/// Returns the batches without pixels that show nothing.
-fn only_lit(batches: Vec<Batch>, source: &Source, size: (u32, u32)) -> Vec<Batch> {
-    batches.into_iter().map(|batch| facets::lit_parts::only_lit(batch, source, size)).collect()
-}
-
-/// Returns the batches, drawn as triangles with a greatest error in pixels.
-fn meshed(batches: Vec<Batch>, sampler: &SurfaceSampler, max_error: f64) -> Vec<Batch> {
-    let meshed = |batch: Batch| {
-        let facets = Some(Arc::new(Facets::within(sampler, &batch.rects, max_error)));
-        // The weights are in the corners.
-        Batch { facets, neighbours: Vec::new(), ..batch }
-    };
-    batches.into_iter().map(meshed).collect()
-}
-
-/// Returns the batches as one, drawn as the triangles of a dome that samples any of `views`.
-fn with_dome(batches: Vec<Batch>, views: &[usize], facets: Option<Arc<Facets>>) -> Vec<Batch> {
-    let masked = batches.iter().any(|batch| batch.masked);
-    let rects: Vec<PixelRect> = batches.into_iter().flat_map(|batch| batch.rects).collect();
-    let whole = Batch { views: views.to_vec(), neighbours: Vec::new(), edge: false, masked, rects, facets };
-    if whole.rects.is_empty() { Vec::new() } else { vec![whole] }
 }

@@ -14,8 +14,9 @@
 //! | `descriptors` | descriptor sets, and their copies for each view |
 //! | `offscreen` | scenes that the program draws to images on their way to the window |
 //! | `pipelines` | variants of pipelines for views and panel |
+//! | `projected_vertices` | methods `vertex` and `primitive`: decision, geometry stage that divides |
 //! | `state` | data about a device, one file per feature; macro and entry points of the hooks |
-//! | `spirv` | shaders: matrices, reprojection, division |
+//! | `spirv` | shaders: matrices, reprojection |
 //!
 //! # One draw
 //!
@@ -51,6 +52,7 @@ pub mod descriptors;
 pub mod layer;
 pub mod offscreen;
 pub mod pipelines;
+pub mod projected_vertices;
 pub mod queries;
 pub mod spirv;
 pub mod state;

@@ -1,7 +1,8 @@
 //! The embedded form for Vulkan: the program draws the views into images, and has their correction
 //! recorded into its own command buffers.
 
-use super::{Planner, check_planes, check_request, joined, log_plan, no_view, projection, rotation, vectors_of_view};
+use super::matrices::{check_planes, joined, no_view, projection, rotation, vectors_of_view};
+use super::{Planner, check_request, log_plan};
 use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
 use crate::correct::{Arrangement, ImageSize, Plan, UpperLeftRect};

@@ -13,7 +13,7 @@ use crate::views::fitting::axes::{OrientedView, facing, refined, texels};
 use crate::views::fitting::density::golden_section;
 use crate::views::fitting::fit::{Patch, WIDENING, fit};
 use crate::views::sampling::cone::Cone;
-use crate::views::sampling::output_map::Sample;
+use crate::views::sampling::sample::Sample;
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_PI_4;

@@ -9,7 +9,8 @@ use crate::views::arranging::choose::{MOST_TEXELS_PER_PIXEL, direction_name, fre
 use crate::views::arranging::planned_view::PlannedView;
 use crate::views::fitting::axes::{OrientedView, tightest};
 use crate::views::fitting::fit::Patch;
-use crate::views::sampling::output_map::{OutputMap, Sample};
+use crate::views::sampling::output_map::OutputMap;
+use crate::views::sampling::sample::Sample;
 use glam::{DVec2, DVec3};
 
 /// Returns views for the directions that `output` shows at pixel positions. `others`: the existing

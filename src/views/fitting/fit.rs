@@ -10,7 +10,7 @@
 use crate::geom::Frustum;
 use crate::views::fitting::density::{Metrics, density, least_squared_up};
 use crate::views::fitting::lanes::{LANES, greater, greatest, least, lesser};
-use crate::views::sampling::output_map::{Sample, mean_direction};
+use crate::views::sampling::sample::{Sample, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 

@@ -4,7 +4,8 @@ use crate::geom::ContentMap;
 use crate::rig::Rig;
 use crate::views::fitting::fit::sharpness;
 use crate::views::sampling::cone::Cone;
-use crate::views::sampling::output_map::{OutputMap, Sample};
+use crate::views::sampling::output_map::OutputMap;
+use crate::views::sampling::sample::Sample;
 use crate::views::view_plan::{View, ViewPlan};
 use glam::{DMat2, DVec2};
 

@@ -3,7 +3,8 @@
 use crate::error::Result;
 use crate::rig::Rig;
 use crate::views::reporting::answers::Answers;
-use crate::views::sampling::output_map::{OutputMap, Sample};
+use crate::views::sampling::output_map::OutputMap;
+use crate::views::sampling::sample::Sample;
 use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 

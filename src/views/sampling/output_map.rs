@@ -7,24 +7,11 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
 use crate::rig::{Output, OutputKind, Resolution, Rig};
 use crate::views::sampling::pixel_width;
+use crate::views::sampling::projector_map::ProjectorMap;
+use crate::views::sampling::sample::{Sample, of_unit_length, outer};
 use crate::views::view_plan::Request;
 use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
-
-/// A direction that an output shows, and how densely its pixels sample around it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
-    /// Direction from the viewer, viewer axes, unit length.
-    pub direction: DVec3,
-    /// `J·Jᵀ`, where J holds the change of the direction over one pixel to the right and over one
-    /// pixel down: the shape of a pixel's disc on the sphere of directions, in squared radians.
-    pub spread: DMat3,
-}
-
-/// Returns the mean direction, or straight ahead if there is none.
-pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> DVec3 {
-    samples.map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
-}
 
 /// The map of one output.
 #[derive(Clone, Debug)]
@@ -33,11 +20,11 @@ pub(crate) struct OutputMap {
     pub size: (u32, u32),
     /// Distance of the outermost sampled places from the picture's sides, in pixels.
     pub inset: f64,
-    map: Map,
+    pub(super) map: Map,
 }
 
 #[derive(Clone, Debug)]
-enum Map {
+pub(super) enum Map {
     Fisheye {
         aperture: f64,
         rotation: DMat3,
@@ -55,21 +42,6 @@ enum Map {
         rays: DMat3,
         picture: DMat3,
     },
-}
-
-/// Map of a projector. Everything is in dome axes, except `to_viewer`.
-#[derive(Clone, Debug)]
-struct ProjectorMap {
-    origin: DVec3,
-    rays: DMat3,
-    /// The inverse of `rays`.
-    picture: DMat3,
-    radius: f64,
-    pole: DVec3,
-    /// Least cosine of the angle from the pole; `None` = the whole sphere is screen.
-    least_cosine: Option<f64>,
-    eye: DVec3,
-    to_viewer: DMat3,
 }
 
 /// Width of a pixel none of whose neighbours shows anything, radians.
@@ -284,59 +256,6 @@ impl OutputMap {
         (squared > 0.0 && squared.is_finite()).then(|| seen / squared.sqrt())
     }
 
-    /// Returns the curves at which an output's content may end inside its picture: the rims of the
-    /// screen, and the outline of a dome for a projector outside. Each curve returns the samples
-    /// along it (0…1) that lie within the outermost pixel centres.
-    pub fn boundary_curves(&self) -> Vec<BoundaryCurve<'_>> {
-        match &self.map {
-            Map::Projector(map) => {
-                let distance = map.origin.length();
-                // At the outline the dome is seen edge-on, and no resolution is enough. So the
-                // circle lies just within it.
-                let outline = (distance > map.radius)
-                    .then(|| Circle { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
-                let cap = map.least_cosine.map(|cosine| Circle { axis: map.pole, cosine });
-                let sampled =
-                    |circle: Circle| -> BoundaryCurve<'_> { Box::new(move |turn| self.on_circle(map, &circle, turn)) };
-                cap.into_iter().chain(outline).map(sampled).collect()
-            }
-            Map::Traced { map, .. } => {
-                let mut curves: Vec<BoundaryCurve<'_>> = Vec::new();
-                for rim in map.screen().rims().into_iter().chain(map.screen().horizon()) {
-                    curves.push(Box::new(move |part| self.sample(traced_pixel(map, rim(part))?)));
-                }
-                for contour in map.origin().into_iter().flat_map(|from| map.screen().contours(from)) {
-                    let just_within = move |part, inset| self.sample(traced_pixel(map, contour(part, inset))?);
-                    curves.push(Box::new(move |part| INSETS.into_iter().find_map(|inset| just_within(part, inset))));
-                }
-                // Where the viewer looks along the surface, the picture folds.
-                let viewer = map.viewer().position;
-                let folds = if map.origin() == Some(viewer) { Vec::new() } else { map.screen().contours(viewer) };
-                for fold in folds {
-                    curves.push(Box::new(move |part| Some(edge_on(self.sample(traced_pixel(map, fold(part, 0.0))?)?))));
-                }
-                curves
-            }
-            _ => Vec::new(),
-        }
-    }
-
-    /// Returns the sample at `turn` (0…1) around a circle, if it lies within the outermost pixel
-    /// centres.
-    fn on_circle(&self, map: &ProjectorMap, rim: &Circle, turn: f64) -> Option<Sample> {
-        let (first, second) = rim.axis.any_orthonormal_pair();
-        let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
-        let radius = (1.0 - rim.cosine * rim.cosine).max(0.0).sqrt();
-        let point = (rim.axis * rim.cosine + (first * cosine + second * sine) * radius) * map.radius;
-        let picture = map.picture * (point - map.origin);
-        let at = self.within_picture(picture)?;
-        let hit = Hit { point, ray: map.rays * at.extend(1.0), distance: picture.z };
-        // On the rim of the cap, rounding decides on which side the point lies.
-        let on_screen = map.least_cosine.is_none_or(|least| point.dot(map.pole) >= (least - 1e-9) * map.radius);
-        let far = hit.point.dot(hit.ray) > 0.0;
-        (on_screen && far).then(|| map.sample(&hit, self.per_pixel())).flatten()
-    }
-
     /// Returns the sample in a direction from the viewer (viewer axes, any length), if the output
     /// shows it.
     pub fn sample_towards(&self, direction: DVec3) -> Option<Sample> {
@@ -364,92 +283,16 @@ impl OutputMap {
 
     /// Converts homogeneous to normalised picture coordinates, if they lie within the outermost
     /// pixel centres.
-    fn within_picture(&self, picture: DVec3) -> Option<DVec2> {
+    pub(super) fn within_picture(&self, picture: DVec3) -> Option<DVec2> {
         let at = picture.truncate() / picture.z;
         let low = self.normalised(DVec2::new(0.5, f64::from(self.size.1) - 0.5));
         (picture.z > 0.0 && at.cmpge(low).all() && at.cmple(-low).all()).then_some(at)
     }
 
     /// Returns the change of normalised picture coordinates per pixel to the right and down.
-    fn per_pixel(&self) -> DVec2 {
+    pub(super) fn per_pixel(&self) -> DVec2 {
         DVec2::new(2.0 / f64::from(self.size.0), -2.0 / f64::from(self.size.1))
     }
-}
-
-/// Function that returns the sample at a place along a line (0…1), where it is in the picture.
-pub(crate) type BoundaryCurve<'a> = Box<dyn Fn(f64) -> Option<Sample> + 'a>;
-
-/// A circle on the dome around `axis`.
-#[derive(Clone, Copy, Debug)]
-struct Circle {
-    axis: DVec3,
-    cosine: f64,
-}
-
-/// Makes a sample from a direction and a spread of any common scale; `None` where they are
-/// degenerate.
-fn of_unit_length(direction: DVec3, spread: DMat3) -> Option<Sample> {
-    let squared = direction.length_squared();
-    let usable = squared > 0.0 && squared.is_finite() && spread.is_finite();
-    usable.then(|| Sample { direction: direction / squared.sqrt(), spread: spread * (1.0 / squared) })
-}
-
-/// Returns `a·bᵀ`.
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
-}
-
-/// Point where a projector's ray meets the dome.
-struct Hit {
-    point: DVec3,
-    ray: DVec3,
-    /// Distance to the point, in lengths of the ray.
-    distance: f64,
-}
-
-impl Hit {
-    /// Returns the motion of the point on the dome when the ray changes by `change`.
-    fn moved_by(&self, change: DVec3) -> DVec3 {
-        // The point stays on the sphere: its motion is across its own radius.
-        (change - self.ray * (self.point.dot(change) / self.point.dot(self.ray))) * self.distance
-    }
-}
-
-impl ProjectorMap {
-    /// Returns the sample of a hit; `per_pixel` is the size of a pixel in picture coordinates.
-    fn sample(&self, hit: &Hit, per_pixel: DVec2) -> Option<Sample> {
-        let across = self.to_viewer * hit.moved_by(self.rays.x_axis * per_pixel.x);
-        let down = self.to_viewer * hit.moved_by(self.rays.y_axis * per_pixel.y);
-        of_unit_length(self.to_viewer * (hit.point - self.eye), outer(across, across) + outer(down, down))
-    }
-
-    /// Returns the far intersection of the ray with the sphere, if it lies ahead and on the screen.
-    fn hit(&self, at: DVec2) -> Option<Hit> {
-        let ray = self.rays * at.extend(1.0);
-        let squared = ray.length_squared();
-        let along = ray.dot(self.origin) / squared;
-        let foot = self.origin - ray * along;
-        let rest = self.radius * self.radius - foot.length_squared();
-        if rest < 0.0 {
-            return None;
-        }
-        let distance = (rest / squared).sqrt() - along;
-        let point = self.origin + ray * distance;
-        let on_screen = self.least_cosine.is_none_or(|least| point.dot(self.pole) >= least * self.radius);
-        (distance > 0.0 && on_screen).then_some(Hit { point, ray, distance })
-    }
-}
-
-/// Distances from the contour of a surface, in radii, at which a ray is tried. The nearest ones may
-/// miss the surface by rounding where the light comes from afar.
-const INSETS: [f64; 4] = [1e-7, 1e-6, 1e-5, 1e-4];
-
-/// Returns the sample of a surface that is seen edge-on, where no resolution is enough: its pixel
-/// counts as wide as it is long.
-fn edge_on(sample: Sample) -> Sample {
-    let Sample { direction, spread } = sample;
-    let squared = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
-    Sample { direction, spread: (DMat3::IDENTITY - outer(direction, direction)) * squared }
 }
 
 /// Distances at which a pixel's surroundings are sampled, pixels, in this order.
@@ -498,7 +341,7 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
 /// discontinuities, that shows a point of the screen.
 ///
 /// On the border of two such pictures, rounding would decide in which of them the point is sampled.
-fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
+pub(super) fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     let pixel = map.pixel(point)?;
     let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
     let cubemap_faces = map.cubemap_faces();

@@ -3,7 +3,8 @@
 //! Lines are used instead of points: a line can be cut exactly where it crosses the side of a view.
 //! So the openings and resolutions of cropped views do not depend on the positions of samples.
 
-use crate::views::sampling::output_map::{OutputMap, Sample, mean_direction};
+use crate::views::sampling::output_map::OutputMap;
+use crate::views::sampling::sample::{Sample, mean_direction};
 use glam::{DMat3, DVec2, DVec3};
 
 /// Density of an output's samples.

@@ -1,6 +1,9 @@
 //! Rigs in which a planner may leave a part without a view: at rims, borders and corners.
 
+use crate::views::sampling::cone::Cone;
+use crate::views::tests::verify::answering;
 use crate::views::tests::*;
+use crate::warp::WarpMap;
 
 /// The picture ends without a rim of the screen where rays become parallel to the wall of a cone.
 #[test]

@@ -56,6 +56,7 @@ pub const ORDERS: [Order; 5] = [
             "swapchain",
             "offscreen",
             "pipelines",
+            "projected_vertices",
             "state",
             "spirv",
         ],

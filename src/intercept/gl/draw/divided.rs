@@ -11,6 +11,7 @@ use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
+use crate::intercept::scene::obstacle::Obstacle;
 
 /// Issues a draw after an attempt to read its vertices on the processor. For views that need it,
 /// the processor divides the primitives; for the other views `whole` issues the draw.
@@ -18,12 +19,12 @@ pub fn draw_read(
     ctx: &mut Context,
     changes: Changes,
     bounds: Bounds,
-    vertices: &Result<Vertices, &'static str>,
+    vertices: &Result<Vertices, Obstacle>,
     mut whole: impl FnMut(&mut Context, &Gl),
 ) {
     let (processor, vertices) = match vertices {
         Ok(vertices) => (Processor::Divides, Some(vertices)),
-        Err(reason) => (Processor::Cannot(reason), None),
+        Err(why) => (Processor::Cannot(why.clone()), None),
     };
     ctx.projected.fixed_function.processor = processor;
     draw(
@@ -43,7 +44,7 @@ pub fn draw_read(
 pub fn draw_arrays(
     ctx: &mut Context,
     mode: u32,
-    vertices: Result<Vertices, &'static str>,
+    vertices: Result<Vertices, Obstacle>,
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: impl FnMut(&mut Context, &Gl),
 ) {
@@ -77,7 +78,7 @@ pub fn draw_arrays(
 /// Returns the current values of the attributes that `vertices` have.
 pub(in crate::intercept::gl) fn current(
     ctx: &Context,
-    vertices: &Result<Vertices, &'static str>,
+    vertices: &Result<Vertices, Obstacle>,
 ) -> Vec<(Attribute, [f32; 4])> {
     let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
     attributes.map(|attribute| (*attribute, attribute.current(ctx.driver.gl))).collect()

@@ -10,6 +10,7 @@ use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::draw::primitives::Shape;
 use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 use crate::intercept::process::log;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::runtime::session::MatrixClass;
 
 /// Prepares the next draw if vertices are projected: a program of Cupola replaces the
@@ -29,9 +30,9 @@ pub fn look(ctx: &mut Context) {
     }
     ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
     if matches!(ctx.compat.projection.class, MatrixClass::Perspective(_))
-        && let Err(reason) = projected_vertices::begin_stand_in(ctx)
+        && let Err(why) = projected_vertices::begin_stand_in(ctx)
     {
-        use_views(ctx, reason);
+        use_views(ctx, why);
     }
 }
 
@@ -43,8 +44,9 @@ pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Background) {
         return false;
     }
-    if let Processor::Cannot(reason) = ctx.projected.fixed_function.processor {
-        use_views(ctx, reason);
+    if let Processor::Cannot(why) = &ctx.projected.fixed_function.processor {
+        let why = why.clone();
+        use_views(ctx, why);
         return true;
     }
     let drawn = ctx.draw.wide_primitives.drawn;
@@ -68,14 +70,16 @@ pub fn look_screen(ctx: &mut Context) {
     }
 }
 
-/// Gives this context's windows views from now on. The frame in progress starts again with the next
-/// draw.
-pub fn use_views(ctx: &mut Context, reason: &str) {
+/// Gives this context's windows views from now on, and logs why. The frame in progress starts again
+/// with the next draw.
+pub fn use_views(ctx: &mut Context, why: impl Into<Obstacle>) {
     if ctx.projected.views_only {
         return;
     }
     ctx.projected.views_only = true;
-    log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
+    if let Some(reason) = why.into().reason() {
+        log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
+    }
     let Some(target) = ctx.drawable.take_target() else { return };
     let extras = target.extras();
     view_copies::clear(ctx);

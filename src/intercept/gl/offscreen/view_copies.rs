@@ -14,15 +14,22 @@
 //! `glBlitFramebuffer` and similar commands. `coverage` distinguishes the whole picture from a map
 //! in its corner.
 
+mod program_framebuffers;
+mod program_images;
+
+pub use program_framebuffers::clear_with;
+pub(super) use program_framebuffers::{enter, look, look_at_read, make_framebuffer};
+pub(super) use program_images::before_reading_images;
+pub use program_images::{
+    before_reading_framebuffer, before_reading_texture, forget_renderbuffer, forget_texture, is_alike, mipmaps,
+    uploaded,
+};
+
 use crate::backend::gl::driver::api::Gl;
-use crate::backend::gl::objects::framebuffers::FramebufferBindings;
-use crate::correct::LowerLeftRect;
 use crate::intercept::gl::context::errors::{drop_errors, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
-use crate::intercept::gl::per_view::window_space::own_window_space;
-use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
-use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
+use crate::intercept::gl::state::offscreen::images::{Image, Pair, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::process::{log, settings};
 use crate::lock::Lock;
@@ -132,104 +139,6 @@ pub fn delete(ctx: &mut Context, name: u32) {
     ctx.view_copies.framebuffers.retain(|framebuffer| framebuffer.name != name);
 }
 
-/// Forgets the images for which `which` returns true. They were deleted, or got another size or
-/// format.
-fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
-    while let Some(index) = ctx.view_copies.images.iter().position(&which) {
-        leave(ctx);
-        let mut image = ctx.view_copies.images.remove(index);
-        let ViewCopies { left, deleted, .. } = &mut ctx.view_copies;
-        // The places of images in the list change, even if the image had no view copy.
-        *deleted += u64::from(image.view_copy.is_none());
-        destroy_view_copy(&mut image, ctx.driver.gl, ctx.driver.id, left, deleted);
-        for framebuffer in &mut ctx.view_copies.framebuffers {
-            if framebuffer.attachments.contains(&Some(image.name)) {
-                framebuffer.known = false;
-                framebuffer.destroy_view_copy(ctx.driver.gl);
-            }
-        }
-        // Coverage identifies images by their places in the list.
-        ctx.view_copies.coverage.clear(ctx.driver.gl);
-    }
-}
-
-/// Does the same as `forget_images` for a texture.
-pub fn forget_texture(ctx: &mut Context, texture: u32) {
-    forget_images(ctx, |image| image.is_texture(texture));
-    // If no image is followed, deletions are not seen.
-    let followed = ctx.view_copies.any();
-    ctx.view_copies.not_followed.retain(|(name, _)| followed && *name != texture);
-}
-
-/// Does the same as `forget_images` for a renderbuffer.
-pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
-    forget_images(ctx, |image| image.name == Name::Renderbuffer(renderbuffer));
-}
-
-/// True if a followed texture has this size and format already, so that nothing changes.
-pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
-    let images = ctx.view_copies.images.iter();
-    let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
-    same.any(|image| image.is_texture(texture) && image.size == size)
-}
-
-/// Copies texels that the program has uploaded to a texture to the tiles of all views.
-pub fn uploaded(ctx: &mut Context, texture: u32) {
-    if !ctx.view_copies.images.iter().any(|image| image.is_texture(texture) && image.view_copy.is_some()) {
-        return;
-    }
-    let count = copy_count(ctx);
-    without_scissor(ctx, |ctx| {
-        for image in ctx.view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
-            for index in 0..count {
-                image.store(ctx.driver.gl, ctx.driver.id, index);
-            }
-        }
-    });
-}
-
-/// Notes that the program generates mipmaps of a texture. Returns true if Cupola generates them
-/// when the texture is sampled.
-pub fn mipmaps(view_copies: &mut ViewCopies, texture: u32) -> bool {
-    let mut view_copy = false;
-    for image in view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
-        image.mipmapped = true;
-        image.changed();
-        view_copy |= image.view_copy.is_some();
-    }
-    view_copy
-}
-
-/// Gives a texture its own picture before the program reads it.
-pub fn before_reading_texture(ctx: &mut Context, texture: u32) {
-    before_reading(ctx, |image| image.is_texture(texture));
-}
-
-/// Gives the images of the read framebuffer their own picture before the program reads it.
-pub fn before_reading_framebuffer(ctx: &mut Context) {
-    let Some(index) = ctx.view_copies.position(ctx.app.read_framebuffer) else { return };
-    let attachments = ctx.view_copies.framebuffers[index].attachments;
-    before_reading(ctx, |image| attachments.contains(&Some(image.name)));
-}
-
-fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
-    let mut set = 0;
-    for (i, _) in ctx.view_copies.images.iter().enumerate().take(64).filter(|(_, image)| which(image)) {
-        set |= 1 << i;
-    }
-    before_reading_images(ctx, set);
-    supply(ctx, set, own_tile(ctx));
-}
-
-/// Notes that the program reads these images. From the next frame on they have a tile that is drawn
-/// with the program's own lens.
-pub(super) fn before_reading_images(ctx: &mut Context, set: Set) {
-    for (_, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0) {
-        ctx.view_copies.learnt |= !image.read_back;
-        image.read_back = true;
-    }
-}
-
 /// Forgets all after a change of the views.
 pub fn clear(ctx: &mut Context) {
     leave(ctx);
@@ -325,94 +234,6 @@ pub(super) fn without_scissor(ctx: &mut Context, run: impl FnOnce(&mut Context))
     }
 }
 
-/// Returns the index of the program's draw framebuffer. Examines its attachments if they are not
-/// known.
-pub(super) fn look(ctx: &mut Context) -> usize {
-    let name = ctx.app.draw_framebuffer;
-    let index = ctx.view_copies.position(name).unwrap_or_else(|| {
-        ctx.view_copies.framebuffers.push(Framebuffer::new(name));
-        ctx.view_copies.framebuffers.len() - 1
-    });
-    if !ctx.view_copies.framebuffers[index].known {
-        leave(ctx);
-        ctx.driver.take_errors();
-        let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
-        framebuffers[index].examine(ctx.driver.gl, images);
-        // The examination asks questions that some drivers do not know. Their errors have no
-        // meaning.
-        drop_errors(ctx.driver.gl);
-    }
-    index
-}
-
-/// Examines the attachments of the program's read framebuffer, if compute shaders may have written
-/// its images. In that case no draw has examined it.
-pub(super) fn look_at_read(ctx: &mut Context) {
-    let name = ctx.app.read_framebuffer;
-    if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer {
-        return;
-    }
-    let index = ctx.view_copies.position(name).unwrap_or_else(|| {
-        ctx.view_copies.framebuffers.push(Framebuffer::new(name));
-        ctx.view_copies.framebuffers.len() - 1
-    });
-    if ctx.view_copies.framebuffers[index].known {
-        return;
-    }
-    ctx.driver.take_errors();
-    let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
-    // SAFETY: a framebuffer of the program; the bindings are put back.
-    unsafe {
-        let bindings = FramebufferBindings::save(ctx.driver.gl);
-        ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, name);
-        framebuffers[index].examine(ctx.driver.gl, images);
-        bindings.restore(ctx.driver.gl);
-    }
-    drop_errors(ctx.driver.gl);
-}
-
-/// Replaces the program's draw framebuffer, which is at `index`, by its view copy. Returns false if
-/// it has none.
-pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
-    if ctx.view_copies.bound {
-        return true;
-    }
-    if !ctx.view_copies.has_view_copies(&ctx.view_copies.framebuffers[index]) {
-        return false;
-    }
-    if ctx.view_copies.framebuffers[index].view_copy == 0 && !make_framebuffer(ctx, index) {
-        return false;
-    }
-    ctx.view_copies.bound = true;
-    let view_copy = ctx.view_copies.framebuffers[index].view_copy;
-    // SAFETY: a framebuffer of Cupola; `leave` binds the program's again.
-    unsafe { ctx.driver.gl.bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, view_copy) };
-    true
-}
-
-/// Makes the framebuffer that replaces the one at `index`, with view copies of all attached images.
-pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
-    let attached = ctx.view_copies.framebuffers[index].attachments;
-    let places: [Option<usize>; framebuffers::COLOURS + 2] =
-        attached.map(|name| name.and_then(|name| ctx.view_copies.images.iter().position(|image| image.name == name)));
-    let mut complete = places.into_iter().flatten().all(|place| make_view_copy(ctx, place));
-    ctx.driver.take_errors();
-    if complete {
-        let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
-        let view_copy_of = |name| {
-            let image = images.iter().find(|image| image.name == name);
-            image.and_then(|image| image.view_copy.as_ref()).map(|view_copy| view_copy.renderbuffer)
-        };
-        complete = framebuffers[index].make_view_copy(ctx.driver.gl, view_copy_of);
-        drop_errors(ctx.driver.gl);
-    }
-    if !complete {
-        ctx.view_copies.framebuffers[index].obstacle = Some("the driver cannot make copies of it".into());
-        log::once("a scene that the program draws off screen is shown flat: the driver cannot make copies of it");
-    }
-    complete
-}
-
 /// Copies tile `view` of the images in `set` to the program's own images.
 pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
     let has_view_copy = |ctx: &Context| {
@@ -428,37 +249,4 @@ pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
             image.supply(ctx.driver.gl, ctx.driver.id, view);
         }
     });
-}
-
-/// Runs a clear of a framebuffer of the program. Returns false if the framebuffer is drawn only
-/// once.
-pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
-    if ctx.app.draw_framebuffer == 0 || ctx.app.picking || !possible(ctx) {
-        return false;
-    }
-    let index = look(ctx);
-    // A clear of a part, as for a picture in a corner, does not remove the scene.
-    let name = ctx.view_copies.framebuffers[index].images().next();
-    let size = name.and_then(|name| ctx.view_copies.image(name)).map_or([0; 2], |image| image.size);
-    let part = ctx.app.scissor_test && !ctx.app.scissor.contains(LowerLeftRect::new(0, 0, size[0], size[1]));
-    ctx.view_copies.framebuffers[index].has_scene &= part;
-    if !enter(ctx, index) {
-        return false;
-    }
-    ctx.view_copies.changed(index);
-    let gl = ctx.driver.gl;
-    if !ctx.app.scissor_test {
-        ctx.set_scissor(None);
-        issue(gl);
-        return true;
-    }
-    let first = ctx.view_copies.framebuffers[index].images().next();
-    let grid = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid));
-    for view in 0..copy_count(ctx) {
-        if let Some(grid) = grid {
-            own_window_space(ctx, grid.tile(view));
-            issue(gl);
-        }
-    }
-    true
 }

@@ -6,6 +6,7 @@
 //! locations that the fragment stage expects.
 
 use crate::intercept::gl::shader::source::patch;
+use crate::intercept::scene::obstacle::Obstacle;
 use std::ops::Range;
 
 /// Stage output, or element of one.
@@ -52,9 +53,9 @@ pub fn built_in(bare: &str) -> Vec<(&'static str, &'static str)> {
 ///
 /// # Errors
 /// The reason why the outputs cannot be passed on, for the log.
-pub fn read(bare: &str) -> Result<Interface, &'static str> {
+pub fn read(bare: &str) -> Result<Interface, Obstacle> {
     if LEFT_OUT.iter().any(|name| patch::mentions(bare, name)) {
-        return Err("a shader sets clip distances, layers or viewports");
+        return Err("a shader sets clip distances, layers or viewports".into());
     }
     let mut interface = Interface::default();
     for (range, conditional) in statements(bare) {
@@ -66,7 +67,7 @@ pub fn read(bare: &str) -> Result<Interface, &'static str> {
             continue;
         }
         if conditional {
-            return Err("a shader's outputs depend on preprocessor conditions");
+            return Err("a shader's outputs depend on preprocessor conditions".into());
         }
         match text.split_once('{') {
             Some((head, rest)) => interface.block(head, rest, range)?,
@@ -81,7 +82,7 @@ impl Interface {
     ///
     /// # Errors
     /// The reason why they cannot be passed on, for the log.
-    pub fn add_texture_coordinates(&mut self, bare: &str) -> Result<(), &'static str> {
+    pub fn add_texture_coordinates(&mut self, bare: &str) -> Result<(), Obstacle> {
         for part in bare.split("gl_TexCoord").skip(1) {
             let index = part.trim_start().strip_prefix('[').and_then(|rest| rest.split(']').next());
             let index: usize = index
@@ -111,7 +112,7 @@ impl Interface {
     }
 
     /// Reads a declaration like `flat out vec2 a, b[3];`.
-    fn plain(&mut self, text: &str, range: Range<usize>) -> Result<(), &'static str> {
+    fn plain(&mut self, text: &str, range: Range<usize>) -> Result<(), Obstacle> {
         let (layout, rest) = layout(text);
         let mut words = rest.split_whitespace();
         let (mut qualifiers, mut kind) = (Vec::new(), "");
@@ -119,7 +120,7 @@ impl Interface {
             match word {
                 "out" | "varying" | "highp" | "mediump" | "lowp" | "precise" => {}
                 "flat" | "smooth" | "noperspective" | "centroid" | "sample" => qualifiers.push(word),
-                "invariant" | "patch" => return Err("a shader's outputs have unsupported qualifiers"),
+                "invariant" | "patch" => return Err("a shader's outputs have unsupported qualifiers".into()),
                 _ => {
                     kind = word;
                     break;
@@ -136,7 +137,7 @@ impl Interface {
             own += &format!("{kind} {name}{brackets}; ");
             let redeclared = name.starts_with("gl_");
             if redeclared {
-                return Err("a shader declares built-in outputs");
+                return Err("a shader declares built-in outputs".into());
             }
             self.declarations.push(format!("{layout} {} out {kind} {name}{brackets};", qualifiers.join(" ")));
         }
@@ -145,7 +146,7 @@ impl Interface {
     }
 
     /// Reads a declaration like `out Name { flat int a; vec2 b; } instance;`.
-    fn block(&mut self, head: &str, rest: &str, range: Range<usize>) -> Result<(), &'static str> {
+    fn block(&mut self, head: &str, rest: &str, range: Range<usize>) -> Result<(), Obstacle> {
         let (members, tail) = rest.split_once('}').ok_or("a block in a shader has no end")?;
         let (layout, head) = layout(head);
         let name = head.split_whitespace().last().unwrap_or_default();
@@ -156,7 +157,7 @@ impl Interface {
             return Ok(());
         }
         if instance.contains('[') {
-            return Err("a shader outputs arrays of blocks");
+            return Err("a shader outputs arrays of blocks".into());
         }
         let handed = format!("cupola_{name}");
         let mut fields = String::new();
@@ -195,13 +196,13 @@ impl Interface {
         kind: &str,
         size: Option<usize>,
         flat: bool,
-    ) -> Result<(), &'static str> {
+    ) -> Result<(), Obstacle> {
         let whole = ["int", "uint", "ivec2", "ivec3", "ivec4", "uvec2", "uvec3", "uvec4"].contains(&kind);
         let real = kind == "float"
             || ["vec2", "vec3", "vec4", "mat2", "mat3", "mat4"].contains(&kind)
             || kind.strip_prefix("mat").is_some_and(|rest| rest.len() == 3 && rest.as_bytes()[1] == b'x');
         if !whole && !real {
-            return Err("a shader outputs structures or double-precision numbers");
+            return Err("a shader outputs structures or double-precision numbers".into());
         }
         let elements = match size {
             None => vec![String::new()],
@@ -233,12 +234,12 @@ impl Interface {
 }
 
 /// Splits a declared name into the name and the length of its array.
-fn array(text: &str) -> Result<(&str, Option<usize>), &'static str> {
+fn array(text: &str) -> Result<(&str, Option<usize>), Obstacle> {
     let Some((name, rest)) = text.split_once('[') else { return Ok((text.trim(), None)) };
     let size = rest.trim().strip_suffix(']').and_then(|size| size.trim().parse().ok());
     match size.filter(|size| (1..=LONGEST).contains(size)) {
         Some(size) => Ok((name.trim(), Some(size))),
-        None => Err("a shader outputs arrays that are too long, or whose length is not a plain number"),
+        None => Err("a shader outputs arrays that are too long, or whose length is not a plain number".into()),
     }
 }
 

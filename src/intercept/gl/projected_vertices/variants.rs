@@ -23,6 +23,7 @@ use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
 use crate::intercept::gl::state::shader::variants::{InUse, Kind, State, Variant};
 use crate::intercept::process::log;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::lock::Lock;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::Arc;
@@ -51,7 +52,9 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
                 }
                 Err(why) => {
                     let by = if matches!(kind, Kind::Tessellation(_)) { "tessellated" } else { "divided" };
-                    log::once(&format!("a program's primitives cannot be {by}: {why}"));
+                    if let Some(reason) = why.reason() {
+                        log::once(&format!("a program's primitives cannot be {by}: {reason}"));
+                    }
                     (State::Refused, None)
                 }
             };
@@ -133,9 +136,9 @@ fn limits(driver: &Driver, kind: Kind) -> Limits {
     }
 }
 
-fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'static str> {
+fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, Obstacle> {
     if ctx.shaders.pipelines.used != program.name {
-        return Err("it is part of a program pipeline");
+        return Err("it is part of a program pipeline".into());
     }
     let index = dividable(ctx.driver.profile, program, kind)?;
     let limits = limits(&ctx.driver, kind);
@@ -178,24 +181,24 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
 
 /// Returns the index, among the program's shaders, of the last one before the stages that divide,
 /// or the reason why the program cannot have such stages.
-fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, &'static str> {
+fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, Obstacle> {
     if profile.es || profile.version < 32 {
-        return Err("there are no geometry shaders before OpenGL 3.2");
+        return Err("there are no geometry shaders before OpenGL 3.2".into());
     }
     let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
     if has(api::GL_GEOMETRY_SHADER) {
-        return Err("it has a geometry shader of its own");
+        return Err("it has a geometry shader of its own".into());
     }
     let tessellates = matches!(kind, Kind::Tessellation(_));
     if tessellates && profile.version < 40 {
-        return Err("there are no tessellation shaders before OpenGL 4.0");
+        return Err("there are no tessellation shaders before OpenGL 4.0".into());
     }
     let last = if has(api::GL_TESS_EVALUATION_SHADER) { api::GL_TESS_EVALUATION_SHADER } else { api::GL_VERTEX_SHADER };
     if tessellates && (has(api::GL_TESS_EVALUATION_SHADER) || has(api::GL_TESS_CONTROL_SHADER)) {
-        return Err("it has tessellation shaders of its own");
+        return Err("it has tessellation shaders of its own".into());
     }
     let index = program.texts.iter().position(|(kind, source)| *kind == last && patch::has_main(source));
-    index.ok_or("its shaders' texts are not known")
+    index.ok_or_else(|| "its shaders' texts are not known".into())
 }
 
 /// A stage of Cupola.
@@ -211,7 +214,7 @@ fn dividing_stages(
     index: usize,
     kind: Kind,
     limits: &Limits,
-) -> Result<(Interface, Vec<Stage>), &'static str> {
+) -> Result<(Interface, Vec<Stage>), Obstacle> {
     let bare = patch::strip_comments(&program.texts[index].1);
     let mut interface = interface::read(&bare)?;
     let built_in = if limits.compatibility { interface::built_in(&bare) } else { Vec::new() };
@@ -256,7 +259,7 @@ fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
 }
 
 /// Links a program with the attribute and fragment output locations of the program `original`.
-fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Result<u32, &'static str> {
+fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Result<u32, Obstacle> {
     let mut linked = 0;
     // SAFETY: objects of Cupola. Names end with NUL. Queries write no more than the buffers can
     // hold.
@@ -290,7 +293,7 @@ fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Resul
         tell(gl, name, shaders);
         gl.delete_program(name);
     }
-    Err("it does not link with the stage that divides primitives")
+    Err("it does not link with the stage that divides primitives".into())
 }
 
 /// Logs the driver's messages about a program that does not link.

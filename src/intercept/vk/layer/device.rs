@@ -139,7 +139,7 @@ unsafe fn role(given: &vk::DeviceCreateInfo<'_>, active: bool, enabled: &Enabled
     Role {
         active,
         corrects: settings::settings().is_some_and(|settings| !settings.rig.passthrough),
-        vertices: enabled.decision,
+        vertices: enabled.decision.clone(),
         // SAFETY: as promised.
         topologies_change: unsafe { enables(given, ext::extended_dynamic_state3::NAME) },
     }

@@ -4,32 +4,10 @@
 
 use crate::intercept::process::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
+use crate::intercept::vk::projected_vertices;
 use crate::intercept::vk::state::driver::structures::{Copied, in_chain};
-use crate::intercept::vk::state::views::vertices::{VertexDecision, VertexProcessing};
-use crate::rig::{Method, Rig};
+use crate::intercept::vk::state::views::vertices::VertexDecision;
 use ash::vk;
-
-const LATER: &str = "primitives are divided after a new start";
-const NO_STAGE: &str = "the device has no geometry shaders, primitives are not divided";
-const NO_WAY: &str = "the program enables device features in an unknown way, so primitives are not divided";
-
-/// Decides how shaders process vertices. `offered` returns whether the device's geometry shaders
-/// can count, or the reason why there are none. `rig`: the rig at the start. Shaders are made for
-/// it, even if its file changes later.
-pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> VertexDecision {
-    let asks = |wanted: &dyn Fn(&Method) -> bool| {
-        rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
-    };
-    let projects = asks(&|method| method.projects_vertices() && !method.divides());
-    let without = if projects { VertexProcessing::Projected } else { VertexProcessing::Views };
-    if !asks(&Method::divides) {
-        return VertexDecision { vertices: without, undivided: LATER, counts: false };
-    }
-    match offered() {
-        Ok(counts) => VertexDecision { vertices: VertexProcessing::Divided, undivided: "", counts },
-        Err(undivided) => VertexDecision { vertices: without, undivided, counts: false },
-    }
-}
 
 /// The structure that creates a device, as the program gave it or with geometry shaders.
 pub struct Enabled<'a> {
@@ -53,10 +31,10 @@ pub unsafe fn enable<'a>(
 ) -> Enabled<'a> {
     let (mut info, mut features, mut chain) = (*given, None, None);
     let settings = settings::settings().filter(|_| looked_after);
-    let decision = decide(settings.map(|settings| &settings.rig), || {
+    let decision = projected_vertices::decide(settings.map(|settings| &settings.rig), || {
         let has = has();
         if has.geometry_shader == vk::FALSE {
-            return Err(NO_STAGE);
+            return Err(projected_vertices::NO_STAGE.into());
         }
         // Only the statistics use the count.
         let wanted = settings.is_some_and(|settings| settings.stats.is_some());
@@ -66,7 +44,7 @@ pub unsafe fn enable<'a>(
         // SAFETY: as promised.
         let mut ways = ways.filter_map(|counts| unsafe { with_geometry(&mut info, counts) }.zip(Some(counts)));
         let counts;
-        ((features, chain), counts) = ways.next().ok_or(NO_WAY)?;
+        ((features, chain), counts) = ways.next().ok_or(projected_vertices::NO_WAY)?;
         Ok(counts)
     });
     Enabled { info, decision, _features: features, _chain: chain }
@@ -113,39 +91,6 @@ unsafe fn with_geometry(info: &mut vk::DeviceCreateInfo<'_>, counts: bool) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn rig(methods: &[&str]) -> Rig {
-        let mut rig = crate::rig::load("planetarium-6").expect("a preset");
-        for (output, method) in rig.outputs.iter_mut().zip(methods) {
-            output.method = Method::parse(method).expect("a method");
-        }
-        rig
-    }
-
-    #[test]
-    fn a_device_without_the_stage_draws_views() {
-        let decided = |methods: &[&str], offered| decide(Some(&rig(methods)), || offered);
-        let refused = Err(NO_STAGE);
-        let without = |undivided| VertexDecision { vertices: VertexProcessing::Views, undivided, counts: false };
-        assert_eq!(decided(&["primitive"], refused), without(NO_STAGE));
-        assert_eq!(decided(&["primitive", "vertex"], refused).vertices, VertexProcessing::Projected);
-        assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, VertexProcessing::Divided);
-        for counts in [true, false] {
-            let divided = VertexDecision { vertices: VertexProcessing::Divided, undivided: "", counts };
-            assert_eq!(decided(&["primitive-tessellation"], Ok(counts)), divided);
-        }
-    }
-
-    #[test]
-    fn nothing_is_asked_of_a_device_where_the_rig_asks_for_nothing() {
-        let decided = |rig: Option<&Rig>| decide(rig, || panic!("the device is not asked"));
-        assert_eq!(
-            decided(None),
-            VertexDecision { vertices: VertexProcessing::Views, undivided: LATER, counts: false }
-        );
-        assert_eq!(decided(Some(&rig(&["fragment"]))).vertices, VertexProcessing::Views);
-        assert_eq!(decided(Some(&rig(&["vertex"]))).vertices, VertexProcessing::Projected);
-    }
 
     #[test]
     fn the_stage_is_enabled_beside_what_the_program_enables() {

@@ -3,12 +3,12 @@
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::pipelines::variants::Modules;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::state::pipelines::{CameraMatrix, ComputePipeline, ComputeVariant, MatrixStage};
 use crate::lock::Lock;
 use ::spirv::ExecutionModel;
@@ -27,10 +27,11 @@ impl ComputePipeline {
                 Ok(variant) => made.variant = variant,
                 Err(why) => {
                     made.loses_cameras = true;
-                    let why = why.reason().unwrap_or_default();
-                    log::once(&format!(
-                        "Vulkan: a compute shader keeps the matrices of the program in all views: {why}"
-                    ));
+                    if let Some(reason) = why.reason() {
+                        log::once(&format!(
+                            "Vulkan: a compute shader keeps the matrices of the program in all views: {reason}"
+                        ));
+                    }
                 }
             }
             Some(made)

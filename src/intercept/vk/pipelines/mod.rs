@@ -7,17 +7,14 @@
 //! constants. State: `state::pipelines`.
 //!
 //! ```text
-//! create_info (content of a structure) ─ variants ─┬─ spirv::splice
-//!                                                  ├─ view_stages ─ spirv::frag_coord, texels, camera_matrices
-//!                                                  └─ dividing_stage ─ spirv::divide
+//! state::pipelines::create_info ─ variants ─┬─ spirv::splice
+//!                                           ├─ view_stages ─ spirv::frag_coord, texels, camera_matrices
+//!                                           └─ projected_vertices::dividing_stage
 //! ```
 
 pub mod compute;
-pub mod create_info;
-pub mod dividing_stage;
 pub mod layouts;
 pub mod matrix_sources;
 pub mod program_pipelines;
-pub mod stages;
 pub mod variants;
 pub mod view_stages;

@@ -1,10 +1,10 @@
 //! Hooks of pipelines.
 
-use crate::intercept::vk::pipelines::create_info::Parts;
 use crate::intercept::vk::pipelines::variants;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
 use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::pipelines::create_info::Parts;
 use crate::intercept::vk::state::pipelines::{Pipeline, Pipelines};
 use crate::lock::Lock;
 use ash::vk;

@@ -3,13 +3,13 @@
 
 use crate::intercept::process::log;
 use crate::intercept::scene::obstacle::Obstacle;
-use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
-use crate::intercept::vk::pipelines::dividing_stage;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::pipelines::view_stages;
+use crate::intercept::vk::projected_vertices;
 use crate::intercept::vk::spirv;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::driver::structures::slice;
+use crate::intercept::vk::state::pipelines::create_info::{Parts, Relinked};
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::state::pipelines::{Pipeline, PipelineLayout, Variants};
 use ash::vk;
 use spirv_words::ExecutionModel;
@@ -77,7 +77,7 @@ type Linked = (Vec<Arc<Pipeline>>, Option<Arc<PipelineLayout>>);
 /// `parts` must be of a pipeline that the program has just made.
 pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, Obstacle> {
     if let Some(why) = parts.obstacle() {
-        return Err(why.into());
+        return Err(why);
     }
     let (linked, layout) = linked_libraries(device, parts)?;
     let mut made = inherited(parts, &linked);
@@ -99,19 +99,23 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                 Ok((index, words)) => {
                     modules.replace(&mut stages[index], &words)?;
                     made.follows = true;
-                    match dividing_stage::stage(device, parts, &layout) {
+                    match projected_vertices::dividing_stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&own_stages, modules.make(&words)?)),
-                        Err(why) => device.pipelines.divided.note_undivided(why),
+                        Err(why) => device.pipelines.divided.note_undivided(&why),
                     }
                 }
-                Err(why) => log::once(&format!("Vulkan: the draws of a pipeline are flat: {why}")),
+                Err(why) => {
+                    if let Some(reason) = why.reason() {
+                        log::once(&format!("Vulkan: the draws of a pipeline are flat: {reason}"));
+                    }
+                }
             }
         }
         let undivided = || create_both(device, cache, parts, [&stages, &stages], &linked);
         let pipelines = match &divided {
             Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
-                device.pipelines.divided.note_undivided(why.reason().unwrap_or_default());
+                device.pipelines.divided.note_undivided(&why);
                 undivided()
             }),
             None => undivided(),
@@ -251,7 +255,7 @@ fn with_stage<'a>(
     let ours = vk::PipelineShaderStageCreateInfo::default()
         .stage(vk::ShaderStageFlags::GEOMETRY)
         .module(module)
-        .name(spirv::ENTRY);
+        .name(projected_vertices::ENTRY);
     stages.iter().copied().chain([ours]).collect()
 }
 
@@ -279,7 +283,7 @@ unsafe fn spliced(
     stages: &[vk::PipelineShaderStageCreateInfo<'_>],
     changed: Option<(usize, Vec<u32>)>,
     ours: u32,
-) -> Result<(usize, Vec<u32>), &'static str> {
+) -> Result<(usize, Vec<u32>), Obstacle> {
     let (index, model) = last_stage(stages).ok_or("a pipeline without a vertex shader")?;
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };

@@ -2,9 +2,10 @@
 //! screen, texels of images of the scene, camera matrices.
 
 use crate::intercept::process::log;
-use crate::intercept::vk::pipelines::stages::{name_of, words_of};
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::{self, DescriptorPlace};
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::state::pipelines::{CameraMatrix, MatrixStage};
 use ::spirv::ExecutionModel;
 use ash::vk;
@@ -35,9 +36,11 @@ pub unsafe fn fragment(device: &Device, stage: &vk::PipelineShaderStageCreateInf
     let (words, entry) = unsafe { (words_of(device, stage), name_of(stage)) };
     let Some(words) = words else { return made };
     let offset = device.view_constants.to_window_offset();
-    let mut lost = |what: &str, why: &str| {
+    let mut lost = |what: &str, why: &Obstacle| {
         made.loses_place = true;
-        log::once(&format!("Vulkan: {what}: {why}"));
+        if let Some(reason) = why.reason() {
+            log::once(&format!("Vulkan: {what}: {reason}"));
+        }
     };
     let moved = match spirv::asks_place(&words) {
         true => spirv::frag_coord(&words, &entry, ours, offset),
@@ -95,7 +98,9 @@ fn with_cameras(
         }
         Ok(None) => None,
         Err(why) => {
-            log::once(&format!("Vulkan: a shader keeps the matrices of the program in all views: {why}"));
+            if let Some(reason) = why.reason() {
+                log::once(&format!("Vulkan: a shader keeps the matrices of the program in all views: {reason}"));
+            }
             None
         }
     }

@@ -6,6 +6,7 @@
 //! constants chooses. Loads of the matrix, or of a part of it, become loads of the variable.
 
 use crate::intercept::scene::eye;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::dependence::PositionLoads;
 use crate::intercept::vk::spirv::functions::{Additions, push};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
@@ -73,7 +74,7 @@ pub fn camera_matrices(
     entry: &str,
     set: u32,
     offset: u32,
-) -> Result<Option<Chosen>, &'static str> {
+) -> Result<Option<Chosen>, Obstacle> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let (chains, found) = chains(&all, &declared);
@@ -83,10 +84,10 @@ pub fn camera_matrices(
     }
     let (point, main) = entry_point(&all, model, entry)?;
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
-        return Err("several entry points in a module with matrices of the camera");
+        return Err("several entry points in a module with matrices of the camera".into());
     }
     if words[3] > MOST_IDS {
-        return Err("a shader with too many ids");
+        return Err("a shader with too many ids".into());
     }
     let glsl = declared.imported("GLSL.std.450");
     let inverts = all.iter().any(|i| i.is(Op::ExtInst) && Some(i.operand(2)) == glsl && i.operand(3) == INVERSE);

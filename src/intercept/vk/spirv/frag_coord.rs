@@ -5,6 +5,7 @@
 //! value and multiplies by a scale, both from the view constants. Then it calls the program's
 //! function.
 
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, push};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
 use crate::intercept::vk::spirv::splice::{Entry, MOST_IDS, entry_point, put_into};
@@ -16,7 +17,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 ///
 /// # Errors
 /// What the shader does that cannot be followed, for the log.
-pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Vec<u32>>, &'static str> {
+pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<Option<Vec<u32>>, Obstacle> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let (point, main) = entry_point(&all, ExecutionModel::Fragment, entry)?;
@@ -25,13 +26,13 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
     let Some(given) = point.rest(interface).iter().copied().find(asks) else { return Ok(None) };
     let vector = match declared.pointee(given) {
         Some((class, kind)) if class == StorageClass::Input as u32 && declared.is_vec4(kind) => kind,
-        _ => return Err("a shader whose FragCoord is no vector of four floats"),
+        _ => return Err("a shader whose FragCoord is no vector of four floats".into()),
     };
     if all.iter().filter(|i| i.is(Op::EntryPoint)).count() > 1 {
-        return Err("several entry points in a module that uses its position on the screen");
+        return Err("several entry points in a module that uses its position on the screen".into());
     }
     if words[3] > MOST_IDS {
-        return Err("a shader with too many ids");
+        return Err("a shader with too many ids".into());
     }
     let chains = chains(&all, given)?;
     let mut additions = Additions::new(words[3], &declared);
@@ -58,7 +59,7 @@ pub fn frag_coord(words: &[u32], entry: &str, set: u32, offset: u32) -> Result<O
 ///
 /// # Errors
 /// The variable, or a part of it, is used for more than loads.
-fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'static str> {
+fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, Obstacle> {
     let is_chain = |i: &&Instruction<'_>| i.is(Op::AccessChain) || i.is(Op::InBoundsAccessChain);
     let chains: Vec<(u32, u32)> =
         all.iter().filter(|i| is_chain(i) && i.operand(2) == given).map(|i| (i.operand(1), i.operand(0))).collect();
@@ -75,7 +76,7 @@ fn chains(all: &[Instruction<'_>], given: u32) -> Result<Vec<(u32, u32)>, &'stat
             _ => continue,
         };
         if pointers.iter().any(is_ours) {
-            return Err("a shader that passes FragCoord on by a pointer");
+            return Err("a shader that passes FragCoord on by a pointer".into());
         }
     }
     Ok(chains)
@@ -119,7 +120,7 @@ fn private_pointers(
     to: &mut Additions<'_>,
     declared: &Declarations<'_>,
     chains: &[(u32, u32)],
-) -> Result<HashMap<u32, u32>, &'static str> {
+) -> Result<HashMap<u32, u32>, Obstacle> {
     let kinds: BTreeSet<u32> = chains.iter().map(|(_, kind)| *kind).collect();
     let private = |kind: u32| {
         let pointer = declared.get(kind, Op::TypePointer).ok_or("a shader with a pointer that is not known")?;

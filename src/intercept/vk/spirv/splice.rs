@@ -5,6 +5,7 @@
 //! Functions, their types and a uniform block are added. The entry point then refers to a function
 //! of Cupola that calls the program's.
 
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
 use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl, Op, StorageClass};
@@ -21,29 +22,23 @@ pub const MOST_IDS: u32 = 1 << 30;
 ///
 /// # Errors
 /// What the shader does that cannot be followed, for the log.
-pub fn splice(
-    words: &[u32],
-    model: ExecutionModel,
-    entry: &str,
-    set: u32,
-    lenses: bool,
-) -> Result<Vec<u32>, &'static str> {
+pub fn splice(words: &[u32], model: ExecutionModel, entry: &str, set: u32, lenses: bool) -> Result<Vec<u32>, Obstacle> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let is_entry = |i: &Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == model as u32;
     let (point, main) = entry_point(&all, model, entry)?;
     // Vertices are emitted in functions that both entry points may call.
     if model == ExecutionModel::Geometry && all.iter().any(|i| is_entry(i) && i.offset != point.offset) {
-        return Err("several geometry shaders in one module");
+        return Err("several geometry shaders in one module".into());
     }
     if all.iter().any(|i| i.is(Op::ExecutionMode) && (i.operand(0), i.operand(1)) == (main, ExecutionMode::Xfb as u32))
     {
-        return Err("a shader whose output is captured");
+        return Err("a shader whose output is captured".into());
     }
     let interface = 2 + string(point.rest(2)).1;
     let position = position(&declared, point.rest(interface)).ok_or("a shader that writes no gl_Position")?;
     if words[3] > MOST_IDS {
-        return Err("a shader with too many ids");
+        return Err("a shader with too many ids".into());
     }
     let mut additions = Additions::new(words[3], &declared);
     let linked = additions.link(functions(lenses), set);
@@ -77,16 +72,16 @@ pub fn entry_point<'a>(
     all: &'a [Instruction<'a>],
     model: ExecutionModel,
     entry: &str,
-) -> Result<(&'a Instruction<'a>, u32), &'static str> {
+) -> Result<(&'a Instruction<'a>, u32), Obstacle> {
     let is_entry =
         |i: &&Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == model as u32 && string(i.rest(2)).0 == entry;
     let point = all.iter().find(is_entry).ok_or("a shader without its entry point")?;
     let main = point.operand(1);
     if main == 0 {
-        return Err("a shader without its entry point");
+        return Err("a shader without its entry point".into());
     }
     if all.iter().any(|i| i.is(Op::EntryPoint) && i.operand(1) == main && i.offset != point.offset) {
-        return Err("entry points that share a function");
+        return Err("entry points that share a function".into());
     }
     Ok((point, main))
 }

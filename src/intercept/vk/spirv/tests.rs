@@ -2,7 +2,6 @@
 
 mod camera_matrices;
 mod compute;
-mod division;
 mod frag_coord;
 mod texels;
 
@@ -136,7 +135,7 @@ fn damaged_modules_do_no_harm() {
 }
 
 /// Returns the words of a module with these instructions.
-fn module(bound: u32, all: &[(u32, &[u32])]) -> Vec<u32> {
+pub(in crate::intercept::vk) fn module(bound: u32, all: &[(u32, &[u32])]) -> Vec<u32> {
     let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, bound, 0];
     for (opcode, operands) in all {
         words.push((operands.len() as u32 + 1) << 16 | opcode);
@@ -194,7 +193,10 @@ fn several_geometry_shaders_in_a_module_are_refused() {
     let one = loose_position(&[point(7, b"go\0\0")], types);
     assert!(splice(&one, ExecutionModel::Geometry, "go", 2, false).is_ok());
     let two = loose_position(&[point(7, b"go\0\0"), point(9, b"on\0\0")], types);
-    assert_eq!(splice(&two, ExecutionModel::Geometry, "go", 2, false), Err("several geometry shaders in one module"));
+    assert_eq!(
+        splice(&two, ExecutionModel::Geometry, "go", 2, false),
+        Err("several geometry shaders in one module".into())
+    );
 }
 
 /// A handmade block with an array of structures with matrices.

@@ -6,6 +6,7 @@ use crate::intercept::process::clock;
 use crate::intercept::process::live::{self, Live};
 use crate::intercept::process::log;
 use crate::intercept::process::settings::{self, Settings};
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::swapchains::formats::{TexelFormat, is_usual};
@@ -82,14 +83,16 @@ impl Swapchain {
 
 /// Plans a rig for a window. The log reports outputs that are made by another method.
 fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<AtlasLayout> {
-    let (vertices, undivided) = (device.role.vertices.vertices, device.role.vertices.undivided);
+    let vertices = device.role.vertices.vertices;
     let projects = vertices != VertexProcessing::Views;
+    let undivided = device.role.vertices.undivided.as_ref().and_then(Obstacle::reason);
     let has = |lost: &dyn Fn(&Method) -> bool| rig.outputs.iter().any(|output| lost(&output.method));
     let reasons = [
-        (!device.role.divides() && has(&Method::divides), undivided),
-        (!projects && has(&|m| m.projects_vertices() && !m.divides()), "vertices are projected after a new start"),
+        undivided.filter(|_| has(&Method::divides)),
+        (!projects && has(&|m| m.projects_vertices() && !m.divides()))
+            .then_some("vertices are projected after a new start"),
     ];
-    for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
+    for why in reasons.into_iter().flatten() {
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
     if rig.views.duplicate == Duplicate::InTurn {

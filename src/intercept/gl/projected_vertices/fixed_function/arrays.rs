@@ -15,6 +15,7 @@ pub use crate::intercept::gl::state::vertex_input::vertex_ranges::Vertices as Ra
 use crate::intercept::gl::vertex_input::position_layout::number;
 use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width};
 use crate::intercept::gl::vertex_input::vertex_arrays;
+use crate::intercept::scene::obstacle::Obstacle;
 use std::ffi::c_void;
 
 /// Greatest number of bytes of an array that is read.
@@ -129,7 +130,7 @@ const OTHERS: [(Attribute, Names); 4] = [
 ///
 /// # Safety
 /// The program's arrays must hold `range`, as it promises OpenGL.
-pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<Vertices, &'static str>> {
+pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<Vertices, Obstacle>> {
     if matches!(range, Range::Range { count: ..=0, .. } | Range::Elements { count: ..=0, .. }) {
         return None;
     }
@@ -147,7 +148,7 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
     textures(ctx.driver.gl, &mut arrays);
     // SAFETY: as promised.
     let read = unsafe { vertices(ctx, mode, &arrays, range) };
-    Some(read.ok_or("a program's vertex arrays cannot be read"))
+    Some(read.ok_or_else(|| "a program's vertex arrays cannot be read".into()))
 }
 
 fn array(gl: &Gl, names: &Names, attribute: Option<Attribute>) -> Option<Array> {

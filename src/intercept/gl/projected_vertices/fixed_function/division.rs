@@ -11,6 +11,7 @@ use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, T
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
 use crate::intercept::gl::state::compat::projection;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::runtime::session::Division;
 use glam::DVec3;
 
@@ -50,7 +51,7 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
 }
 
 /// Draws `vertices` without division. The current attribute values are undefined afterwards.
-pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
+pub fn whole(gl: &Gl, vertices: &Result<Vertices, Obstacle>) {
     let Ok(vertices) = vertices else { return };
     // SAFETY: Begin and End of Cupola, around vertices with their attributes.
     unsafe {

@@ -7,22 +7,23 @@ use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{
     Followed, Generated, LIGHTS, Lighting, Pipeline, UNITS,
 };
+use crate::intercept::scene::obstacle::Obstacle;
 
 impl Pipeline {
     /// Returns the present switches.
     ///
     /// # Errors
     /// An enabled switch that Cupola does not support, for the log.
-    pub fn read(driver: &Driver) -> Result<Self, &'static str> {
+    pub fn read(driver: &Driver) -> Result<Self, Obstacle> {
         let (gl, profile) = (driver.gl, &driver.profile);
         if profile.version < 20 {
-            return Err("there are no shaders before OpenGL 2.0");
+            return Err("there are no shaders before OpenGL 2.0".into());
         }
         let mut attenuation = [0.0f32; 4];
         // SAFETY: writes three numbers.
         unsafe { gl.get_floatv(api::GL_POINT_DISTANCE_ATTENUATION, attenuation.as_mut_ptr()) };
         if attenuation[..3] != [1.0, 0.0, 0.0] {
-            return Err("a program's points become smaller with the distance");
+            return Err("a program's points become smaller with the distance".into());
         }
         let on = |switch: u32| is_on(gl, switch);
         Ok(Self {

@@ -21,19 +21,20 @@ use crate::intercept::gl::shader::source::patch::{self, Stage};
 use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::scene::obstacle::Obstacle;
 use std::sync::Arc;
 
 /// Uses a program that does the same as the pipeline's vertex stage.
 ///
 /// # Errors
 /// The reason why there is no such program, for the log.
-pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
+pub fn begin(ctx: &mut Context) -> Result<(), Obstacle> {
     if ctx.shaders.program.is_some() || ctx.shaders.pipelines.used != 0 {
-        return Err("a program has shaders for fragments only");
+        return Err("a program has shaders for fragments only".into());
     }
     // SAFETY: asks for a switch that the program has used.
     if ctx.app.assembly && unsafe { ctx.driver.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
-        return Err("the program's vertices go through a program in assembly language");
+        return Err("the program's vertices go through a program in assembly language".into());
     }
     if ctx.projected.fixed_function.known.is_none() {
         let pipeline = Pipeline::read(&ctx.driver);
@@ -49,8 +50,8 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
                 lighting.separate_specular,
             )
         }
-        Some(Err(reason)) => return Err(reason),
-        None => return Err("the state of the pipeline is not known"),
+        Some(Err(why)) => return Err(why.clone()),
+        None => return Err("the state of the pipeline is not known".into()),
     };
     let program = match program {
         Some(program) => program,
@@ -101,9 +102,9 @@ pub fn reads(ctx: &Context, mode: u32) -> bool {
 }
 
 /// Links the program for the present switches.
-fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
+fn make(ctx: &mut Context) -> Result<Arc<Program>, Obstacle> {
     let Some(Ok(pipeline)) = ctx.projected.fixed_function.known.clone() else {
-        return Err("the state of the pipeline is not known");
+        return Err("the state of the pipeline is not known".into());
     };
     let own = shader_text::text(&pipeline);
     let patched = patch::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
@@ -116,9 +117,9 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     };
     ctx.frame.counts.linked += 1;
     let Some(program) = program.map(Arc::new) else {
-        let reason = "the driver does not link the shader that replaces the fixed-function pipeline";
-        ctx.projected.fixed_function.known = Some(Err(reason));
-        return Err(reason);
+        let why = Obstacle::from("the driver does not link the shader that replaces the fixed-function pipeline");
+        ctx.projected.fixed_function.known = Some(Err(why.clone()));
+        return Err(why);
     };
     ctx.projected.fixed_function.programs.insert(pipeline, program.clone());
     Ok(program)

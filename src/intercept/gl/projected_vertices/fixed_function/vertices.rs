@@ -3,6 +3,7 @@
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::correct::single;
 use crate::intercept::gl::state::compat::vertex_recorder::{Recorded, Recorder, Sets};
+use crate::intercept::scene::obstacle::Obstacle;
 
 /// An attribute that the pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +102,7 @@ impl Vertices {
     ///
     /// # Errors
     /// The part that cannot be read, for the log.
-    pub fn of_recorded(gl: &Gl, mode: u32, recorder: &Recorder) -> Result<Self, &'static str> {
+    pub fn of_recorded(gl: &Gl, mode: u32, recorder: &Recorder) -> Result<Self, Obstacle> {
         let mut vertices = Self { mode, ..Self::default() };
         let mut now = Vec::new();
         for command in recorder.commands().filter(|command| !command.is_vertex()) {
@@ -119,7 +120,7 @@ impl Vertices {
                 vertices.values.push(value.ok_or("a program uses packed vertices or evaluators")?);
                 vertices.values.extend_from_slice(&now);
             } else if command.sets == Sets::Material && !vertices.values.is_empty() {
-                return Err("a program changes materials between vertices");
+                return Err("a program changes materials between vertices".into());
             } else if let Some(attribute) = of_command(&command) {
                 let normalised = matches!(attribute, Attribute::Color | Attribute::SecondaryColor | Attribute::Normal);
                 let value = numbers(&command, normalised).filter(|_| command.plain);

@@ -5,8 +5,8 @@
 //! so all answers to the program stay the same.
 
 use crate::intercept::gl::shader::source::head::Head;
-use crate::intercept::gl::shader::source::prover::declarations::behind;
-use crate::intercept::gl::shader::source::prover::tokens::{self, is_name};
+use crate::intercept::gl::shader::source::text::brackets::behind;
+use crate::intercept::gl::shader::source::text::tokens::{self, is_name};
 use crate::intercept::gl::state::shader::camera_matrices::Names;
 use std::collections::HashMap;
 

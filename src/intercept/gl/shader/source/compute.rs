@@ -1,7 +1,7 @@
 //! Images and buffers that a compute shader of the program uses.
 
 use crate::backend::gl::driver::api::{self, Gl};
-use crate::intercept::gl::shader::source::prover::tokens;
+use crate::intercept::gl::shader::source::text::tokens;
 use crate::intercept::gl::state::shader::programs::{BufferWrites, ComputeStage};
 use std::ffi::{CStr, c_char};
 

@@ -12,8 +12,8 @@
 
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::shader::source::elements::{self, Usage};
-use crate::intercept::gl::shader::source::prover::declarations::behind;
-use crate::intercept::gl::shader::source::prover::tokens::{self, is_name};
+use crate::intercept::gl::shader::source::text::brackets::behind;
+use crate::intercept::gl::shader::source::text::tokens::{self, is_name};
 use crate::intercept::gl::state::shader::position_names::PositionNames;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Elements of arrays of uniforms. A word like `m[2]` is one name, so the flow from different
 //! elements is distinguished.
 
-use crate::intercept::gl::shader::source::prover::declarations::behind;
-use crate::intercept::gl::shader::source::prover::tokens::is_name;
+use crate::intercept::gl::shader::source::text::brackets::behind;
+use crate::intercept::gl::shader::source::text::tokens::is_name;
 use crate::intercept::gl::state::shader::position_names::{Choice, Elements, Uses};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;

@@ -6,6 +6,7 @@ use crate::backend::gl::driver::own_names;
 use crate::backend::gl::objects::framebuffers::{FramebufferBindings, blit};
 use crate::backend::gl::objects::surface::greatest_texture;
 use crate::correct::LowerLeftRect;
+use crate::intercept::gl::state::offscreen::tile_grid::TileGrid;
 
 /// An image of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -87,120 +88,7 @@ impl Pair {
     }
 }
 
-/// Tiles of equal size, row by row from the bottom left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TileGrid {
-    columns: i32,
-    size: [i32; 2],
-}
-
-impl TileGrid {
-    fn new(size: [i32; 2], count: usize) -> Self {
-        let count = count.max(1) as i32;
-        Self { columns: (1..=count).find(|columns| columns * columns >= count).unwrap_or(1), size }
-    }
-
-    /// Size of an image with `count` tiles.
-    pub fn extent(&self, count: usize) -> [i32; 2] {
-        [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
-    }
-
-    /// Returns a tile.
-    pub fn tile(&self, index: usize) -> LowerLeftRect {
-        let (index, [width, height]) = (index as i32, self.size);
-        LowerLeftRect::new(index % self.columns * width, index / self.columns * height, width, height)
-    }
-}
-
 impl Image {
-    /// Returns an image with the facts that the driver gives. `None` if the image cannot have a
-    /// view copy: a layer, a face of a cube, or no image at all. Bindings are put back; errors may
-    /// be left.
-    pub fn examine_texture(gl: &Gl, texture: u32, level: i32) -> Option<Self> {
-        let targets = [
-            (api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D),
-            (api::GL_TEXTURE_RECTANGLE, api::GL_TEXTURE_BINDING_RECTANGLE),
-            (api::GL_TEXTURE_2D_MULTISAMPLE, api::GL_TEXTURE_BINDING_2D_MULTISAMPLE),
-        ];
-        targets.into_iter().find_map(|(target, binding)| {
-            let mut answers = [0; 7];
-            let is_one = with_texture(gl, target, binding, texture, || {
-                let names = [
-                    api::GL_TEXTURE_WIDTH,
-                    api::GL_TEXTURE_HEIGHT,
-                    api::GL_TEXTURE_SAMPLES,
-                    api::GL_TEXTURE_INTERNAL_FORMAT,
-                    api::GL_TEXTURE_RED_SIZE,
-                    api::GL_TEXTURE_DEPTH_SIZE,
-                    api::GL_TEXTURE_STENCIL_SIZE,
-                ];
-                for (answer, name) in answers.iter_mut().zip(names) {
-                    // SAFETY: writes one integer.
-                    unsafe { gl.get_tex_level_parameteriv(target, level, name, answer) };
-                }
-            });
-            is_one.then(|| Self::new(Name::Texture { name: texture, target, level }, answers)).flatten()
-        })
-    }
-
-    /// As [`Image::examine_texture`], for a renderbuffer.
-    pub fn examine_renderbuffer(gl: &Gl, renderbuffer: u32) -> Option<Self> {
-        let names = [
-            api::GL_RENDERBUFFER_WIDTH,
-            api::GL_RENDERBUFFER_HEIGHT,
-            api::GL_RENDERBUFFER_SAMPLES,
-            api::GL_RENDERBUFFER_INTERNAL_FORMAT,
-            api::GL_RENDERBUFFER_RED_SIZE,
-            api::GL_RENDERBUFFER_DEPTH_SIZE,
-            api::GL_RENDERBUFFER_STENCIL_SIZE,
-        ];
-        let mut answers = [0; 7];
-        // SAFETY: the binding is put back; each question writes one integer.
-        unsafe {
-            let mut bound = 0;
-            gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut bound);
-            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer);
-            for (answer, name) in answers.iter_mut().zip(names) {
-                gl.get_renderbuffer_parameteriv(api::GL_RENDERBUFFER, name, answer);
-            }
-            gl.bind_renderbuffer(api::GL_RENDERBUFFER, bound as u32);
-        }
-        Self::new(Name::Renderbuffer(renderbuffer), answers)
-    }
-
-    /// Returns an image with the facts of the driver's answers: width, height, samples, format,
-    /// bits of red, depth and stencil.
-    pub(in crate::intercept::gl) fn new(name: Name, answers: [i32; 7]) -> Option<Self> {
-        let [width, height, samples, format, red, depth, stencil] = answers;
-        let mut mask = 0;
-        if depth > 0 {
-            mask |= api::GL_DEPTH_BUFFER_BIT;
-        }
-        if stencil > 0 {
-            mask |= api::GL_STENCIL_BUFFER_BIT;
-        }
-        if mask == 0 {
-            mask = api::GL_COLOR_BUFFER_BIT;
-        }
-        (width > 0 && height > 0).then(|| Self {
-            name,
-            size: [width, height],
-            samples,
-            format: sized(format as u32, red, depth),
-            mask,
-            scene: false,
-            other_shape: false,
-            copies_window: false,
-            displayed: false,
-            reads: Vec::new(),
-            read_back: false,
-            lost: false,
-            mipmapped: false,
-            refused: false,
-            view_copy: None,
-        })
-    }
-
     /// True if the image holds colours.
     pub fn is_colour(&self) -> bool {
         self.mask & api::GL_COLOR_BUFFER_BIT != 0
@@ -407,55 +295,5 @@ pub(super) fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run
     }
 }
 
-/// Returns the sized format for a format that leaves its size to the driver. `red` and `depth` are
-/// the numbers of bits that the driver chose.
-fn sized(format: u32, red: i32, depth: i32) -> u32 {
-    match (format, red, depth) {
-        (4 | api::GL_RGBA | api::GL_BGRA, 16, _) => api::GL_RGBA16F,
-        (4 | api::GL_RGBA | api::GL_BGRA, 32, _) => api::GL_RGBA32F,
-        (4 | api::GL_RGBA | api::GL_BGRA, ..) => api::GL_RGBA8,
-        (3 | api::GL_RGB, 16, _) => api::GL_RGB16F,
-        (3 | api::GL_RGB, 32, _) => api::GL_RGB32F,
-        (3 | api::GL_RGB, ..) => api::GL_RGB8,
-        (api::GL_SRGB | api::GL_SRGB_ALPHA, ..) => api::GL_SRGB8_ALPHA8,
-        (api::GL_RED, ..) => api::GL_R8,
-        (api::GL_RG, ..) => api::GL_RG8,
-        (api::GL_DEPTH_COMPONENT, _, 16) => api::GL_DEPTH_COMPONENT16,
-        (api::GL_DEPTH_COMPONENT, _, 32) => api::GL_DEPTH_COMPONENT32,
-        (api::GL_DEPTH_COMPONENT, ..) => api::GL_DEPTH_COMPONENT24,
-        (api::GL_DEPTH_STENCIL, ..) => api::GL_DEPTH24_STENCIL8,
-        (other, ..) => other,
-    }
-}
-
 /// A set of images, with a bit for each index in the list. Images after the 64th are not followed.
 pub type Set = u64;
-
-#[cfg(test)]
-mod tests {
-    use super::{TileGrid, sized};
-    use crate::backend::gl::driver::api;
-    use crate::correct::BlitRect;
-
-    #[test]
-    fn tiles_are_apart_and_inside() {
-        for count in 1..33 {
-            let grid = TileGrid::new([7, 5], count);
-            let [width, height] = grid.extent(count);
-            let all: Vec<_> = (0..count).map(|index| grid.tile(index)).collect();
-            for (i, tile) in all.iter().enumerate() {
-                let BlitRect { start: [x, y], end: [right, top] } = tile.corners();
-                assert!(x % 7 == 0 && y % 5 == 0 && right <= width && top <= height);
-                assert!(!all[..i].contains(&all[i]));
-            }
-        }
-    }
-
-    #[test]
-    fn formats_without_a_size_get_the_driver_s() {
-        assert_eq!(sized(api::GL_RGBA, 8, 0), api::GL_RGBA8);
-        assert_eq!(sized(api::GL_RGBA, 16, 0), api::GL_RGBA16F);
-        assert_eq!(sized(api::GL_DEPTH_COMPONENT, 0, 16), api::GL_DEPTH_COMPONENT16);
-        assert_eq!(sized(api::GL_R11F_G11F_B10F, 11, 0), api::GL_R11F_G11F_B10F);
-    }
-}

@@ -3,20 +3,21 @@
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::runtime::session::Division;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Task of the processor for the draw that is being issued.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Processor {
     /// Nothing.
     #[default]
     Nothing,
     /// The processor divides primitives if a view needs that.
     Divides,
-    /// The processor should divide primitives, but cannot. The text is the reason, for the log.
-    Cannot(&'static str),
+    /// The processor should divide primitives, but cannot, for this reason.
+    Cannot(Obstacle),
 }
 
 /// Programs that stand in for the pipeline in a context.
@@ -30,7 +31,7 @@ pub struct FixedFunction {
     /// Number of primitives that the processor did not divide far enough.
     pub coarse: u64,
     /// The switches, or the reason why they cannot be followed; `None` if they may have changed.
-    pub(in crate::intercept::gl) known: Option<Result<Pipeline, &'static str>>,
+    pub(in crate::intercept::gl) known: Option<Result<Pipeline, Obstacle>>,
     pub(in crate::intercept::gl) programs: HashMap<Pipeline, Arc<Program>>,
     /// Switches that were turned on for the program that is in use now.
     pub(in crate::intercept::gl) in_use: Option<Vec<u32>>,

@@ -1,106 +1,26 @@
 //! Images of the program, and the images that replace them while views are drawn.
 //!
 //! [`scene_graph`] notes which images hold a scene on its way to the window. [`framebuffers`] notes
-//! which images a render pass draws to.
+//! which images a render pass draws to. `image` holds the types, `layouts` follows layouts.
 
 pub mod framebuffers;
+mod image;
+mod layouts;
 pub mod scene_graph;
+
+pub(in crate::intercept::vk) use image::{Image, View};
+pub use image::{ImageKind, KnownScene, LayoutChange, PendingLayout, ViewCopies, aspects};
 
 use crate::intercept::process::settings;
 use crate::intercept::scene::viewport;
-use crate::intercept::vk::state::driver::own_image::OwnImage;
-use crate::intercept::vk::state::views::atlas_layout::{AtlasLayout, AtlasRect};
-use crate::intercept::vk::state::views::view_target::{ATLAS_COPY_USAGE, ViewTarget};
+use crate::intercept::vk::state::views::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::views::view_target::ViewTarget;
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Weak};
-
-/// An image of the program.
-pub(in crate::intercept::vk) struct Image {
-    pub(in crate::intercept::vk) flags: vk::ImageCreateFlags,
-    pub(in crate::intercept::vk) kind: vk::ImageType,
-    pub(in crate::intercept::vk) format: vk::Format,
-    pub(in crate::intercept::vk) size: (u32, u32),
-    pub(in crate::intercept::vk) mip_levels: u32,
-    pub(in crate::intercept::vk) layers: u32,
-    pub(in crate::intercept::vk) samples: vk::SampleCountFlags,
-    pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
-    /// Layout after the last recorded command.
-    pub(in crate::intercept::vk) layout: vk::ImageLayout,
-    /// Layout after the last submitted commands, which need not be those that were recorded last.
-    pub(in crate::intercept::vk) submitted_layout: vk::ImageLayout,
-    /// True if shaders can read it.
-    pub(in crate::intercept::vk) described: bool,
-    /// True if a pass with depth only drew to its atlas copy instead.
-    pub(in crate::intercept::vk) drawn_alone: bool,
-    /// True if a pass had it as an attachment.
-    pub(in crate::intercept::vk) attached: bool,
-    /// True if a pass that drew to the window or to a scene had it as an attachment.
-    pub(in crate::intercept::vk) drawn_together: bool,
-    /// Layout of the last of these passes, if neither a pass of the program's own nor a copy to the
-    /// image came later.
-    pub(in crate::intercept::vk) drawn_in: Weak<AtlasLayout>,
-    pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
-    pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
-}
-
-/// A view of an image.
-pub(in crate::intercept::vk) struct View {
-    pub(in crate::intercept::vk) image: vk::Image,
-    pub(in crate::intercept::vk) kind: vk::ImageViewType,
-    pub(in crate::intercept::vk) format: vk::Format,
-    pub(in crate::intercept::vk) components: vk::ComponentMapping,
-    pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
-    /// Its usage, if that is less than its image's.
-    pub(in crate::intercept::vk) usage: Option<vk::ImageUsageFlags>,
-    /// Atlas copies of the view, by the image that they belong to.
-    pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,
-}
-
-/// An image of Cupola that must be changed to a layout before the next submission.
-#[derive(Clone, Copy)]
-pub struct PendingLayout {
-    /// The image.
-    pub(in crate::intercept::vk) image: vk::Image,
-    /// The layout that the program expects it to have.
-    pub(in crate::intercept::vk) layout: vk::ImageLayout,
-    /// Its aspects.
-    pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
-    /// True if its colour is cleared first.
-    pub(in crate::intercept::vk) cleared: bool,
-    /// The image of the program whose content is copied to it, in the same layout, and the
-    /// rectangle for the copy.
-    pub(in crate::intercept::vk) filled: Option<(vk::Image, AtlasRect)>,
-}
-
-/// Format, usage and samples of an image.
-pub type ImageKind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
-
-/// An image that was found to hold a scene.
-#[derive(Clone, Copy, Debug)]
-pub struct KnownScene {
-    pub(in crate::intercept::vk) kind: ImageKind,
-    pub(in crate::intercept::vk) size: (u32, u32),
-    /// Size of the window when the image was found.
-    pub(in crate::intercept::vk) window: (u32, u32),
-}
-
-impl KnownScene {
-    /// True if an image of this kind and size corresponds to it in a window of another size.
-    pub(in crate::intercept::vk) fn is_like(&self, kind: ImageKind, size: (u32, u32), window: (u32, u32)) -> bool {
-        // Equal up to rounding to whole texels.
-        let near = |size: u32, window: u32, own: u32, own_window: u32| {
-            let [size, scaled] = [(size, own_window), (window, own)].map(|(a, b)| u64::from(a) * u64::from(b));
-            size.abs_diff(scaled) <= u64::from(own_window)
-        };
-        self.kind == kind
-            && near(size.0, window.0, self.size.0, self.window.0)
-            && near(size.1, window.1, self.size.1, self.window.1)
-    }
-}
 
 /// Images and their views.
 #[derive(Default)]
@@ -132,63 +52,6 @@ pub struct Images {
 /// True if an image has the shape of a window, at any size.
 fn has_shape((width, height): (u32, u32), window: (u32, u32)) -> bool {
     viewport::has_shape(width.into(), height.into(), window)
-}
-
-/// Returns the aspects of a format.
-pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
-    use vk::{Format as F, ImageAspectFlags as A};
-    match format {
-        F::D16_UNORM | F::X8_D24_UNORM_PACK32 | F::D32_SFLOAT => A::DEPTH,
-        F::S8_UINT => A::STENCIL,
-        F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT => A::DEPTH | A::STENCIL,
-        _ => A::COLOR,
-    }
-}
-
-/// An image of the program whose layout must be changed.
-#[derive(Clone, Copy, Debug)]
-pub struct LayoutChange {
-    /// The image.
-    pub(in crate::intercept::vk) image: vk::Image,
-    /// Its aspects.
-    pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
-    /// The new layout.
-    pub(in crate::intercept::vk) layout: vk::ImageLayout,
-}
-
-impl Image {
-    /// True if it may hold a scene on its way to the window.
-    pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
-        use vk::ImageUsageFlags as U;
-        self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT | U::STORAGE)
-            && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC | U::STORAGE)
-            && self.kind == vk::ImageType::TYPE_2D
-            && self.layers == 1
-            && (self.mip_levels == 1 || !self.may_be_attached())
-            && self.target.as_ref().is_none_or(|target| !target.window)
-    }
-
-    /// True if passes may draw to it. Images that only compute shaders write may have several
-    /// levels.
-    pub(in crate::intercept::vk) fn may_be_attached(&self) -> bool {
-        use vk::ImageUsageFlags as U;
-        self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
-    }
-
-    /// Returns the usage of its atlas copy.
-    pub(in crate::intercept::vk) fn atlas_copy_usage(&self) -> vk::ImageUsageFlags {
-        if self.may_hold_scene() { self.usage | ATLAS_COPY_USAGE } else { self.usage }
-    }
-
-    /// True if it has one sample per pixel. Images with more samples cannot be copied to view
-    /// copies.
-    pub(in crate::intercept::vk) fn is_single(&self) -> bool {
-        self.samples == vk::SampleCountFlags::TYPE_1
-    }
-
-    pub(in crate::intercept::vk) fn kind(&self) -> ImageKind {
-        (self.format, self.usage, self.samples)
-    }
 }
 
 impl Images {
@@ -265,54 +128,9 @@ impl Images {
         window.map(|target| target.atlas).chain(atlas_copies).collect()
     }
 
-    /// Notes a recorded change of an image's layout. Returns whether the image is known.
-    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) -> bool {
-        let mut images = self.images.locked();
-        let state = images.get_mut(&image);
-        state.map(|state| state.layout = layout).is_some()
-    }
-
-    /// Notes that commands that change an image to a layout were submitted.
-    pub fn submitted(&self, image: vk::Image, layout: vk::ImageLayout) {
-        if let Some(state) = self.images.locked().get_mut(&image) {
-            state.submitted_layout = layout;
-        }
-    }
-
-    /// Notes that a pass would have changed an image to a layout, but draws to its atlas copy.
-    /// Returns the change that has to be done instead.
-    pub fn change_layout(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<LayoutChange> {
-        let mut images = self.images.locked();
-        let state = images.get_mut(&image).filter(|state| state.layout != layout)?;
-        state.layout = layout;
-        Some(LayoutChange { image, aspects: aspects(state.format), layout })
-    }
-
     /// Returns the image of a view.
     pub fn of(&self, view: vk::ImageView) -> Option<vk::Image> {
         self.views.locked().get(&view).map(|view| view.image)
-    }
-
-    /// Takes the layout changes that have to be done before the next submission.
-    pub fn take_pending(&self) -> Vec<PendingLayout> {
-        std::mem::take(&mut self.pending.locked())
-    }
-
-    /// Notes that an image of Cupola with a pending change of its layout will have the layout
-    /// `found` instead. Returns the image, its aspects, and the layout of the pending change.
-    pub fn begins_in(
-        &self,
-        image: vk::Image,
-        found: vk::ImageLayout,
-    ) -> Option<(vk::Image, vk::ImageAspectFlags, vk::ImageLayout)> {
-        let mut pending = self.pending.locked();
-        let index = pending.iter().position(|pending| pending.image == image)?;
-        let PendingLayout { aspects, layout, .. } = pending[index];
-        match found == vk::ImageLayout::UNDEFINED {
-            true => drop(pending.swap_remove(index)),
-            false => pending[index].layout = found,
-        }
-        Some((image, aspects, layout))
     }
 
     /// True if any image may hold a scene.
@@ -442,48 +260,5 @@ impl Images {
     /// True if a scene's image has another target by now.
     pub fn is_retired(&self, target: &Arc<ViewTarget>) -> bool {
         !target.window && self.scene(target.given).is_some_and(|now| !Arc::ptr_eq(&now, target))
-    }
-}
-
-/// Views of the view copies of a scene.
-pub struct ViewCopies {
-    /// The scene. It is compared, because new objects may get the same handles later.
-    pub(in crate::intercept::vk) of: Weak<ViewTarget>,
-    /// One image view for each view of the rig.
-    pub(in crate::intercept::vk) views: Vec<vk::ImageView>,
-    /// The layout in which shaders read them.
-    pub(in crate::intercept::vk) layout: vk::ImageLayout,
-}
-
-impl ViewCopies {
-    /// Returns the same image for each of `count` views.
-    pub fn same(view: vk::ImageView, count: usize) -> Self {
-        Self { of: Weak::new(), views: vec![view; count], layout: vk::ImageLayout::UNDEFINED }
-    }
-}
-
-impl PartialEq for ViewCopies {
-    fn eq(&self, other: &Self) -> bool {
-        Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::KnownScene;
-    use ash::vk;
-
-    #[test]
-    fn images_have_counterparts_in_windows_of_other_sizes() {
-        let of_usage = |usage| (vk::Format::R8G8B8A8_UNORM, usage, vk::SampleCountFlags::TYPE_1);
-        let (kind, other) = (of_usage(vk::ImageUsageFlags::SAMPLED), of_usage(vk::ImageUsageFlags::TRANSFER_SRC));
-        let half = KnownScene { kind, size: (320, 180), window: (640, 360) };
-        for (size, window) in [((320, 180), (640, 360)), ((400, 300), (800, 600)), ((401, 226), (801, 451))] {
-            assert!(half.is_like(kind, size, window), "{size:?} {window:?}");
-            assert!(!half.is_like(other, size, window), "{size:?} {window:?}");
-        }
-        for (size, window) in [((640, 360), (640, 360)), ((200, 150), (800, 600)), ((400, 320), (800, 600))] {
-            assert!(!half.is_like(kind, size, window), "{size:?} {window:?}");
-        }
     }
 }

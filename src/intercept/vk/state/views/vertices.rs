@@ -1,5 +1,7 @@
 //! How the shaders of a device process vertices.
 
+use crate::intercept::scene::obstacle::Obstacle;
+
 /// Kind of vertex processing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexProcessing {
@@ -12,12 +14,12 @@ pub enum VertexProcessing {
 }
 
 /// Vertex processing of a device's shaders, with reasons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VertexDecision {
     /// Kind of vertex processing.
     pub vertices: VertexProcessing,
-    /// Reason why primitives are not divided, for messages.
-    pub undivided: &'static str,
+    /// Reason why primitives are not divided; `None` if they are.
+    pub undivided: Option<Obstacle>,
     /// True if the dividing stage can count primitives that it does not divide enough.
     pub counts: bool,
 }

@@ -1,6 +1,7 @@
 //! Declarations in a shader's text outside of its functions, and the ranges of its functions.
 
-use crate::intercept::gl::shader::source::prover::tokens::is_name;
+use crate::intercept::gl::shader::source::text::brackets::behind;
+use crate::intercept::gl::shader::source::text::tokens::is_name;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -47,28 +48,6 @@ pub fn read<'a>(words: &[&'a str]) -> Option<Declarations<'a>> {
         start = found.statement(words, start)?;
     }
     Some(found)
-}
-
-/// Returns the index after the bracket that closes the one at `open`.
-pub fn behind(words: &[&str], open: usize) -> Option<usize> {
-    let (opens, closes) = match *words.get(open)? {
-        "(" => ("(", ")"),
-        "{" => ("{", "}"),
-        "[" => ("[", "]"),
-        _ => return None,
-    };
-    let mut depth = 0;
-    for (offset, word) in words[open..].iter().enumerate() {
-        if *word == opens {
-            depth += 1;
-        } else if *word == closes {
-            depth -= 1;
-            if depth == 0 {
-                return Some(open + offset + 1);
-            }
-        }
-    }
-    None
 }
 
 /// Words before a type that have no meaning here.
@@ -236,7 +215,7 @@ impl<'a> Declarations<'a> {
 #[cfg(test)]
 mod tests {
     use super::{Global, read};
-    use crate::intercept::gl::shader::source::prover::tokens::split;
+    use crate::intercept::gl::shader::source::text::tokens::split;
 
     #[test]
     fn globals_of_every_kind() {

@@ -6,12 +6,12 @@
 //! declared once, and written once, unconditionally and in `main`. All branches of conditional
 //! compilation are examined.
 
-pub(in crate::intercept::gl::shader) mod declarations;
-pub(in crate::intercept::gl::shader) mod tokens;
+mod declarations;
 
-use declarations::{Declarations, Function, Global, behind};
+use crate::intercept::gl::shader::source::prover::declarations::{Declarations, Function, Global};
+use crate::intercept::gl::shader::source::text::brackets::behind;
+use crate::intercept::gl::shader::source::text::tokens::{self, Tokens, is_name, number};
 use std::cell::Cell;
-use tokens::{Tokens, is_name, number};
 
 /// Attribute that has the positions.
 #[derive(Clone, Debug, PartialEq, Eq)]

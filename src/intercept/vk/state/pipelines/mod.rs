@@ -1,6 +1,12 @@
 //! Pipelines of the program and their layouts, and the pipelines that draw instead of them.
+//!
+//! [`create_info`] and [`stages`] read the structures from which the program makes pipelines.
+
+pub mod create_info;
+pub mod stages;
 
 use crate::intercept::process::log;
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::{ComputeUse, DescriptorPlace, Matrix};
 use crate::lock::Lock;
 use crate::runtime::session::ViewMatrix;
@@ -154,9 +160,10 @@ pub struct DivisionStatistics {
 
 impl DivisionStatistics {
     /// Notes a pipeline whose primitives are not divided. The log gives the reason once.
-    pub fn note_undivided(&self, why: &str) {
-        log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
-        *self.undivided.locked().entry(why.to_owned()).or_default() += 1;
+    pub fn note_undivided(&self, why: &Obstacle) {
+        let Some(reason) = why.reason() else { return };
+        log::once(&format!("Vulkan: what a pipeline draws is not divided: {reason}"));
+        *self.undivided.locked().entry(reason.to_owned()).or_default() += 1;
     }
 
     /// Returns the number of pipelines that are not divided, by reason.

@@ -1,6 +1,7 @@
 //! Create infos of complete pipelines, or of the parts that a library has. Pointers of other parts
 //! may be invalid and are not followed.
 
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::state::driver::structures::{Copied, in_chain, slice};
 use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Flags};
 use std::ffi::c_void;
@@ -103,15 +104,15 @@ impl<'a> Parts<'a> {
     }
 
     /// Returns the reason why it can have no variants; `None` if it can.
-    pub fn obstacle(&self) -> Option<&'static str> {
+    pub fn obstacle(&self) -> Option<Obstacle> {
         let rendering = vk::StructureType::PIPELINE_RENDERING_CREATE_INFO;
         // SAFETY: the program's chain.
         let rendering = unsafe { in_chain::<vk::PipelineRenderingCreateInfo<'_>>(self.info.p_next, rendering) };
         if rendering.is_some_and(|rendering| rendering.view_mask != 0) {
-            return Some("it uses multiview or layers");
+            return Some("it uses multiview or layers".into());
         }
         let several = self.viewports.is_some_and(|state| state.viewport_count > 1 || state.scissor_count > 1);
-        several.then_some("several viewports")
+        several.then(|| "several viewports".into())
     }
 
     /// The first viewport, unless commands set it.

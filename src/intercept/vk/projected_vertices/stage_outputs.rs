@@ -1,5 +1,6 @@
 //! Outputs of a stage for the next one: variables with locations, and the built-in ones.
 
+use crate::intercept::scene::obstacle::Obstacle;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
 use spirv::{BuiltIn, Capability, Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
@@ -89,14 +90,14 @@ fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Ve
 ///
 /// # Errors
 /// The reason why a stage between them cannot pass on an output, for the log.
-pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
+pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, Obstacle> {
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;
     let declared = Declarations::new(&all);
     let has = |capability: Capability| all.iter().any(|i| i.is(Op::Capability) && i.operand(0) == capability as u32);
     // A part of a primitive may be culled where the complete primitive is not.
     if has(Capability::CullDistance) {
-        return Err("a shader sets cull distances");
+        return Err("a shader sets cull distances".into());
     }
     let clips = has(Capability::ClipDistance);
     let asked = fragment.map_or(Ok(Asked::default()), |fragment| asked(&fragment))?;
@@ -143,7 +144,7 @@ pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Resu
             }
         }
     }
-    if made.position.0 == 0 { Err("a shader that writes no gl_Position") } else { Ok(made) }
+    if made.position.0 == 0 { Err("a shader that writes no gl_Position".into()) } else { Ok(made) }
 }
 
 /// Inputs of a fragment shader.
@@ -156,7 +157,7 @@ struct Asked {
     number: bool,
 }
 
-fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
+fn asked(fragment: &Entry<'_>) -> Result<Asked, Obstacle> {
     let all = instructions(fragment.0).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let mut asked = Asked::default();
@@ -168,12 +169,12 @@ fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
         if let Some(kind) = declared.number(id, None, Decoration::BuiltIn) {
             asked.number |= kind == BuiltIn::PrimitiveId as u32;
             if INTERPOLATES.1.contains(&kind) {
-                return Err("a shader interpolates by itself");
+                return Err("a shader interpolates by itself".into());
             }
             continue;
         }
         if INTERPOLATES.0.iter().any(|kind| declared.has(id, *kind)) {
-            return Err("a shader interpolates by itself");
+            return Err("a shader interpolates by itself".into());
         }
         for number in numbers(&declared, id, pointee)? {
             if number.leaf.flat {
@@ -195,7 +196,7 @@ struct BuiltIns {
 }
 
 /// `None` for a variable with locations.
-fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option<BuiltIns>, &'static str> {
+fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option<BuiltIns>, Obstacle> {
     let mut found = None;
     let mut note = |member: Option<u32>, kind: u32, built_in: u32| {
         let found = found.get_or_insert_with(BuiltIns::default);
@@ -205,7 +206,7 @@ fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option
         } else if is(BuiltIn::ClipDistance) {
             found.distances = Some((member, kind));
         } else if !is(BuiltIn::PointSize) && !is(BuiltIn::CullDistance) {
-            return Err("a shader sets layers, viewports or other built-in values");
+            return Err(Obstacle::from("a shader sets layers, viewports or other built-in values"));
         }
         Ok(())
     };
@@ -222,7 +223,7 @@ fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option
 }
 
 /// Returns the numbers of a variable with locations.
-fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Number>, &'static str> {
+fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Number>, Obstacle> {
     let number = |kind| declared.number(id, None, kind);
     let mut walk = Walk {
         location: number(Decoration::Location),
@@ -231,7 +232,7 @@ fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Num
         ..Walk::new(declared)
     };
     if declared.decoration(id, None, Decoration::Patch).is_some() {
-        return Err("a shader has outputs that cannot be followed");
+        return Err("a shader has outputs that cannot be followed".into());
     }
     walk.enter(pointee)?;
     Ok(walk.found)
@@ -254,10 +255,10 @@ impl<'a> Walk<'a> {
         Self { declared, location: None, component: 0, flat: false, path: Vec::new(), found: Vec::new(), steps: 0 }
     }
 
-    fn enter(&mut self, kind: u32) -> Result<(), &'static str> {
+    fn enter(&mut self, kind: u32) -> Result<(), Obstacle> {
         self.steps += 1;
         if self.steps > MOST_STEPS {
-            return Err("a shader has more outputs than can be followed");
+            return Err("a shader has more outputs than can be followed".into());
         }
         const UNKNOWN: &str = "a shader has outputs that cannot be followed, such as numbers of 16 or 64 bits";
         let declared = self.declared;
@@ -278,7 +279,7 @@ impl<'a> Walk<'a> {
                 let count = match declared.get(count, Op::Constant) {
                     Some(length) if instruction.is(Op::TypeArray) => length.operand(2),
                     _ if instruction.is(Op::TypeMatrix) => count,
-                    _ => return Err("a shader has an output array whose length is specialised"),
+                    _ => return Err("a shader has an output array whose length is specialised".into()),
                 };
                 self.each(0..count, |_| instruction.operand(1))
             }
@@ -294,13 +295,13 @@ impl<'a> Walk<'a> {
                 (self.component, self.flat) = (component, flat);
                 Ok(())
             }
-            _ => Err(UNKNOWN),
+            _ => Err(UNKNOWN.into()),
         }
     }
 
-    fn each(&mut self, range: std::ops::Range<u32>, kind: impl Fn(u32) -> u32) -> Result<(), &'static str> {
+    fn each(&mut self, range: std::ops::Range<u32>, kind: impl Fn(u32) -> u32) -> Result<(), Obstacle> {
         if range.end > LONGEST || self.path.len() >= DEEPEST {
-            return Err("a shader has more outputs than can be followed");
+            return Err("a shader has more outputs than can be followed".into());
         }
         for index in range {
             self.path.push(index);
@@ -310,13 +311,13 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    fn leaf(&mut self, kind: u32, whole: bool, count: u32) -> Result<(), &'static str> {
+    fn leaf(&mut self, kind: u32, whole: bool, count: u32) -> Result<(), Obstacle> {
         let location = self.location.ok_or("a shader has an output without a location")?;
         let places = (self.component..self.component.saturating_add(count).min(4)).map(|c| (location, c)).collect();
         let leaf = OutputPart { path: self.path.clone(), kind, flat: self.flat || whole, vector: count > 1 };
         self.found.push(Number { leaf, places });
         if self.found.len() > LONGEST as usize {
-            return Err("a shader has more outputs than can be followed");
+            return Err("a shader has more outputs than can be followed".into());
         }
         self.location = Some(location.saturating_add(1));
         Ok(())

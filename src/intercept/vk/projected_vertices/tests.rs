@@ -1,9 +1,10 @@
 //! Outputs of shaders, and the stage that divides, with handmade modules.
 
 use crate::correct::projected::division::Input;
+use crate::intercept::scene::obstacle::Obstacle;
+use crate::intercept::vk::projected_vertices::{Limits, divide, stage_outputs};
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::tests::module;
-use crate::intercept::vk::spirv::{Limits, divide, stage_outputs};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
@@ -71,12 +72,12 @@ fn pair() -> [Vec<u32>; 2] {
 }
 
 /// Returns the dividing stage between the two, for a device with these limits.
-fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, &'static str> {
+fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, Obstacle> {
     counting(input, limits, true)
 }
 
 /// Returns the dividing stage, with or without the counter.
-fn counting(input: Input, limits: &Limits, counts: bool) -> Result<Vec<u32>, &'static str> {
+fn counting(input: Input, limits: &Limits, counts: bool) -> Result<Vec<u32>, Obstacle> {
     let [vertex, fragment] = pair();
     let fragment = (&fragment[..], ExecutionModel::Fragment, "go");
     divide(input, &stage_outputs((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, 4, counts, limits)

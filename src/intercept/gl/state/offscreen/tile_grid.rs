@@ -1,0 +1,48 @@
+//! Tiles of a view copy.
+
+use crate::correct::LowerLeftRect;
+
+/// Tiles of equal size, row by row from the bottom left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TileGrid {
+    columns: i32,
+    size: [i32; 2],
+}
+
+impl TileGrid {
+    pub(super) fn new(size: [i32; 2], count: usize) -> Self {
+        let count = count.max(1) as i32;
+        Self { columns: (1..=count).find(|columns| columns * columns >= count).unwrap_or(1), size }
+    }
+
+    /// Size of an image with `count` tiles.
+    pub fn extent(&self, count: usize) -> [i32; 2] {
+        [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
+    }
+
+    /// Returns a tile.
+    pub fn tile(&self, index: usize) -> LowerLeftRect {
+        let (index, [width, height]) = (index as i32, self.size);
+        LowerLeftRect::new(index % self.columns * width, index / self.columns * height, width, height)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TileGrid;
+    use crate::correct::BlitRect;
+
+    #[test]
+    fn tiles_are_apart_and_inside() {
+        for count in 1..33 {
+            let grid = TileGrid::new([7, 5], count);
+            let [width, height] = grid.extent(count);
+            let all: Vec<_> = (0..count).map(|index| grid.tile(index)).collect();
+            for (i, tile) in all.iter().enumerate() {
+                let BlitRect { start: [x, y], end: [right, top] } = tile.corners();
+                assert!(x % 7 == 0 && y % 5 == 0 && right <= width && top <= height);
+                assert!(!all[..i].contains(&all[i]));
+            }
+        }
+    }
+}
