@@ -4,8 +4,9 @@ use super::{ROLL, TILT, YAW, angles, lens, output};
 use crate::geom::{Panorama, Region};
 use crate::rig::Dome;
 use crate::rig::model::content::{Content, ContentKind, Stereo};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
 

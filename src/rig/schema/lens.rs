@@ -4,8 +4,9 @@
 use super::OPENING;
 use crate::geom::lenses::lens::Distortion;
 use crate::geom::{Circle, Curve, FisheyeLens, Frustum, Lens, Projection, homography};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use glam::{DMat3, DVec2};
 use std::sync::Arc;
 

@@ -3,8 +3,9 @@
 use super::{METRES, TILT, angles, blend, calibration, lens, method};
 use crate::geom::lenses::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, PixelRect, Pose, Sphere};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Dome, Flip, Output, OutputKind, OwnWindow};
 use glam::DVec3;
 use std::path::Path;

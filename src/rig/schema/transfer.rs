@@ -1,8 +1,9 @@
 //! `transfer` of `[output.blend]`: the display's response.
 
 use crate::formats::read_at_most;
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Response, Transfer};
 use std::path::Path;
 use std::sync::Arc;

@@ -1,8 +1,9 @@
 //! `[viewer]` and `[camera]`: the viewer, and the adaptation of the program's camera.
 
 use super::{METRES, PITCH, ROLL, YAW, angles};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Camera, Viewer};
 use glam::DVec3;
 

@@ -1,8 +1,9 @@
 //! `[views]` and `[overlay]`: choice of the views, and the flat panel.
 
 use super::{PITCH, YAW};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Defaults, Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
