@@ -35,9 +35,9 @@ impl Allowed {
         Self { least, greatest, open: (false, true), what }
     }
 
-    /// Record of a key with these numbers.
-    pub(super) fn note(&self, count: Option<usize>, default: Option<f64>) -> Accepts {
-        Accepts::Number { count, least: self.least, greatest: self.greatest, what: self.what, default }
+    /// Record of a key with `count` of these numbers.
+    pub(super) fn note(&self, count: Option<usize>) -> Accepts {
+        Accepts::Number { count, least: self.least, greatest: self.greatest, what: self.what }
     }
 
     /// Returns the reason why `value` is not allowed; `None` if it is allowed.

@@ -1,6 +1,6 @@
 //! Numbers out of a parsed TOML table: one, a fixed number of them in a list, pairs, vectors, pixels.
 
-use super::accepted_keys::Accepts;
+use super::accepted_keys::{Accepts, DefaultValue};
 use super::allowed::Allowed;
 use super::problems::Problems;
 use super::reader::{Section, describe};
@@ -16,8 +16,35 @@ impl<'a> Section<'a> {
         default: f64,
         problems: &mut Problems,
     ) -> f64 {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, Some(default)));
-        self.optional_number(key, allowed, problems).unwrap_or(default)
+        self.checked_number(key, allowed, default, problems).unwrap_or(default)
+    }
+
+    /// Reads a number; `default` if the key is absent, `None` if it is wrong.
+    pub(in crate::rig) fn checked_number(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        default: f64,
+        problems: &mut Problems,
+    ) -> Option<f64> {
+        let noted = || Some(DefaultValue::Number(default));
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None), noted);
+        let number = self.optional_number(key, allowed, problems);
+        if self.has(key) { number } else { Some(default) }
+    }
+
+    /// Reads an angle in degrees and returns it in radians; `default` radians if the key is absent
+    /// or wrong.
+    pub(in crate::rig) fn angle(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        default: f64,
+        problems: &mut Problems,
+    ) -> f64 {
+        let noted = || Some(DefaultValue::angle(default));
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None), noted);
+        self.optional_number(key, allowed, problems).map_or(default, f64::to_radians)
     }
 
     /// Reads a number that may be absent.
@@ -27,9 +54,9 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> Option<f64> {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, None));
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None), || None);
         let value = self.value(key, problems)?;
-        checked_number(value, allowed, &self.path(key), problems)
+        in_range(value, allowed, &self.path(key), problems)
     }
 
     /// Reads a number that must be present.
@@ -39,7 +66,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> f64 {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, None));
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None), || None);
         if !self.has(key) {
             self.asked.insert(key);
             problems.add(&self.path(key), format!("is missing; expected {}, {}", allowed.what, allowed.words()));
@@ -54,7 +81,7 @@ impl<'a> Section<'a> {
         allowed: &Allowed,
         problems: &mut Problems,
     ) -> Option<[f64; COUNT]> {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(COUNT), None));
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(COUNT)), || None);
         let value = self.value(key, problems)?;
         let path = self.path(key);
         let array = sized_array(value, COUNT, allowed.what, &path, problems)?;
@@ -63,12 +90,37 @@ impl<'a> Section<'a> {
         for (index, item) in array.iter().enumerate() {
             let item_path = format!("{path}[{index}]");
             problems.place(&item_path, &item.span());
-            match checked_number(item.get_ref(), allowed, &item_path, problems) {
+            match in_range(item.get_ref(), allowed, &item_path, problems) {
                 Some(number) => numbers[index] = number,
                 None => good = false,
             }
         }
         good.then_some(numbers)
+    }
+
+    /// Reads `COUNT` numbers in an array; `default` if the key is absent, `None` if it is wrong.
+    pub(in crate::rig) fn checked_numbers<const COUNT: usize>(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        default: [f64; COUNT],
+        problems: &mut Problems,
+    ) -> Option<[f64; COUNT]> {
+        let noted = || Some(DefaultValue::Numbers(default.to_vec()));
+        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(COUNT)), noted);
+        let numbers = self.numbers(key, allowed, problems);
+        if self.has(key) { numbers } else { Some(default) }
+    }
+
+    /// Reads `COUNT` numbers in an array; `default` if the key is absent or wrong.
+    pub(in crate::rig) fn numbers_or<const COUNT: usize>(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        default: [f64; COUNT],
+        problems: &mut Problems,
+    ) -> [f64; COUNT] {
+        self.checked_numbers(key, allowed, default, problems).unwrap_or(default)
     }
 
     /// Reads a list of pairs of numbers; `None` if the key is absent or wrong.
@@ -93,7 +145,7 @@ impl<'a> Section<'a> {
             let numbers: Vec<f64> = pair
                 .into_iter()
                 .flat_map(|pair| pair.iter())
-                .filter_map(|number| checked_number(number.get_ref(), allowed, &item_path, problems))
+                .filter_map(|number| in_range(number.get_ref(), allowed, &item_path, problems))
                 .collect();
             match numbers[..] {
                 [first, second] => pairs.push([first, second]),
@@ -105,8 +157,7 @@ impl<'a> Section<'a> {
 
     /// Reads three numbers; zero if the key is absent or wrong.
     pub(in crate::rig) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(3), Some(0.0)));
-        self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
+        DVec3::from_array(self.numbers_or(key, allowed, [0.0; 3], problems))
     }
 
     /// Reads one to `most` different vectors; `None` if the key is absent or wrong.
@@ -133,7 +184,7 @@ impl<'a> Section<'a> {
             let array = sized_array(item.get_ref(), 3, allowed.what, &path, problems)?;
             let mut vector = [0.0; 3];
             for (number, value) in vector.iter_mut().zip(array.iter()) {
-                *number = checked_number(value.get_ref(), allowed, &path, problems)?;
+                *number = in_range(value.get_ref(), allowed, &path, problems)?;
             }
             let vector = DVec3::from_array(vector);
             if vectors.contains(&vector) {
@@ -153,7 +204,12 @@ impl<'a> Section<'a> {
         what: &'static str,
         problems: &mut Problems,
     ) -> Option<[u32; COUNT]> {
-        problems.note_key(|| self.path(key), self.has(key), || Accepts::Whole { ranges: ranges.to_vec(), what });
+        problems.note_key(
+            || self.path(key),
+            self.has(key),
+            || Accepts::Whole { ranges: ranges.to_vec(), what },
+            || None,
+        );
         let value = self.value(key, problems)?;
         let path = self.path(key);
         let array = sized_array(value, COUNT, what, &path, problems)?;
@@ -181,7 +237,7 @@ impl<'a> Section<'a> {
 }
 
 /// Reads `value` as a number in `allowed`; otherwise the problem is added.
-fn checked_number(value: &DeValue, allowed: &Allowed, path: &str, problems: &mut Problems) -> Option<f64> {
+fn in_range(value: &DeValue, allowed: &Allowed, path: &str, problems: &mut Problems) -> Option<f64> {
     let number = match value {
         DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
         DeValue::Float(float) => float.as_str().parse().ok(),

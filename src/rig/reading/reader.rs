@@ -4,7 +4,7 @@
 //! first problem and has neither the key path nor the list of possible keys for a misspelt one.
 
 use crate::rig::Node;
-use crate::rig::reading::accepted_keys::Accepts;
+use crate::rig::reading::accepted_keys::{Accepts, DefaultValue};
 use crate::rig::reading::problems::{Problems, closest};
 use std::collections::BTreeSet;
 use toml::de::{DeTable, DeValue};
@@ -52,7 +52,7 @@ impl<'a> Section<'a> {
 
     /// Reads a truth value; `default` if the key is absent or wrong.
     pub(in crate::rig) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
-        problems.note_key(|| self.path(key), self.has(key), || Accepts::Truth { default });
+        problems.note_key(|| self.path(key), self.has(key), || Accepts::Truth, || Some(DefaultValue::Truth(default)));
         let Some(value) = self.value(key, problems) else { return default };
         value.as_bool().unwrap_or_else(|| {
             problems.add(&self.path(key), format!("{} is neither true nor false (without quotes)", describe(value)));
@@ -115,7 +115,7 @@ impl<'a> Section<'a> {
         texts
     }
 
-    /// Reads one of a few words.
+    /// Reads one of a few words; `None` if the key is absent or wrong.
     pub(in crate::rig) fn choice<T: Clone>(
         &mut self,
         key: &'static str,
@@ -123,7 +123,7 @@ impl<'a> Section<'a> {
         problems: &mut Problems,
     ) -> Option<T> {
         let noted = || Accepts::Word { words: choices.iter().map(|(word, _)| *word).collect() };
-        problems.note_key(|| self.path(key), self.has(key), noted);
+        problems.note_key(|| self.path(key), self.has(key), noted, || None);
         let value = self.value(key, problems)?;
         let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
@@ -134,6 +134,32 @@ impl<'a> Section<'a> {
             problems.add(&self.path(key), format!("{} is not one of {listed}{hint}", describe(value)));
         }
         found
+    }
+
+    /// Reads one of a few words; `default` if the key is absent, `None` if it is wrong.
+    pub(in crate::rig) fn checked_choice<T: Clone + PartialEq>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+        default: T,
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let noted = || Accepts::Word { words: choices.iter().map(|(word, _)| *word).collect() };
+        let word = || choices.iter().find(|(_, choice)| *choice == default).map(|(word, _)| DefaultValue::Word(word));
+        problems.note_key(|| self.path(key), self.has(key), noted, word);
+        let chosen = self.choice(key, choices, problems);
+        if self.has(key) { chosen } else { Some(default) }
+    }
+
+    /// Reads one of a few words; `default` if the key is absent or wrong.
+    pub(in crate::rig) fn choice_or<T: Clone + PartialEq>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+        default: T,
+        problems: &mut Problems,
+    ) -> T {
+        self.checked_choice(key, choices, default.clone(), problems).unwrap_or(default)
     }
 
     /// Reads a table in this one; `None` if the key is absent or wrong.

@@ -74,7 +74,7 @@ pub(super) fn content(mut section: Section, dome: &Dome, problems: &mut Problems
         }
     };
     let region = region(&mut section, problems);
-    let stereo = section.choice("stereo", &Stereo::WORDS, problems).unwrap_or_default();
+    let stereo = section.choice_or("stereo", &Stereo::WORDS, Stereo::default(), problems);
     section.finish(&KINDS_OF_KEYS, problems);
     kind.map(|kind| Content { kind, angles, region, stereo })
 }
