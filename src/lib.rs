@@ -48,7 +48,7 @@ pub mod ffi;
 pub mod formats;
 pub mod geom;
 pub mod intercept;
-pub(crate) mod lock;
+pub mod lock;
 pub mod message;
 pub mod nodes;
 pub mod rig;

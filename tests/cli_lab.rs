@@ -1,4 +1,4 @@
-//! `cupola-lab`: `accuracy`, `bench`, `cells` and `stress`.
+//! `cupola-lab`: `accuracy`, `bench`, `cells`, `stress` and `structure`.
 
 mod tool;
 
@@ -33,6 +33,33 @@ fn cells_are_found_for_a_number_of_views() {
     let text = LAB.answer(&["cells", "fisheye", "--size", "256x256", "--steps", "20"]);
     assert!(text.contains("\ncells = [\n") || text.contains("no cells are cheaper than this"), "{text}");
     LAB.refused(&["cells", "fisheye", "--views", "1", "--steps", "20"], "greater number");
+}
+
+#[test]
+fn structure_counts_hooks_subcommands_and_bytes() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let library = LAB.file("library.so");
+    std::fs::write(&library, [0; 1234]).unwrap();
+    let text = LAB.answer(&["structure", root, "--library", library.to_str().unwrap()]);
+    let number = |name: &str| -> usize {
+        let rest = text.split_once(name).unwrap_or_else(|| panic!("{name}: {text}")).1;
+        rest.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap_or_else(|_| panic!("{name}: {text}"))
+    };
+    assert_eq!(number(&format!("Bytes of {}: ", library.display())), 1234);
+    assert!(number(", of Vulkan: ") > 100, "{text}");
+    // The page about the hooks has their number, and adds them up.
+    let page = std::fs::read_to_string(Path::new(root).join("docs/decisions/014-no-frame-reuse.md")).unwrap();
+    let opengl = number("Hooked functions of OpenGL: ");
+    let groups = page.lines().filter_map(|line| line.strip_prefix("| ")?.split(' ').next()?.parse::<usize>().ok());
+    assert_eq!((groups.sum(), page.contains(&format!(" {opengl} functions "))), (opengl, true), "{opengl} hooks");
+    // The command lists the same subcommands.
+    let cupola = Tool { path: env!("CARGO_BIN_EXE_cupola"), name: "cupola" };
+    let help = cupola.answer(&["-h"]);
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let words = listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let commands = words.filter(|word| !word.is_empty() && *word != "help").count();
+    assert_eq!(number("Subcommands of cupola: "), commands, "{help}");
+    LAB.refused(&["structure", root, "--library", "no/such/library.so"], "no/such/library.so");
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub use model::views::{Duplicate, Favour, Filter, Resolution, ViewMethod, Views}
 pub use model::{Camera, Dome, Output, OutputKind, Overlay, OwnWindow, Rig, Viewer};
 pub use presets::{Preset, presets};
 pub use profiles::{Chosen, Defaults, Profile, Profiles};
-pub use reading::accepted_keys::{Accepts, Key};
+pub use reading::accepted_keys::{Accepts, DefaultValue, Key};
 
 /// Longest rig file, bytes.
 const LONGEST_RIG: u64 = 1 << 20;

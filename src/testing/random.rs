@@ -1,6 +1,7 @@
 //! A deterministic generator of random input, for tests and for the laboratory.
 //!
-//! The library itself needs none. Integration tests and `cupola-lab` include this file by its path.
+//! The library itself needs none. Integration tests, `cupola-lab` and the unit tests of `cupola`
+//! include this file by its path.
 
 #![allow(dead_code, reason = "each program that includes this file needs only a part of it")]
 

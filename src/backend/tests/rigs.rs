@@ -1,11 +1,12 @@
 //! Plans of rigs and exact maps of their outputs. They are the same for all drivers, and made once.
 
 use crate::correct::{Plan, build};
+use crate::lock::Lock;
 use crate::rig::Rig;
 use crate::views::Request;
 use crate::warp::TracedMap;
 use crate::warp::WarpMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 type Size = (u32, u32);
 type Slot<V> = Arc<OnceLock<Arc<V>>>;
@@ -20,7 +21,7 @@ impl<K: PartialEq, V> Made<K, V> {
 
     fn get(&self, key: K, make: impl FnOnce() -> V) -> Arc<V> {
         let slot = {
-            let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut all = self.0.locked();
             match all.iter().find(|(of, _)| *of == key) {
                 Some((_, slot)) => slot.clone(),
                 None => {

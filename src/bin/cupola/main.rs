@@ -14,6 +14,9 @@ mod display;
 mod failure;
 #[path = "../shared/planning.rs"]
 mod planning;
+#[cfg(test)]
+#[path = "../../testing/random.rs"]
+mod random;
 #[path = "../shared/terminal.rs"]
 mod terminal;
 

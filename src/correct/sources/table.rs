@@ -11,6 +11,7 @@
 
 use crate::correct::passes::table::{Table, TablePixel};
 use crate::correct::single;
+use crate::lock::Lock;
 use crate::views::fitting::axes::facing;
 use std::sync::{Arc, Mutex};
 
@@ -68,8 +69,10 @@ pub(super) fn in_parts<T: Send>(
     fill: &(impl Fn(usize, &mut [T]) + Sync),
 ) {
     let parts = Mutex::new(lines.chunks_mut((PART_ROWS * columns).max(1)).enumerate());
+    // A function of its own, so that the lock is free while a part is filled.
+    let next = || parts.locked().next();
     let work = || {
-        while let Some((part, lines)) = parts.lock().ok().and_then(|mut parts| parts.next()) {
+        while let Some((part, lines)) = next() {
             fill(part * PART_ROWS, lines);
         }
     };

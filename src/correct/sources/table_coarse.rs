@@ -5,6 +5,7 @@ use crate::correct::single;
 use crate::correct::sources::facets::WEIGHT_ERROR;
 use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::table::in_parts;
+use crate::lock::Lock;
 use glam::{DVec2, DVec3};
 use std::sync::Mutex;
 
@@ -98,7 +99,7 @@ impl Table {
     /// than [`WEIGHT_ERROR`].
     fn error_within(&self, exact: &Self, pixels: &[f64], max_error: f64) -> Option<f64> {
         let width = self.size.0 as usize;
-        let worst = Mutex::new(Some(0.0f64));
+        let mut worst = Mutex::new(Some(0.0f64));
         let row_error = |row: usize| {
             (0..width).try_fold(0.0f64, |worst, column| {
                 let index = row * width + column;
@@ -117,16 +118,13 @@ impl Table {
         let mut rows: Vec<usize> = (0..self.size.1 as usize).collect();
         in_parts(&mut rows, 1, self.size.1 as usize, &|_, part: &mut [usize]| {
             for &mut row in part {
-                // If another thread panicked while it held the lock, the table counts as too
-                // coarse.
-                let failed = worst.lock().map_or(true, |worst| worst.is_none());
+                let failed = worst.locked().is_none();
                 let error = if failed { return } else { row_error(row) };
-                if let Ok(mut worst) = worst.lock() {
-                    *worst = worst.zip(error).map(|(worst, error)| worst.max(error));
-                }
+                let mut worst = worst.locked();
+                *worst = worst.zip(error).map(|(worst, error)| worst.max(error));
             }
         });
-        worst.into_inner().ok().flatten()
+        *worst.unlocked_mut()
     }
 }
 

@@ -1,6 +1,8 @@
 //! Reads configurations.
 
 use super::*;
+use crate::geom::Frustum;
+use glam::DMat3;
 
 /// A configuration with one viewport.
 fn text(viewport: &str) -> String {

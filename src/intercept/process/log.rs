@@ -1,6 +1,7 @@
 //! Warnings of the interception, each logged once. They go to the program's callback for messages
 //! if it has one, else to standard error and to the file that `CUPOLA_LOG` names.
 
+use crate::lock::Lock;
 use crate::message;
 use crate::system::variable;
 use std::collections::HashSet;
@@ -11,10 +12,7 @@ static SEEN: Mutex<Option<HashSet<String>>> = Mutex::new(None);
 
 /// Logs a warning the first time; repetitions are left out.
 pub fn once(text: &str) {
-    let fresh = match SEEN.lock() {
-        Ok(mut seen) => seen.get_or_insert_with(HashSet::new).insert(text.to_owned()),
-        Err(_) => false,
-    };
+    let fresh = SEEN.locked().get_or_insert_with(HashSet::new).insert(text.to_owned());
     if fresh {
         message::set_default(write);
         ::log::warn!(target: message::INTERCEPT, "{text}");

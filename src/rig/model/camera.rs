@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::rig::Camera;
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::one_line::OneLine;
-use crate::rig::reading::reader::Allowed;
 use glam::DVec3;
 
 pub(in crate::rig) const ZOOM: Allowed = Allowed::closed(1e-3, 1e3, "a factor on the size of what the program draws");

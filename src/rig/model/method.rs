@@ -1,9 +1,9 @@
 //! Methods by which an output is computed from the views, and their replacement for one run.
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::one_line::OneLine;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::Allowed;
 use crate::rig::{Rig, validate};
 
 /// Method that makes an output's picture from the views.

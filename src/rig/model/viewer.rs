@@ -2,9 +2,9 @@
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::model::camera::ANGLE;
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::one_line::OneLine;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::Allowed;
 use crate::rig::{Rig, Viewer, validate};
 
 const METRES: Allowed = Allowed::closed(-1e6, 1e6, "metres from the dome's centre");

@@ -1,4 +1,4 @@
-//! Values that each key of a rig accepts, recorded while a file is read.
+//! Values that each key of a rig accepts and its default, recorded while a file is read.
 
 use serde::Serialize;
 
@@ -12,6 +12,44 @@ pub struct Key {
     /// Values that it accepts.
     #[serde(flatten)]
     pub accepts: Accepts,
+    /// Value that replaces a missing key; `None` if the key is required, or if nothing does.
+    pub default: Option<DefaultValue>,
+}
+
+/// Value that replaces a missing key, in the units of the file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum DefaultValue {
+    /// One number.
+    Number(f64),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+    /// `true` or `false`.
+    Truth(bool),
+    /// A word.
+    Word(&'static str),
+}
+
+impl DefaultValue {
+    /// The angle of `radians` in degrees. What the conversion adds to a number is rounded away.
+    pub(super) fn angle(radians: f64) -> Self {
+        Self::Number((radians.to_degrees() * 1e9).round() / 1e9)
+    }
+}
+
+/// Writes the value as a rig file has it, for example `[0, 0.5]`.
+impl std::fmt::Display for DefaultValue {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(to, "{number}"),
+            Self::Numbers(numbers) => {
+                let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+                write!(to, "[{}]", numbers.join(", "))
+            }
+            Self::Truth(truth) => write!(to, "{truth}"),
+            Self::Word(word) => write!(to, "{word:?}"),
+        }
+    }
 }
 
 /// Values that a key accepts.
@@ -28,8 +66,6 @@ pub enum Accepts {
         greatest: f64,
         /// Description of the number, with its unit.
         what: &'static str,
-        /// Value that replaces a missing key, if it is one number.
-        default: Option<f64>,
     },
     /// A list of whole numbers.
     Whole {
@@ -39,10 +75,7 @@ pub enum Accepts {
         what: &'static str,
     },
     /// `true` or `false`.
-    Truth {
-        /// Value that replaces a missing key.
-        default: bool,
-    },
+    Truth,
     /// One of these words.
     Word {
         /// The words.

@@ -2,8 +2,8 @@
 //! `yaw=90,move=0,0,-20`.
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::closest;
-use crate::rig::reading::reader::Allowed;
 use glam::DVec3;
 
 /// A line, with its subject.

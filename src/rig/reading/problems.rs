@@ -1,6 +1,6 @@
 //! Problems of a rig file: their list, and guesses at the intended word.
 
-use super::accepted_keys::{Accepts, Key};
+use super::accepted_keys::{Accepts, DefaultValue, Key};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -45,9 +45,10 @@ impl Problems {
         path: impl FnOnce() -> String,
         given: bool,
         accepts: impl FnOnce() -> Accepts,
+        default: impl FnOnce() -> Option<DefaultValue>,
     ) {
         if let Some(keys) = &mut self.keys {
-            keys.push(Key { path: path(), given, accepts: accepts() });
+            keys.push(Key { path: path(), given, accepts: accepts(), default: default() });
         }
     }
 

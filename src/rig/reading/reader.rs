@@ -4,73 +4,16 @@
 //! first problem and has neither the key path nor the list of possible keys for a misspelt one.
 
 use crate::rig::Node;
-use crate::rig::reading::accepted_keys::Accepts;
+use crate::rig::reading::accepted_keys::{Accepts, DefaultValue};
 use crate::rig::reading::problems::{Problems, closest};
-use glam::DVec3;
 use std::collections::BTreeSet;
-use toml::de::{DeArray, DeTable, DeValue};
-
-/// Numbers that a key may have.
-pub(in crate::rig) struct Allowed {
-    /// Least value.
-    least: f64,
-    /// Greatest value.
-    greatest: f64,
-    /// True for each end that is excluded: (least, greatest).
-    open: (bool, bool),
-    /// Description of the number, with its unit: "a radius in metres".
-    what: &'static str,
-}
-
-impl Allowed {
-    /// From `least` to `greatest`, both included.
-    pub(in crate::rig) const fn closed(least: f64, greatest: f64, what: &'static str) -> Self {
-        Self { least, greatest, open: (false, false), what }
-    }
-
-    /// Greater than `least`, up to and including `greatest`.
-    pub(in crate::rig) const fn above(least: f64, greatest: f64, what: &'static str) -> Self {
-        Self { least, greatest, open: (true, false), what }
-    }
-
-    /// Between `least` and `greatest`, both excluded.
-    pub(in crate::rig) const fn between(least: f64, greatest: f64, what: &'static str) -> Self {
-        Self { least, greatest, open: (true, true), what }
-    }
-
-    /// From and including `least`, less than `greatest`.
-    pub(in crate::rig) const fn below(least: f64, greatest: f64, what: &'static str) -> Self {
-        Self { least, greatest, open: (false, true), what }
-    }
-
-    /// Record of a key with these numbers.
-    fn note(&self, count: Option<usize>, default: Option<f64>) -> Accepts {
-        Accepts::Number { count, least: self.least, greatest: self.greatest, what: self.what, default }
-    }
-
-    /// Returns the reason why `value` is not allowed; `None` if it is allowed.
-    pub(in crate::rig) fn refuse(&self, value: f64) -> Option<String> {
-        if !value.is_finite() {
-            return Some(format!("{value} is no number that can be used; expected {}, {}", self.what, self.words()));
-        }
-        let low = if self.open.0 { value > self.least } else { value >= self.least };
-        let high = if self.open.1 { value < self.greatest } else { value <= self.greatest };
-        (!(low && high)).then(|| format!("{value} is out of range; expected {}, {}", self.what, self.words()))
-    }
-
-    /// Range in words.
-    fn words(&self) -> String {
-        let low = if self.open.0 { "greater than" } else { "at least" };
-        let high = if self.open.1 { "less than" } else { "at most" };
-        format!("{low} {} and {high} {}", self.least, self.greatest)
-    }
-}
+use toml::de::{DeTable, DeValue};
 
 /// A table of the file that is being read.
 pub(in crate::rig) struct Section<'a> {
     table: &'a DeTable<'a>,
     path: String,
-    asked: BTreeSet<&'static str>,
+    pub(super) asked: BTreeSet<&'static str>,
 }
 
 impl<'a> Section<'a> {
@@ -99,187 +42,17 @@ impl<'a> Section<'a> {
         self.table.get(key).is_some_and(|value| value.get_ref().is_array())
     }
 
-    fn value(&mut self, key: &'static str, problems: &mut Problems) -> Option<&'a DeValue<'a>> {
+    /// Value of `key`, if the file has it; its line is stored.
+    pub(super) fn value(&mut self, key: &'static str, problems: &mut Problems) -> Option<&'a DeValue<'a>> {
         self.asked.insert(key);
         let (name, value) = self.table.get_key_value(key)?;
         problems.place(&self.path(key), &name.span());
         Some(value.get_ref())
     }
 
-    /// Reads a number; `default` if the key is absent (or wrong, after adding the problem).
-    pub(in crate::rig) fn number(
-        &mut self,
-        key: &'static str,
-        allowed: &Allowed,
-        default: f64,
-        problems: &mut Problems,
-    ) -> f64 {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, Some(default)));
-        self.optional_number(key, allowed, problems).unwrap_or(default)
-    }
-
-    /// Reads a number that may be absent.
-    pub(in crate::rig) fn optional_number(
-        &mut self,
-        key: &'static str,
-        allowed: &Allowed,
-        problems: &mut Problems,
-    ) -> Option<f64> {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, None));
-        let value = self.value(key, problems)?;
-        checked_number(value, allowed, &self.path(key), problems)
-    }
-
-    /// Reads a number that must be present.
-    pub(in crate::rig) fn required_number(
-        &mut self,
-        key: &'static str,
-        allowed: &Allowed,
-        problems: &mut Problems,
-    ) -> f64 {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(None, None));
-        if !self.has(key) {
-            self.asked.insert(key);
-            problems.add(&self.path(key), format!("is missing; expected {}, {}", allowed.what, allowed.words()));
-        }
-        self.number(key, allowed, allowed.least, problems)
-    }
-
-    /// Reads `COUNT` numbers in an array; `None` if the key is absent or wrong.
-    pub(in crate::rig) fn numbers<const COUNT: usize>(
-        &mut self,
-        key: &'static str,
-        allowed: &Allowed,
-        problems: &mut Problems,
-    ) -> Option<[f64; COUNT]> {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(COUNT), None));
-        let value = self.value(key, problems)?;
-        let path = self.path(key);
-        let array = sized_array(value, COUNT, allowed.what, &path, problems)?;
-        let mut numbers = [0.0; COUNT];
-        let mut good = true;
-        for (index, item) in array.iter().enumerate() {
-            let item_path = format!("{path}[{index}]");
-            problems.place(&item_path, &item.span());
-            match checked_number(item.get_ref(), allowed, &item_path, problems) {
-                Some(number) => numbers[index] = number,
-                None => good = false,
-            }
-        }
-        good.then_some(numbers)
-    }
-
-    /// Reads a list of pairs of numbers; `None` if the key is absent or wrong.
-    pub(in crate::rig) fn number_pairs(
-        &mut self,
-        key: &'static str,
-        allowed: &Allowed,
-        problems: &mut Problems,
-    ) -> Option<Vec<[f64; 2]>> {
-        let value = self.value(key, problems)?;
-        let path = self.path(key);
-        let Some(array) = value.as_array() else {
-            problems.add(&path, format!("{} is not a list; expected [[…, …], …]: {}", describe(value), allowed.what));
-            return None;
-        };
-        let mut pairs = Vec::with_capacity(array.len());
-        let mut good = true;
-        for (index, item) in array.iter().enumerate() {
-            let item_path = format!("{path}[{index}]");
-            problems.place(&item_path, &item.span());
-            let pair = sized_array(item.get_ref(), 2, allowed.what, &item_path, problems);
-            let numbers: Vec<f64> = pair
-                .into_iter()
-                .flat_map(|pair| pair.iter())
-                .filter_map(|number| checked_number(number.get_ref(), allowed, &item_path, problems))
-                .collect();
-            match numbers[..] {
-                [first, second] => pairs.push([first, second]),
-                _ => good = false,
-            }
-        }
-        good.then_some(pairs)
-    }
-
-    /// Reads three numbers; zero if the key is absent or wrong.
-    pub(in crate::rig) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
-        problems.note_key(|| self.path(key), self.has(key), || allowed.note(Some(3), Some(0.0)));
-        self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
-    }
-
-    /// Reads one to `most` different vectors; `None` if the key is absent or wrong.
-    pub(in crate::rig) fn vectors(
-        &mut self,
-        key: &'static str,
-        most: usize,
-        allowed: &Allowed,
-        problems: &mut Problems,
-    ) -> Option<Vec<DVec3>> {
-        let value = self.value(key, problems)?;
-        let path = self.path(key);
-        let Some(list) = value.as_array().filter(|list| (1..=most).contains(&list.len())) else {
-            problems.add(
-                &path,
-                format!("{} does not fit; expected 1 to {most} of [x, y, z]: {}", describe(value), allowed.what),
-            );
-            return None;
-        };
-        let mut vectors: Vec<DVec3> = Vec::with_capacity(list.len());
-        for (index, item) in list.iter().enumerate() {
-            let path = format!("{path}[{index}]");
-            problems.place(&path, &item.span());
-            let array = sized_array(item.get_ref(), 3, allowed.what, &path, problems)?;
-            let mut vector = [0.0; 3];
-            for (number, value) in vector.iter_mut().zip(array.iter()) {
-                *number = checked_number(value.get_ref(), allowed, &path, problems)?;
-            }
-            let vector = DVec3::from_array(vector);
-            if vectors.contains(&vector) {
-                problems.add(&path, "repeats another vector; expected different vectors".to_owned());
-                return None;
-            }
-            vectors.push(vector);
-        }
-        Some(vectors)
-    }
-
-    /// Reads `COUNT` whole numbers of pixels, each within its own range.
-    pub(in crate::rig) fn pixels<const COUNT: usize>(
-        &mut self,
-        key: &'static str,
-        ranges: [(u32, u32); COUNT],
-        what: &'static str,
-        problems: &mut Problems,
-    ) -> Option<[u32; COUNT]> {
-        problems.note_key(|| self.path(key), self.has(key), || Accepts::Whole { ranges: ranges.to_vec(), what });
-        let value = self.value(key, problems)?;
-        let path = self.path(key);
-        let array = sized_array(value, COUNT, what, &path, problems)?;
-        let mut pixels = [0; COUNT];
-        let mut good = true;
-        for (index, item) in array.iter().enumerate() {
-            let item_path = format!("{path}[{index}]");
-            problems.place(&item_path, &item.span());
-            let (least, greatest) = ranges[index];
-            let number = item.get_ref().as_integer().and_then(|i| i64::from_str_radix(i.as_str(), i.radix()).ok());
-            match number.and_then(|number| u32::try_from(number).ok()).filter(|n| (least..=greatest).contains(n)) {
-                Some(number) => pixels[index] = number,
-                None => {
-                    let is = describe(item.get_ref());
-                    problems.add(
-                        &item_path,
-                        format!("{is} is not possible; expected {what}, each a whole number: this one from {least} to {greatest}"),
-                    );
-                    good = false;
-                }
-            }
-        }
-        good.then_some(pixels)
-    }
-
     /// Reads a truth value; `default` if the key is absent or wrong.
     pub(in crate::rig) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
-        problems.note_key(|| self.path(key), self.has(key), || Accepts::Truth { default });
+        problems.note_key(|| self.path(key), self.has(key), || Accepts::Truth, || Some(DefaultValue::Truth(default)));
         let Some(value) = self.value(key, problems) else { return default };
         value.as_bool().unwrap_or_else(|| {
             problems.add(&self.path(key), format!("{} is neither true nor false (without quotes)", describe(value)));
@@ -342,7 +115,7 @@ impl<'a> Section<'a> {
         texts
     }
 
-    /// Reads one of a few words.
+    /// Reads one of a few words; `None` if the key is absent or wrong.
     pub(in crate::rig) fn choice<T: Clone>(
         &mut self,
         key: &'static str,
@@ -350,7 +123,7 @@ impl<'a> Section<'a> {
         problems: &mut Problems,
     ) -> Option<T> {
         let noted = || Accepts::Word { words: choices.iter().map(|(word, _)| *word).collect() };
-        problems.note_key(|| self.path(key), self.has(key), noted);
+        problems.note_key(|| self.path(key), self.has(key), noted, || None);
         let value = self.value(key, problems)?;
         let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
@@ -361,6 +134,32 @@ impl<'a> Section<'a> {
             problems.add(&self.path(key), format!("{} is not one of {listed}{hint}", describe(value)));
         }
         found
+    }
+
+    /// Reads one of a few words; `default` if the key is absent, `None` if it is wrong.
+    pub(in crate::rig) fn checked_choice<T: Clone + PartialEq>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+        default: T,
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let noted = || Accepts::Word { words: choices.iter().map(|(word, _)| *word).collect() };
+        let word = || choices.iter().find(|(_, choice)| *choice == default).map(|(word, _)| DefaultValue::Word(word));
+        problems.note_key(|| self.path(key), self.has(key), noted, word);
+        let chosen = self.choice(key, choices, problems);
+        if self.has(key) { chosen } else { Some(default) }
+    }
+
+    /// Reads one of a few words; `default` if the key is absent or wrong.
+    pub(in crate::rig) fn choice_or<T: Clone + PartialEq>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+        default: T,
+        problems: &mut Problems,
+    ) -> T {
+        self.checked_choice(key, choices, default.clone(), problems).unwrap_or(default)
     }
 
     /// Reads a table in this one; `None` if the key is absent or wrong.
@@ -418,46 +217,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Reads `value` as a number in `allowed`; otherwise the problem is added.
-fn checked_number(value: &DeValue, allowed: &Allowed, path: &str, problems: &mut Problems) -> Option<f64> {
-    let number = match value {
-        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
-        DeValue::Float(float) => float.as_str().parse().ok(),
-        _ => None,
-    };
-    let Some(number) = number else {
-        let quotes = if value.is_str() { " without quotes or unit" } else { "" };
-        problems.add(
-            path,
-            format!("{} is not a number; expected {}{quotes}, {}", describe(value), allowed.what, allowed.words()),
-        );
-        return None;
-    };
-    if let Some(why) = allowed.refuse(number) {
-        problems.add(path, why);
-        return None;
-    }
-    Some(number)
-}
-
-/// Reads `value` as an array of `count` items; otherwise the problem is added.
-fn sized_array<'a>(
-    value: &'a DeValue<'a>,
-    count: usize,
-    what: &str,
-    path: &str,
-    problems: &mut Problems,
-) -> Option<&'a DeArray<'a>> {
-    let array = value.as_array().filter(|array| array.len() == count);
-    if array.is_none() {
-        let example = vec!["…"; count].join(", ");
-        problems.add(path, format!("{} does not fit; expected {count} numbers, [{example}]: {what}", describe(value)));
-    }
-    array
-}
-
 /// Describes `value` as the file's author would.
-fn describe(value: &DeValue) -> String {
+pub(super) fn describe(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("{:?}", text.chars().take(60).collect::<String>()),
         DeValue::Integer(integer) => integer.to_string(),

@@ -4,11 +4,15 @@ use super::output::Kind;
 use super::transfer;
 use crate::rig::model::black;
 use crate::rig::model::black::{Black, BlackValues};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Power of a ramp that gives none.
+const POWER: f64 = 2.0;
 
 pub(super) fn blend(section: Option<Section>, kind: Kind, directory: &Path, problems: &mut Problems) -> Blend {
     let overlap = kind == Kind::Projector;
@@ -70,16 +74,16 @@ fn angle_ramp(mut section: Section, problems: &mut Problems) -> Option<AngleRamp
 /// Reads `shape` and `power` of a ramp.
 fn shape(section: &mut Section, problems: &mut Problems) -> RampShape {
     let shapes =
-        [("smoothstep", RampShape::Smoothstep), ("cosine", RampShape::Cosine), ("power", RampShape::Power(2.0))];
-    let chosen = section.choice("shape", &shapes, problems).unwrap_or_default();
-    let power = section.optional_number("power", &Allowed::closed(0.5, 4.0, "the ramp's power"), problems);
+        [("smoothstep", RampShape::Smoothstep), ("cosine", RampShape::Cosine), ("power", RampShape::Power(POWER))];
+    let chosen = section.choice_or("shape", &shapes, RampShape::default(), problems);
+    let power = section.checked_number("power", &Allowed::closed(0.5, 4.0, "the ramp's power"), POWER, problems);
     match (chosen, power) {
-        (RampShape::Power(default), power) => RampShape::Power(power.unwrap_or(default)),
-        (_, Some(_)) => {
+        (RampShape::Power(_), power) => RampShape::Power(power.unwrap_or(POWER)),
+        (_, Some(_)) if section.has("power") => {
             problems.add(&section.path("power"), "needs shape = \"power\"");
             chosen
         }
-        (_, None) => chosen,
+        _ => chosen,
     }
 }
 
@@ -100,7 +104,7 @@ pub(super) fn black(
 ) -> Option<Arc<Black>> {
     let mut section = section?;
     let words = [("displayed", BlackValues::Displayed), ("light", BlackValues::Light)];
-    let values = section.choice("values", &words, problems).unwrap_or_default();
+    let values = section.choice_or("values", &words, BlackValues::default(), problems);
     let file = image(&mut section, "a PNG or PFM file", directory, problems);
     if blend.black_level > 0.0 {
         problems.add(

@@ -32,17 +32,13 @@ pub(super) fn mesh(
     problems: &mut Problems,
 ) -> Option<OutputKind> {
     let words = [("picture", Values::Picture), ("points", Values::Points), ("directions", Values::Directions)];
-    let meaning = if section.has("values") { section.choice("values", &words, problems)? } else { Values::Picture };
+    let meaning = section.checked_choice("values", &words, Values::Picture, problems)?;
     let pictures = [("domemaster", Picture::Domemaster), ("perspective", Picture::Perspective)];
-    let picture = match (section.has("picture"), meaning) {
-        (true, Values::Picture) => section.choice("picture", &pictures, problems)?,
-        (true, _) => {
-            section.choice("picture", &pictures, problems)?;
-            problems.add(&section.path("picture"), "needs values = \"picture\"");
-            return None;
-        }
-        (false, _) => Picture::Domemaster,
-    };
+    let picture = section.checked_choice("picture", &pictures, Picture::Domemaster, problems)?;
+    if section.has("picture") && meaning != Values::Picture {
+        problems.add(&section.path("picture"), "needs values = \"picture\"");
+        return None;
+    }
     let values = match (meaning, picture) {
         (Values::Points, _) => CalibrationValues::Points,
         (Values::Directions, _) => CalibrationValues::Directions,

@@ -4,8 +4,9 @@ use super::{ROLL, TILT, YAW, angles, lens, output};
 use crate::geom::{Panorama, Region};
 use crate::rig::Dome;
 use crate::rig::model::content::{Content, ContentKind, Stereo};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
 
@@ -73,7 +74,7 @@ pub(super) fn content(mut section: Section, dome: &Dome, problems: &mut Problems
         }
     };
     let region = region(&mut section, problems);
-    let stereo = section.choice("stereo", &Stereo::WORDS, problems).unwrap_or_default();
+    let stereo = section.choice_or("stereo", &Stereo::WORDS, Stereo::default(), problems);
     section.finish(&KINDS_OF_KEYS, problems);
     kind.map(|kind| Content { kind, angles, region, stereo })
 }

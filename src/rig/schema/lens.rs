@@ -4,8 +4,9 @@
 use super::OPENING;
 use crate::geom::lenses::lens::Distortion;
 use crate::geom::{Circle, Curve, FisheyeLens, Frustum, Lens, Projection, homography};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use glam::{DMat3, DVec2};
 use std::sync::Arc;
 
@@ -43,7 +44,7 @@ pub(super) fn perspective_frustum(section: &mut Section, problems: &mut Problems
 /// Reads the opening of a pinhole, from `fov` and `shift` or from `angles`.
 pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<Frustum> {
     let fov = section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
-    let shift = section.numbers::<2>("shift", &SHIFT, problems);
+    let [right, up] = section.numbers_or("shift", &SHIFT, [0.0; 2], problems);
     let angles = section.section("angles", problems);
     let path = section.path("fov");
     match (section.has("fov"), angles) {
@@ -60,7 +61,7 @@ pub(super) fn frustum(section: &mut Section, problems: &mut Problems) -> Option<
             None
         }
         (true, None) => {
-            let ([horizontal, vertical], [right, up]) = (fov?, shift.unwrap_or([0.0; 2]));
+            let [horizontal, vertical] = fov?;
             let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
             let (width, height) = (2.0 * half(horizontal), 2.0 * half(vertical));
             Some(Frustum {
@@ -128,19 +129,20 @@ pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> 
 
 /// Returns the place of the circle of a projector's fisheye.
 fn circle(section: &mut Section, problems: &mut Problems) -> Circle {
-    let center = section.numbers::<2>("center", &SHIFT, problems);
+    let is_centered = !section.has("center");
+    let center = section.checked_numbers("center", &SHIFT, [0.0; 2], problems);
     let allowed = Allowed::closed(0.01, 100.0, "[width, height] of the circle as parts of the picture's");
     let size = section.numbers::<2>("size", &allowed, problems);
     match (center, size) {
-        (None, None) => Circle::Inscribed,
         (center, Some(size)) => Circle::Placed {
             center: 2.0 * DVec2::from_array(center.unwrap_or_default()),
             half: DVec2::from_array(size),
         },
-        (Some(_), None) => {
+        (Some(_), None) if !is_centered => {
             problems.add(&section.path("center"), "needs `size`, too: [width, height] as parts of the picture's");
             Circle::Inscribed
         }
+        (_, None) => Circle::Inscribed,
     }
 }
 
@@ -163,8 +165,8 @@ fn keystone(section: &mut Section, problems: &mut Problems) -> DMat3 {
 
 fn distortion(mut section: Section, problems: &mut Problems) -> Distortion {
     let allowed = Allowed::closed(-100.0, 100.0, "coefficients of Brown and Conrady over tangents");
-    let radial = section.numbers::<3>("radial", &allowed, problems).unwrap_or_default();
-    let tangential = section.numbers::<2>("tangential", &allowed, problems).unwrap_or_default();
+    let radial = section.numbers_or("radial", &allowed, [0.0; 3], problems);
+    let tangential = section.numbers_or("tangential", &allowed, [0.0; 2], problems);
     section.finish(&[], problems);
     Distortion { radial, tangential }
 }
@@ -200,16 +202,13 @@ fn any_fisheye(
         ("orthographic", Projection::Orthographic),
         ("polynomial", Projection::Polynomial([0.0; 4])),
     ];
-    let given = section.has("projection");
     let words: Vec<(&'static str, usize)> =
         projections.iter().enumerate().map(|(index, (word, _))| (*word, index)).chain(measured.word).collect();
-    let chosen = section.choice("projection", &words, problems);
-    let mut projection = match (given, chosen) {
-        (true, chosen) => match projections.get(chosen?) {
-            Some((_, projection)) => projection.clone(),
-            None => Projection::Measured(measured.curve?),
-        },
-        (false, _) => Projection::Equidistant,
+    let equidistant = 0;
+    let chosen = section.checked_choice("projection", &words, equidistant, problems)?;
+    let mut projection = match projections.get(chosen) {
+        Some((_, projection)) => projection.clone(),
+        None => Projection::Measured(measured.curve?),
     };
     if section.has("measured") && !matches!(projection, Projection::Measured(_)) {
         problems.add(&section.path("measured"), "needs projection = \"measured\"");

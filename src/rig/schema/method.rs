@@ -7,7 +7,7 @@ use crate::rig::reading::problems::Problems;
 use crate::rig::reading::reader::Section;
 use crate::rig::{Divider, Method};
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Word {
     Fragment,
     Table,
@@ -28,8 +28,8 @@ const WORDS: [(&str, Word); 7] = [
 ];
 
 pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
-    let known = section.choice("method", &WORDS, problems);
-    if known.is_none() && section.has("method") {
+    let known = section.checked_choice("method", &WORDS, Word::Fragment, problems);
+    if known.is_none() {
         // The keys of an unknown word are unknown too, and are accepted.
         let _ = section.optional_number("max_error", &MAX_ERROR, problems);
         let _ = section.optional_number("density", &DENSITY, problems);

@@ -12,8 +12,9 @@ mod transfer;
 mod viewer;
 mod views;
 
+use super::reading::allowed::Allowed;
 use super::reading::problems::Problems;
-use super::reading::reader::{Allowed, Section};
+use super::reading::reader::Section;
 use super::reading::syntax_hints;
 use super::{Content, Defaults, Dome, Rig};
 use std::path::Path;

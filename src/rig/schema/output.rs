@@ -3,8 +3,9 @@
 use super::{METRES, TILT, angles, blend, calibration, lens, method};
 use crate::geom::lenses::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, PixelRect, Pose, Sphere};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Dome, Flip, Output, OutputKind, OwnWindow};
 use glam::DVec3;
 use std::path::Path;
@@ -92,7 +93,7 @@ pub(super) fn output(
     let node = section.node("node", problems);
     let publish = section.boolean("publish", !shown, problems);
     let output_kind = geometry(&mut section, kind, dome, directory, problems);
-    let flip = section.choice("flip", &Flip::WORDS, problems).unwrap_or_default();
+    let flip = section.choice_or("flip", &Flip::WORDS, Flip::default(), problems);
     let blend = blend::blend(section.section("blend", problems), kind, directory, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     let black = blend::black(section.section("black", problems), size, &blend, directory, problems);
@@ -219,7 +220,7 @@ pub(super) fn span(section: &mut Section, limit: f64, problems: &mut Problems) -
         90.0 => Allowed::closed(-90.0, 90.0, "[bottom, top] latitudes in degrees"),
         _ => Allowed::closed(-89.0, 89.0, "[bottom, top] latitudes in degrees, on a cylinder's wall"),
     };
-    let [bottom, top] = section.numbers("latitudes", &allowed, problems).unwrap_or([-limit, limit]);
+    let [bottom, top] = section.numbers_or("latitudes", &allowed, [-limit, limit], problems);
     if top - bottom < 0.01 {
         problems.add(&section.path("latitudes"), format!("end at {top}, not above {bottom}; expected [bottom, top]"));
         return None;

@@ -34,8 +34,8 @@ pub(in crate::rig) fn profile(text: &str, name: &str, problems: &mut Problems) -
     let overlay = views::overlay(root.section("overlay", problems), usual.overlay, problems);
     let mut defaults = Defaults { camera, overlay, ..usual };
     if let Some(mut section) = root.section("views", problems) {
-        defaults.duplicate = views::duplicate(&mut section, problems).unwrap_or(usual.duplicate);
-        defaults.favour = views::favour(&mut section, problems).unwrap_or(usual.favour);
+        defaults.duplicate = views::duplicate(&mut section, usual.duplicate, problems);
+        defaults.favour = views::favour(&mut section, usual.favour, problems);
         section.finish(&[], problems);
     }
     let elsewhere = ["dome", "screen", "viewer", "content", "output"].map(|key| (key, "the rig file"));

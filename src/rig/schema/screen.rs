@@ -5,8 +5,9 @@ use crate::formats;
 use crate::geom::Pose;
 use crate::geom::screen::{Cone, Ellipsoid, Faces, MOST_TRIANGLES, Mesh, MeshProblem, Plane, Region, Screen, Shape};
 use crate::rig::Dome;
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -149,7 +150,7 @@ fn cone(section: &mut Section, radii: Option<[f64; 2]>, problems: &mut Problems)
 fn mesh(section: &mut Section, directory: &Path, problems: &mut Problems) -> Option<Mesh> {
     let scale = section.number("scale", &SCALE, 1.0, problems);
     let sides = [("front", Faces::Front), ("back", Faces::Back), ("both", Faces::Both)];
-    let faces = section.choice("faces", &sides, problems).unwrap_or(Faces::Front);
+    let faces = section.choice_or("faces", &sides, Faces::Front, problems);
     let path = section.path("file");
     if !section.has("file") {
         problems.add(&path, "is missing; expected the name of a Wavefront OBJ file, relative to the rig file");

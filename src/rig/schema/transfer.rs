@@ -1,8 +1,9 @@
 //! `transfer` of `[output.blend]`: the display's response.
 
 use crate::formats::read_at_most;
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Response, Transfer};
 use std::path::Path;
 use std::sync::Arc;
@@ -28,7 +29,7 @@ pub(super) fn transfer(section: &mut Section, directory: &Path, problems: &mut P
         table.map_or(Transfer::Power, |table| described(table, directory, problems))
     } else {
         let words = [("power", Transfer::Power), ("srgb", Transfer::Srgb)];
-        section.choice("transfer", &words, problems).unwrap_or_default()
+        section.choice_or("transfer", &words, Transfer::default(), problems)
     };
     if !transfer.is_plain() && section.has("gamma") {
         let why = "needs transfer = \"power\"; any other response has exponents of its own, or none";

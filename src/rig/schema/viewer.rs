@@ -1,8 +1,9 @@
 //! `[viewer]` and `[camera]`: the viewer, and the adaptation of the program's camera.
 
 use super::{METRES, PITCH, ROLL, YAW, angles};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Camera, Viewer};
 use glam::DVec3;
 
@@ -20,14 +21,14 @@ pub(super) fn camera(section: Option<Section>, default: &Camera, problems: &mut 
     let mut camera = *default;
     let Some(mut section) = section else { return camera };
     camera.zoom = section.number("zoom", &crate::rig::model::camera::ZOOM, default.zoom, problems);
-    let shift = section.numbers::<3>("move", &crate::rig::model::camera::MOVE, problems);
-    camera.shift = shift.map_or(default.shift, DVec3::from_array);
+    let shift = default.shift.to_array();
+    camera.shift = DVec3::from_array(section.numbers_or("move", &crate::rig::model::camera::MOVE, shift, problems));
     let units = Allowed::above(0.0, 1e9, "the program's units in a metre");
     camera.units_per_meter = section.number("units_per_meter", &units, default.units_per_meter, problems);
     for (key, allowed, angle) in
         [("yaw", &YAW, &mut camera.yaw), ("pitch", &PITCH, &mut camera.pitch), ("roll", &ROLL, &mut camera.roll)]
     {
-        *angle = section.optional_number(key, allowed, problems).map_or(*angle, f64::to_radians);
+        *angle = section.angle(key, allowed, *angle, problems);
     }
     let lens = section.numbers::<2>("lens", &crate::rig::model::camera::LENS, problems);
     camera.lens = lens.map(|lens| lens.map(f64::to_radians)).or(default.lens);

@@ -1,8 +1,9 @@
 //! `[views]` and `[overlay]`: choice of the views, and the flat panel.
 
 use super::{PITCH, YAW};
+use crate::rig::reading::allowed::Allowed;
 use crate::rig::reading::problems::Problems;
-use crate::rig::reading::reader::{Allowed, Section};
+use crate::rig::reading::reader::Section;
 use crate::rig::{Defaults, Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -32,7 +33,7 @@ pub(super) fn views(section: Option<Section>, profile: &Defaults, problems: &mut
         ("single", (ViewMethod::Single, &[])),
         ("rotated-cube", (ViewMethod::Cube, &ROTATED_CUBE)),
     ];
-    let (method, cells) = section.choice("method", &methods, problems).unwrap_or((ViewMethod::Auto, &[]));
+    let (method, cells) = section.choice_or("method", &methods, (ViewMethod::Auto, &[]), problems);
     views.method = method;
     let allowed = Allowed::closed(0.1, 8.0, "a factor on the views' resolution");
     views.quality = section.number("quality", &allowed, 1.0, problems);
@@ -42,32 +43,32 @@ pub(super) fn views(section: Option<Section>, profile: &Defaults, problems: &mut
         ("bilinear-4", Filter::Bilinear4),
         ("catmull-rom-4", Filter::CatmullRom4),
     ];
-    views.filter = section.choice("filter", &filters, problems).unwrap_or(Filter::Bilinear);
-    views.favour = favour(&mut section, problems).unwrap_or(profile.favour);
+    views.filter = section.choice_or("filter", &filters, Filter::Bilinear, problems);
+    views.favour = favour(&mut section, profile.favour, problems);
     let resolutions = [("nominal", Resolution::Nominal), ("full", Resolution::Full)];
-    views.resolution = section.choice("resolution", &resolutions, problems).unwrap_or(Resolution::Nominal);
+    views.resolution = section.choice_or("resolution", &resolutions, Resolution::Nominal, problems);
     let allowed = Allowed::closed(-1e3, 1e3, "a vector in the viewer's axes for each view");
     views.cells = section.vectors("cells", MOST_CELLS, &allowed, problems).unwrap_or_else(|| cells.to_vec());
     let allowed = Allowed::closed(0.0, 60.0, "a number of frames");
     views.warm_up = section.number("warm_up", &allowed, 0.0, problems).ceil() as usize;
-    views.duplicate = duplicate(&mut section, problems).unwrap_or(profile.duplicate);
+    views.duplicate = duplicate(&mut section, profile.duplicate, problems);
     section.finish(&[], problems);
     views
 }
 
-pub(super) fn favour(section: &mut Section, problems: &mut Problems) -> Option<Favour> {
+pub(super) fn favour(section: &mut Section, default: Favour, problems: &mut Problems) -> Favour {
     let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
-    section.choice("favour", &favours, problems)
+    section.choice_or("favour", &favours, default, problems)
 }
 
-pub(super) fn duplicate(section: &mut Section, problems: &mut Problems) -> Option<Duplicate> {
+pub(super) fn duplicate(section: &mut Section, default: Duplicate, problems: &mut Problems) -> Duplicate {
     let duplicates = [
         ("auto", Duplicate::Auto),
         ("never", Duplicate::Never),
         ("always", Duplicate::Always),
         ("in-turn", Duplicate::InTurn),
     ];
-    section.choice("duplicate", &duplicates, problems)
+    section.choice_or("duplicate", &duplicates, default, problems)
 }
 
 /// Absent keys have the values of `default`.
@@ -78,7 +79,7 @@ pub(super) fn overlay(section: Option<Section>, default: Overlay, problems: &mut
     for (key, allowed, angle) in
         [("yaw", &YAW, &mut overlay.yaw), ("pitch", &PITCH, &mut overlay.pitch), ("width", &width, &mut overlay.width)]
     {
-        *angle = section.optional_number(key, allowed, problems).map_or(*angle, f64::to_radians);
+        *angle = section.angle(key, allowed, *angle, problems);
     }
     section.finish(&[], problems);
     overlay

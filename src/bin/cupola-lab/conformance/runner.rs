@@ -6,15 +6,16 @@ use super::results::{PLAIN, Results};
 use crate::display;
 use crate::environment::Environment;
 use crate::failure::Failure;
+use cupola::lock::Lock;
 use cupola::system::process;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Size of the screen of a job's X server.
@@ -99,12 +100,12 @@ impl Runner {
             plain.map_or(PATIENCE, |plain| PATIENCE.max(Duration::from_secs_f64(plain.seconds * 12.0)))
         };
         let run = |rig: Option<&Rig>, limit: Duration| execute(self.command(test, rig, work, server), limit);
-        let known = locked(results).get(&test.name, PLAIN).cloned();
+        let known = results.locked().get(&test.name, PLAIN).cloned();
         let mut plain = match known {
             Some(plain) => plain,
             None => {
                 let plain = run(None, limit(None))?;
-                locked(results).add(&test.name, PLAIN, plain.clone())?;
+                results.locked().add(&test.name, PLAIN, plain.clone())?;
                 plain
             }
         };
@@ -112,7 +113,7 @@ impl Runner {
             return Ok(());
         }
         for rig in &self.rigs {
-            if locked(results).get(&test.name, &rig.name).is_some() {
+            if results.locked().get(&test.name, &rig.name).is_some() {
                 continue;
             }
             let mut ours = run(Some(rig), limit(Some(&plain)))?;
@@ -125,11 +126,11 @@ impl Runner {
             if Outcome::difference(&plain, &ours).is_some() {
                 let again = Outcome { repeats: 1, ..run(None, limit(None))? };
                 if Outcome::difference(&again, &ours).is_none() {
-                    locked(results).add(&test.name, PLAIN, again.clone())?;
+                    results.locked().add(&test.name, PLAIN, again.clone())?;
                     plain = again;
                 }
             }
-            locked(results).add(&test.name, &rig.name, ours)?;
+            results.locked().add(&test.name, &rig.name, ours)?;
         }
         Ok(())
     }
@@ -158,10 +159,6 @@ impl Runner {
         }
         command
     }
-}
-
-fn locked(results: &Mutex<Results>) -> MutexGuard<'_, Results> {
-    results.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn next_job() -> usize {

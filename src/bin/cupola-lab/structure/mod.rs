@@ -1,7 +1,8 @@
-//! `cupola-lab structure`: numbers about the source: lines, files, rooms, circles of uses, uses
-//! against the order of the rooms, long functions.
+//! `cupola-lab structure`: numbers about the source: lines, files, hooks, subcommands, rooms,
+//! circles of uses, uses against the order of the rooms, long functions; the size of a library.
 
 mod circles;
+mod counts;
 mod rules;
 mod source;
 mod uses;
@@ -26,13 +27,16 @@ pub struct Arguments {
     /// Also list circles, uses against the order and long functions
     #[arg(long)]
     list: bool,
+    /// Also print the size of a library
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
 ///
-/// A folder without sources, or a file that cannot be read.
+/// A folder without sources, or a file or library that cannot be read.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let sources = sources(&arguments.root, &["src"], &["rs"]).map_err(Failure::usage)?;
     if sources.is_empty() {
@@ -40,6 +44,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     let uses = Uses::between(&sources, "src");
     print_size(&sources);
+    if let Some(library) = &arguments.library {
+        let unreadable = |error| Failure::usage(format!("{}: {error}", library.display()));
+        println!("Bytes of {}: {}", library.display(), std::fs::metadata(library).map_err(unreadable)?.len());
+    }
     println!("\nAfter a slash: the number that the architecture test allows.");
     println!(
         "{:<18} {:>6} {:>7} {:>6} {:>6} {:>7} {:>15} {:>10}",
@@ -85,6 +93,10 @@ fn print_size(sources: &[Source]) {
     if let Some(longest) = sources.iter().max_by_key(|source| source.text.lines().count()) {
         println!("Longest file: {}, {} lines", longest.path, longest.text.lines().count());
     }
+    let number = |count: Option<usize>| count.map_or_else(|| "not known".to_owned(), |count| count.to_string());
+    let [opengl, vulkan] = ["OpenGL", "Vulkan"].map(|api| number(counts::hooked(sources, api)));
+    println!("Hooked functions of OpenGL: {opengl}, of Vulkan: {vulkan}");
+    println!("Subcommands of cupola: {}", number(counts::subcommands(sources)));
 }
 
 fn lines(sources: &[Source], wanted: impl Fn(&str) -> bool) -> usize {

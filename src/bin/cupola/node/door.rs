@@ -5,6 +5,7 @@
 
 use super::input::Event;
 use super::input::screen::Screen;
+use cupola::lock::Lock;
 use cupola::nodes::{Arrival, Page};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -55,7 +56,7 @@ impl Door {
     }
 
     fn held(&self) -> MutexGuard<'_, Held> {
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+        self.held.locked()
     }
 
     /// Longest wait of the program.
@@ -102,7 +103,7 @@ impl Door {
         self.once.call_once(|| {
             let door = Arc::clone(self);
             let thread = std::thread::spawn(move || door.give_events());
-            *self.thread.lock().unwrap_or_else(PoisonError::into_inner) = Some(thread);
+            *self.thread.locked() = Some(thread);
         });
     }
 
@@ -110,7 +111,7 @@ impl Door {
     pub fn close(&self) {
         self.held().has_ended = true;
         self.changed.notify_all();
-        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let thread = self.thread.locked().take();
         let begin = Instant::now();
         // The thread restores the keyboard's repetition, unless the X server hangs.
         while thread.as_ref().is_some_and(|thread| !thread.is_finished()) && begin.elapsed() < LAST {

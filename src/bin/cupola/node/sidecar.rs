@@ -6,13 +6,14 @@ use super::head::{Action, Head};
 use super::input;
 use super::link::{Deliver, Link, Message};
 use crate::failure::Failure;
+use cupola::lock::Lock;
 use cupola::nodes::Page;
 use cupola::rig::{Place, Rig};
 use cupola::system::{self, process};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Interval at which threads check for work.
@@ -69,10 +70,6 @@ pub fn write_summary(file: Option<&Path>, summary: &serde_json::Value) {
     }
 }
 
-fn locked(head: &Mutex<Head>) -> MutexGuard<'_, Head> {
-    head.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl Sidecar {
     /// Creates the page at `path`, and connects with the other nodes. `limit`: longest wait;
     /// `length`: length of a frame; `paced`: that length, if frames are shown in real time.
@@ -123,10 +120,10 @@ impl Sidecar {
             std::thread::spawn(move || {
                 let add = |line| {
                     if let Some(head) = &shared.head {
-                        while locked(head).is_input_full() {
+                        while head.locked().is_input_full() {
                             std::thread::sleep(LOOK);
                         }
-                        locked(head).add_input(line);
+                        head.locked().add_input(line);
                     }
                 };
                 input::read(source, add, say);
@@ -143,9 +140,9 @@ impl Sidecar {
         let mut is_clean = !shared.has_lost.load(Ordering::SeqCst);
         match &shared.head {
             Some(head) => {
-                shared.act(locked(head).gone(0, system::monotonic()));
+                shared.act(head.locked().gone(0, system::monotonic()));
                 let begin = Instant::now();
-                let is_over = |limit: Duration| locked(head).left() == 0 || begin.elapsed() > limit;
+                let is_over = |limit: Duration| head.locked().left() == 0 || begin.elapsed() > limit;
                 let wait = |limit: Duration| {
                     while !is_over(limit) && shared.silence() < SILENCE {
                         std::thread::sleep(LOOK);
@@ -160,9 +157,9 @@ impl Sidecar {
                 } else {
                     wait(Duration::MAX);
                 }
-                is_clean &= locked(head).left() == 0 && !shared.has_lost.load(Ordering::SeqCst);
+                is_clean &= head.locked().left() == 0 && !shared.has_lost.load(Ordering::SeqCst);
                 shared.send_all(&[Message::Over { is_clean }]);
-                shared.report(&locked(head), summary);
+                shared.report(&head.locked(), summary);
             }
             None => {
                 shared.send(0, &[Message::Gone]);
@@ -228,16 +225,16 @@ impl Shared {
         }
         match (message, &self.head) {
             (Some(Message::Arrived(arrival)), Some(head)) => {
-                let mut head = locked(head);
+                let mut head = head.locked();
                 self.act(head.arrived(from, arrival, now));
                 self.look_at(&head, now);
             }
             (Some(Message::Gone), Some(head)) => {
-                let mut head = locked(head);
+                let mut head = head.locked();
                 self.act(head.gone(from, now));
             }
             (None, Some(head)) => {
-                let mut head = locked(head);
+                let mut head = head.locked();
                 if head.is_there(from) {
                     say(&format!("node {from} has ended unexpectedly: the others go on without it"));
                 }
@@ -273,7 +270,7 @@ impl Shared {
             match &self.head {
                 Some(head) => {
                     let now = system::monotonic();
-                    let mut head = locked(head);
+                    let mut head = head.locked();
                     self.act(head.arrived(0, arrival, now));
                     self.look_at(&head, now);
                 }
@@ -285,7 +282,7 @@ impl Shared {
     /// Executes the decisions of the head that depend on time.
     fn tick(&self) {
         let Some(mutex) = &self.head else { return };
-        let mut head = locked(mutex);
+        let mut head = mutex.locked();
         while head.left() > 0 {
             let now = system::monotonic();
             self.act(head.tick(now));

@@ -6,11 +6,12 @@ use super::picture::{Pictures, Seen};
 use super::program::{self, Launch, Program};
 use super::scene::Scene;
 use super::working::Working;
+use cupola::lock::Lock;
 use cupola::rig::{self, Rig};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use toml_edit::{DocumentMut, Item};
 
 /// A request to change something or to get information.
@@ -247,11 +248,11 @@ impl Server {
     }
 
     fn desk(&self) -> MutexGuard<'_, Desk> {
-        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+        self.desk.locked()
     }
 
     fn seen(&self) -> MutexGuard<'_, Seen> {
-        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+        self.seen.locked()
     }
 
     /// Sizes of the outputs: those of the program's pictures, otherwise those of the rig.

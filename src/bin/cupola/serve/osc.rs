@@ -114,6 +114,7 @@ fn word(argument: &OscType) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     fn message(addr: &str, args: Vec<OscType>) -> Result<Command, String> {
         command(&OscMessage { addr: addr.to_owned(), args })
@@ -151,13 +152,12 @@ mod tests {
 
     #[test]
     fn random_packets_do_no_harm() {
-        let mut state = 1_u64;
+        let mut random = Random::new(1);
         for _ in 0..20_000 {
             let mut bytes = b"/cupola/set/dome/radius\0,f\0\0\x40\x80\0\0".to_vec();
             for _ in 0..4 {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let at = (state >> 33) as usize % bytes.len();
-                bytes[at] = (state >> 20) as u8;
+                let at = random.below(bytes.len());
+                bytes[at] = random.bits() as u8;
             }
             if let Ok((_, packet)) = rosc::decoder::decode_udp(&bytes) {
                 let mut messages = Vec::new();

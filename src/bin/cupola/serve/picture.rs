@@ -1,9 +1,10 @@
 //! Reduced pictures of the program: all outputs of the newest frame in one JPEG.
 
 use super::program::Program;
+use cupola::lock::Lock;
 use cupola::ring::{Frame, Next, Picture, Reader};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Permitted sides of the picture, pixels.
@@ -122,7 +123,7 @@ impl Pictures {
     }
 
     fn note(&self) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = self.seen.locked();
         seen.milliseconds = self.times.milliseconds;
         let pictures = &self.frame.pictures;
         let is_known =
@@ -222,7 +223,7 @@ pub fn wait(pictures: &Mutex<Pictures>, program: &Program, after: u64, side: u32
     let started = Instant::now();
     loop {
         let found = {
-            let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut pictures = pictures.locked();
             pictures.next(after, side, Duration::from_millis(100))
         };
         let limit = if program.status().runs { Duration::from_secs(5) } else { Duration::from_millis(500) };

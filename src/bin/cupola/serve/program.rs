@@ -1,5 +1,6 @@
 //! The program on the dome: start, stop, messages, and memory.
 
+use cupola::lock::Lock;
 use cupola::system::process;
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -8,7 +9,7 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Greatest number of lines of the program's messages that are shown.
@@ -92,7 +93,7 @@ impl Program {
 
     /// State of the program.
     pub fn status(&self) -> Status {
-        self.status.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.status.locked().clone()
     }
 
     /// Memory of the program and of the processes that it started, bytes.
@@ -168,7 +169,7 @@ impl Supervised {
             // Ctrl-C reaches the server, which then stops the program.
             .process_group(0);
         let started = process::end_with_parent(&mut run).spawn();
-        let mut status = self.status.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut status = self.status.locked();
         *status = Status { name: Some(name), ..Status::default() };
         match started {
             Ok(mut child) => {
@@ -188,7 +189,7 @@ impl Supervised {
     }
 
     fn ended(&self, failed: Option<String>) {
-        let mut status = self.status.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut status = self.status.locked();
         (status.runs, status.process, status.ended) = (false, None, failed);
     }
 }
@@ -208,7 +209,7 @@ fn keep_lines(words: impl Read, status: &Mutex<Status>) {
             continue;
         }
         eprintln!("{line}");
-        let mut status = status.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut status = status.locked();
         status.lines.push_back(line.to_owned());
         if status.lines.len() > LINES {
             status.lines.pop_front();

@@ -119,7 +119,7 @@ mod tests {
     use super::table;
 
     /// Each call of a hooked entry point costs time. An entry point is therefore hooked only if
-    /// Cupola must see its calls.
+    /// Cupola must see its calls. `cupola-lab structure` reads this number.
     #[test]
     fn the_number_of_hooked_entry_points_is_known() {
         assert_eq!(table().len(), 826);

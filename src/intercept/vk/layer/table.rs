@@ -36,8 +36,13 @@ pub fn of_device(name: &CStr) -> Option<*const ()> {
 
 /// Returns Cupola's hook of a device function with this name, if it is needed for views.
 pub fn find(name: &CStr) -> Option<*const ()> {
+    table().get(name).map(|address| *address as *const ())
+}
+
+/// All hooks of device functions that are needed for views, by the functions' names.
+fn table() -> &'static HashMap<&'static CStr, usize> {
     static TABLE: OnceLock<HashMap<&'static CStr, usize>> = OnceLock::new();
-    let table = TABLE.get_or_init(|| {
+    TABLE.get_or_init(|| {
         let files = [
             barriers_and_clears::HOOKS,
             bound_state::HOOKS,
@@ -63,6 +68,17 @@ pub fn find(name: &CStr) -> Option<*const ()> {
         ];
         let hooks = files.into_iter().flatten();
         hooks.flat_map(|hook| hook.names.iter().map(|name| (*name, hook.address as usize))).collect()
-    });
-    table.get(name).map(|address| *address as *const ())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::table;
+
+    /// A function is hooked only if Cupola must see its calls. `cupola-lab structure` reads this
+    /// number.
+    #[test]
+    fn the_number_of_hooked_functions_is_known() {
+        assert_eq!(table().len(), 172);
+    }
 }

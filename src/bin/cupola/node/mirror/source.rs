@@ -2,10 +2,11 @@
 
 use crate::node::pictures::{ALIVE, Head, PictureLink};
 use crate::node::sidecar::say;
+use cupola::lock::Lock;
 use cupola::ring::{Frame, Next, Picture, Reader};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -94,7 +95,7 @@ impl Source {
         for (node, thread) in (1..).zip(self.threads) {
             let is_late = !thread.is_finished();
             is_clean &= !is_late && thread.join().unwrap_or(false);
-            let Counts { sent, lost } = *self.shared.counts[node].lock().unwrap_or_else(PoisonError::into_inner);
+            let Counts { sent, lost } = *self.shared.counts[node].locked();
             let late = if is_late { "; it did not receive the last one in time" } else { "" };
             say(&format!("node {node} has received {sent} frames, and lost {lost}{late}"));
             nodes.push(serde_json::json!({ "node": node, "received": sent, "lost": lost }));
@@ -142,7 +143,7 @@ impl Shared {
                     last = Instant::now();
                     // Frames that the program left out of the ring are not lost.
                     let first = *first.get_or_insert(frame.number);
-                    let mut counts = self.counts[to].lock().unwrap_or_else(PoisonError::into_inner);
+                    let mut counts = self.counts[to].locked();
                     counts.sent += 1;
                     counts.lost = (frame.number + 1).saturating_sub(first + counts.sent);
                 }
@@ -160,7 +161,7 @@ impl Shared {
 
     /// Looks for a frame after the one with the number `known`, for a short time.
     fn look(&self, known: u64) -> Look {
-        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut newest = self.newest.locked();
         let newest = &mut *newest;
         if newest.number > known {
             return Look::New(newest.number, Arc::clone(&newest.frame));

@@ -300,7 +300,7 @@ function numberInput(key, index, count, row) {
   let held = false;
   const step = () => isWhole ? 1 : nice((slider.max - slider.min) / 1000);
   const send = (value, gesture) => {
-    const now = valueOf(key.key), all = Array.isArray(now) ? [...now] : now === null || now === undefined ? Array(count).fill(startOf(key)) : [now];
+    const now = valueOf(key.key), all = Array.isArray(now) ? [...now] : now === null || now === undefined ? Array.from({ length: count }, (_, i) => startOf(key, i)) : [now];
     all[index] = isWhole ? Math.round(value) : tidy(value, step());
     field.value = all[index];
     const single = key.type === 'number' && !key.count;
@@ -317,20 +317,21 @@ function numberInput(key, index, count, row) {
   return {
     row: made,
     show: value => {
-      const one = Array.isArray(value) ? value[index] : value, at = one ?? startOf(key);
+      const one = Array.isArray(value) ? value[index] : value, at = one ?? startOf(key, index);
       if (!held && document.activeElement !== slider) {
         const [low, high] = sliderRange(key, at, index);
         [slider.min, slider.max, slider.step] = [low, high, isWhole ? 1 : nice((high - low) / 4000)];
       }
       if (!held) slider.value = at;
-      if (document.activeElement !== field) { field.value = one === null || one === undefined ? '' : tidy(one, 1e-6); field.placeholder = key.default ?? ''; }
+      if (document.activeElement !== field) { field.value = one === null || one === undefined ? '' : tidy(one, 1e-6); field.placeholder = defaultOf(key, index) ?? ''; }
     },
   };
 }
 
 const nice = value => Math.pow(10, Math.floor(Math.log10(value || 1)));
 const tidy = (value, step) => Number(value.toFixed(Math.min(6, Math.max(0, Math.ceil(-Math.log10(step)) + 1))));
-const startOf = key => key.default ?? Math.min(Math.max(0, key.least ?? 0), key.greatest ?? 0);
+const defaultOf = (key, index) => Array.isArray(key.default) ? key.default[index] : key.default;
+const startOf = (key, index) => defaultOf(key, index) ?? Math.min(Math.max(0, key.least ?? 0), key.greatest ?? 0);
 const optimistic = new Map();
 const valueOf = name => optimistic.has(name) ? optimistic.get(name) : (page.keys.find(key => key.key === name) || {}).value ?? null;
 
