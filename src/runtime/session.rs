@@ -142,6 +142,11 @@ impl Session {
         Ok(if self.turns.is_some() { session.in_turn() } else { session })
     }
 
+    /// Sets the adaptation of the program's camera, which has no effect on the plan.
+    pub fn set_camera(&mut self, camera: Camera) {
+        self.rig.camera = camera;
+    }
+
     /// Makes the program draw one view in each of its frames, with the size of its window, instead
     /// of all views in each. The atlas then only collects the views.
     pub fn in_turn(mut self) -> Self {

@@ -13,6 +13,7 @@ tests! {
     content_follows_the_file,
     content_follows_the_file_on_vulkan,
     the_viewer_follows_the_file,
+    the_camera_follows_the_file,
     ramps_follow_the_file_on_vulkan,
     scenes_off_screen_follow_the_file_on_vulkan,
     a_file_with_a_mistake_changes_nothing,
@@ -143,6 +144,10 @@ fn content(file: &Path) {
     tuned(file, &["content.kind=\"domemaster\"", "content.aperture=150"]);
 }
 
+fn camera(file: &Path) {
+    tuned(file, &["camera.zoom=1.4", "camera.yaw=25", "camera.roll=10"]);
+}
+
 fn viewer(file: &Path) {
     tuned(file, &["viewer.yaw=30", "viewer.position=[0.5, 0.3, -1.0]", "output.output-1.blend.black_level=0.05"]);
 }
@@ -191,6 +196,13 @@ fn content_follows_the_file_on_vulkan() {
 
 fn the_viewer_follows_the_file() {
     Case::opengl(Run::new("immediate"), "viewer").follows(viewer);
+}
+
+/// The stand-in image stays; only the transforms of the views are new.
+fn the_camera_follows_the_file() {
+    for program in ["core330_mvp", "immediate", "passes"] {
+        Case::opengl(Run::new(program), &format!("camera-{program}")).follows(camera);
+    }
 }
 
 fn ramps_follow_the_file_on_vulkan() {

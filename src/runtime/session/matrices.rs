@@ -111,6 +111,25 @@ mod tests {
         [[output]]\nkind = \"perspective\"\nfov = [60, 40]\n";
 
     #[test]
+    fn a_new_camera_needs_no_new_plan() {
+        let rig = crate::rig::parse(EYES, "eyes.toml", Path::new("")).expect("valid");
+        let mut other = rig.clone();
+        other.camera.zoom = 1.5;
+        other.camera.pitch = 0.3;
+        let plan = |rig| Session::new(rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");
+        let (mut session, planned) = (plan(&rig), plan(&other));
+        let MatrixClass::Perspective(lens) = classify(
+            &Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 }.projection_matrix(1.0, 1000.0).to_cols_array(),
+        ) else {
+            panic!("it is one")
+        };
+        assert_ne!(session.rows(&lens), planned.rows(&lens));
+        session.set_camera(other.camera);
+        assert_eq!(session.rows(&lens), planned.rows(&lens));
+        assert_eq!(format!("{:?}", session.plan()), format!("{:?}", planned.plan()));
+    }
+
+    #[test]
     fn each_eye_has_its_own_views_from_its_own_place() {
         let rig = crate::rig::parse(EYES, "eyes.toml", Path::new("")).expect("valid");
         let session = Session::new(&rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");

@@ -127,12 +127,16 @@ pub const WEIGHTS: [(&str, u32); 52] = [
 ];
 
 /// Values that are never used, by the names of command (its prefix) and value, with the reason.
-pub const VALUES_LEFT_OUT: [(&str, &str, &str); 16] = [
+pub const VALUES_LEFT_OUT: [(&str, &str, &str); 20] = [
     ("glNewList", "GL_COMPILE_AND_EXECUTE", "limit: the list is executed when it is complete"),
     ("glEnable", "GL_DEBUG_OUTPUT_SYNCHRONOUS", "messages are not compared"),
     ("glDrawBuffer", "GL_FRONT", "limit: front and back buffer are one"),
     ("glDrawBuffer", "GL_LEFT", "limit: one buffer, so that blending with two sources is no error"),
     ("glDrawBuffer", "GL_FRONT_AND_BACK", "the same"),
+    ("glFramebufferDrawBuffer", "GL_LEFT", "the same"),
+    ("glFramebufferDrawBuffer", "GL_FRONT_AND_BACK", "the same"),
+    ("glNamedFramebufferDrawBuffer", "GL_LEFT", "the same"),
+    ("glNamedFramebufferDrawBuffer", "GL_FRONT_AND_BACK", "the same"),
     ("glReadBuffer", "GL_FRONT", "limit: front and back buffer are one"),
     (
         "glNamedFramebufferReadBuffer",

@@ -71,9 +71,32 @@ fn cut(ctx: &Context, part: LowerLeftRect) -> Option<LowerLeftRect> {
     (inside != part && part.width >= 0 && part.height >= 0).then_some(inside)
 }
 
+/// Performs a copy from the window's own framebuffer, which has no drawing of the program. Returns
+/// true if the driver refuses it, and notes the error.
+fn is_refused(ctx: &mut Context, issue: impl FnOnce()) -> bool {
+    let gl = ctx.driver.gl;
+    let Some(framebuffer) = ctx.drawable.target().map(|target| target.framebuffer()) else { return false };
+    ctx.driver.take_errors();
+    // SAFETY: the binding is put back.
+    let error = unsafe {
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
+        issue();
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
+        gl.get_error()
+    };
+    if error != api::GL_NO_ERROR {
+        ctx.driver.note_error(error);
+    }
+    error != api::GL_NO_ERROR
+}
+
 /// Runs a copy into a part of a texture. `issue` gets the rectangle, and its offset in that part.
-pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl FnOnce(LowerLeftRect, [i32; 2])) {
-    let inside = cut(ctx, part).unwrap_or(part);
+pub fn copy_part(ctx: &mut Context, part: LowerLeftRect, issue: impl Fn(LowerLeftRect, [i32; 2])) {
+    let inside = match cut(ctx, part) {
+        // The driver does not see the whole rectangle, so it cannot refuse it.
+        Some(_) if is_refused(ctx, || issue(part, [0, 0])) => return,
+        inside => inside.unwrap_or(part),
+    };
     let moved = [inside.x - part.x, inside.y - part.y];
     read(ctx, inside, true, |x, y| issue(LowerLeftRect { x, y, ..inside }, moved));
 }

@@ -11,8 +11,11 @@ use crate::intercept::gl::per_view::panel::clear_transparent;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
-use crate::intercept::process::{live, log, settings};
+use crate::intercept::process::live::{self, Live};
+use crate::intercept::process::{log, settings};
+use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
+use std::sync::Arc;
 
 /// Replaces the window's framebuffer by the stand-in. If that fails, the program keeps the
 /// window's.
@@ -34,10 +37,37 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
     take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
+/// Uses the present rig in the same stand-in if nothing but the adaptation of the program's camera
+/// is new, which has no effect on the views. Returns false if more is new.
+fn follows_camera(ctx: &mut Context, target: &mut DefaultFramebuffer, live: Live) -> bool {
+    if *target.rig != (Rig { camera: target.rig.camera, ..(*live.rig).clone() }) {
+        return false;
+    }
+    // Publishing holds a session only to recognise it.
+    let held = ctx.frame.publishing.as_mut().map(|publishing| &mut publishing.session);
+    let held = held.filter(|held| held.as_ref().is_some_and(|session| Arc::ptr_eq(session, &target.session)));
+    let mut unused = None;
+    let held = held.unwrap_or(&mut unused);
+    let publishes = held.take().is_some();
+    let session = Arc::get_mut(&mut target.session);
+    let is_only = session.is_some();
+    if let Some(session) = session {
+        session.set_camera(live.rig.camera);
+        (target.rig, target.version) = (live.rig, live.version);
+    }
+    *held = publishes.then(|| target.session.clone());
+    is_only
+}
+
 /// Replaces the window's framebuffer by a new stand-in, and clears it.
 fn put(ctx: &mut Context, target: DefaultFramebuffer) {
     ctx.frame.counts.linked += target.backend.linked();
     ctx.drawable.put_target(Box::new(target));
+    start_again(ctx);
+}
+
+/// Adapts the context to its stand-in, and clears that.
+fn start_again(ctx: &mut Context) {
     adopt(ctx);
     let gl = ctx.driver.gl;
     // SAFETY: state of Cupola and of the stand-in framebuffer.
@@ -58,6 +88,13 @@ pub fn follow_rig(ctx: &mut Context) {
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
+    if live::rig().is_some_and(|live| follows_camera(ctx, &mut old, live)) {
+        view_copies::clear(ctx);
+        ctx.drawable.put_target(old);
+        start_again(ctx);
+        take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+        return;
+    }
     let extras = ctx.frame.draw_count.extras(old.extras());
     match DefaultFramebuffer::new(ctx, &window, settings, extras, Some(&mut old)) {
         Ok(new) => {

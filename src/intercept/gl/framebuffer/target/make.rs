@@ -12,7 +12,8 @@ use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuff
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::process::{live, settings};
+use crate::intercept::process::live::{self, Live};
+use crate::intercept::process::settings;
 use crate::rig::Duplicate;
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
@@ -90,14 +91,14 @@ impl DefaultFramebuffer {
             session = session.with(Extras { panel: true, ..extras })?.in_turn();
         }
         let config = Config::of_window(gl, &ctx.driver.profile, window);
-        Self::with_session(&ctx.driver, session, config, live.version, old)
+        Self::with_session(&ctx.driver, session, config, live, old)
     }
 
     fn with_session(
         driver: &Driver,
         session: Session,
         config: Config,
-        version: u64,
+        Live { rig, version }: Live,
         mut old: Option<&mut Self>,
     ) -> Result<Self> {
         let gl = driver.gl;
@@ -129,6 +130,7 @@ impl DefaultFramebuffer {
         let session = Arc::new(session);
         Ok(Self {
             session,
+            rig,
             version,
             lenses,
             config,
@@ -147,7 +149,8 @@ impl DefaultFramebuffer {
 
     /// Returns the same stand-in with more tiles.
     pub fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
-        let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, self.version, None)?;
+        let live = Live { rig: self.rig.clone(), version: self.version };
+        let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, live, None)?;
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
         Ok(new)

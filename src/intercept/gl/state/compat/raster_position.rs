@@ -33,9 +33,16 @@ impl RasterPosition {
     }
 }
 
+/// Greatest number of units whose texture coordinates are followed: that of all known drivers.
+const UNITS: usize = 8;
+
 /// Current texture coordinates of all units of the fixed-function pipeline.
 #[derive(Clone)]
-pub(in crate::intercept::gl) struct TextureCoordinates(Vec<[f32; 4]>);
+pub(in crate::intercept::gl) struct TextureCoordinates {
+    coordinates: [[f32; 4]; UNITS],
+    /// Number of units of the driver.
+    units: usize,
+}
 
 impl TextureCoordinates {
     /// Returns the present coordinates.
@@ -43,21 +50,19 @@ impl TextureCoordinates {
     /// # Safety
     /// A context with the fixed-function pipeline must be current.
     pub(in crate::intercept::gl) unsafe fn of(gl: &Gl) -> Self {
-        let units = integer(gl, api::GL_MAX_TEXTURE_COORDS).clamp(1, 32) as u32;
+        let units = integer(gl, api::GL_MAX_TEXTURE_COORDS).clamp(1, UNITS as i32) as usize;
         let active = integer(gl, api::GL_ACTIVE_TEXTURE) as u32;
-        let coordinates = (0..units).map(|unit| {
-            let mut coordinates = [0.0; 4];
+        let mut coordinates = [[0.0; 4]; UNITS];
+        for (unit, coordinates) in (0..).zip(&mut coordinates[..units]) {
             // SAFETY: writes four floats; a unit of the driver.
             unsafe {
                 gl.active_texture(api::GL_TEXTURE0 + unit);
                 gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, coordinates.as_mut_ptr());
             }
-            coordinates
-        });
-        let coordinates = coordinates.collect();
+        }
         // SAFETY: puts back what was active.
         unsafe { gl.active_texture(active) };
-        Self(coordinates)
+        Self { coordinates, units }
     }
 
     /// Sets these coordinates.
@@ -65,7 +70,7 @@ impl TextureCoordinates {
     /// # Safety
     /// As for [`Self::of`].
     pub(in crate::intercept::gl) unsafe fn set(&self, gl: &Gl) {
-        for (unit, coordinates) in (0u32..).zip(&self.0) {
+        for (unit, coordinates) in (0..).zip(&self.coordinates[..self.units]) {
             // SAFETY: four floats; a unit of the driver.
             unsafe { gl.multi_tex_coord4fv(api::GL_TEXTURE0 + unit, coordinates.as_ptr()) };
         }

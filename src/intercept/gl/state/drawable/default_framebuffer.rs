@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::intercept::gl::state::drawable::cleared_views::Content;
 use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::process::settings;
+use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -25,6 +26,8 @@ pub(in crate::intercept::gl) struct Ready {
 pub struct DefaultFramebuffer {
     /// Rig and plan for the window's size.
     pub session: Arc<Session>,
+    /// The rig, as the file has it.
+    pub(in crate::intercept::gl) rig: Arc<Rig>,
     /// Version of the rig file that the plan follows.
     pub(in crate::intercept::gl) version: u64,
     pub(in crate::intercept::gl) config: Config,
