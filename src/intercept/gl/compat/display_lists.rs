@@ -53,9 +53,6 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
                     Item::Real { list, draws, raster, sets_state, bounds, primitive } => {
                         if ctx.compat.immediate.under_way() || primitive.within.is_some() {
                             begin_end::run_part(ctx, *list, *primitive);
-                        } else if ctx.compat.immediate.passed_on {
-                            // SAFETY: a list that exists, between the program's own Begin and End.
-                            unsafe { ctx.driver.gl.call_list(*list) };
                         } else {
                             run_real(ctx, *list, *draws, *raster, bounds);
                         }
