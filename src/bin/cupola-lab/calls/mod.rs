@@ -66,8 +66,8 @@ pub struct Arguments {
     /// Folder for files of calls
     #[arg(long, value_name = "DIR", default_value = "out/calls")]
     folder: PathBuf,
-    /// Do not let Mesa draw anything: more calls per second; the results of queries and feedback
-    /// are not compared
+    /// Do not let Mesa draw anything: more calls per second, but results of queries and feedback mean
+    /// nothing
     #[arg(long, conflicts_with = "vulkan")]
     no_drawing: bool,
     /// Set an environment variable for the player with Cupola
