@@ -44,8 +44,9 @@ pub const PLACE: (usize, usize) = (600, 400);
 /// the same time.
 const PLACES: (usize, usize) = (4, 4);
 
-/// A part of the screen that one program has to itself. The X server returns the pixels of the
-/// topmost window.
+/// A part of the screen that one program has to itself: it is free again when this value is
+/// dropped, so that the value must live as long as the program runs. The X server returns the
+/// pixels of the topmost window.
 pub struct Place {
     index: usize,
     /// Upper left corner of the place.

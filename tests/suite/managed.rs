@@ -92,7 +92,8 @@ fn a_window_of_one_size_gets_the_wanted_one() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", "fisheye", "--size", "200x150", "--frames", "8"]);
     command.args(["--capture", "capture.png", "--"]).arg(built().join(run.program));
-    command.args(run.arguments(&display::place()));
+    let place = display::place();
+    command.args(run.arguments(&place));
     let finished = Finished::on(&display, command, run.program, "fisheye").expect_success();
     let picture = finished.picture("capture.png");
     assert_eq!((picture.width, picture.height), (200, 150));

@@ -53,7 +53,8 @@ impl Show {
         let directory = scratch("mirror");
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.args(["node", "--local", "2", "--mirror", "--publish=ring", "--rig"]).arg(rig()).arg("--");
-        command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+        let place = display::place();
+        command.arg(built().join(run.program)).args(run.arguments(&place));
         command.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &other.name).env("LIBGL_ALWAYS_SOFTWARE", "1");
         command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results")).current_dir(&directory);
         let log = std::fs::File::create(directory.join("log")).expect("a file");
@@ -206,7 +207,8 @@ fn a_mirror_leaves_the_pictures_of_others_alone() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(nodes).arg("--rig").arg(&rig).args(["--frames", "30", "--"]);
     let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
-    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    let place = display::place();
+    command.arg(built().join(run.program)).args(run.arguments(&place));
     let Some(finished) = Finished::of(command, run.program, "node") else { return };
     let words = finished.words();
     assert!(!finished.succeeded() && words.contains("another program publishes its frames there"), "{words}");

@@ -36,7 +36,8 @@ pub fn by_time(rig: &Path, mode: &str, frames: usize, cupola: &[&str]) -> Option
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(cupola).arg("--rig").arg(rig);
     command.args(["--offscreen", "--capture", "capture.png", "--frames", &frames.to_string(), "--"]);
-    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    let place = display::place();
+    command.arg(built().join(run.program)).args(run.arguments(&place));
     Some(Finished::of(command, run.program, cupola[0])?.expect_success())
 }
 
@@ -119,7 +120,8 @@ fn a_vulkan_program_that_differs_is_named() {
             "--rig",
         ]);
         command.arg(rig()).args(["--frames", "4", "--", "sh", "-c", &format!("exec \"$0\" \"$@\" --yaw {yaw}")]);
-        command.arg(folder.join(run.program)).args(run.arguments(&display::place()));
+        let place = display::place();
+        command.arg(folder.join(run.program)).args(run.arguments(&place));
         let Some(finished) = Finished::of(command, run.program, "node") else { return };
         let finished = finished.expect_success();
         assert!(finished.words().contains(words), "{yaw}: {}", finished.words());
@@ -167,6 +169,7 @@ pub struct Show {
     launcher: Child,
     pub nodes: Vec<RunningNode>,
     pub directory: PathBuf,
+    _place: display::Place,
 }
 
 /// Waits for a result that comes within seconds.
@@ -190,13 +193,14 @@ impl Show {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.args(["node", "--local", &count.to_string(), "--time-out", "300", "--rig"]).arg(rig());
         command.args(cupola).args(["--", "sh", "-c", IN_OWN_FOLDER]);
-        command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+        let place = display::place();
+        command.arg(built().join(run.program)).args(run.arguments(&place));
         command.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display.name).env("LIBGL_ALWAYS_SOFTWARE", "1");
         command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results")).current_dir(&directory);
         let log = std::fs::File::create(directory.join("log")).expect("a file");
         command.stderr(log).stdin(Stdio::null()).stdout(Stdio::null());
         let launcher = command.spawn().expect("cupola starts");
-        let mut show = Self { launcher, nodes: Vec::new(), directory };
+        let mut show = Self { launcher, nodes: Vec::new(), directory, _place: place };
         let sidecars = || Some(children(show.launcher.id(), "cupola")).filter(|ids| ids.len() == count);
         let sidecars = until("all nodes start", sidecars);
         for sidecar in sidecars {

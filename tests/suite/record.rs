@@ -22,7 +22,8 @@ fn record(out: &Path, drawn: usize, options: &[&str]) -> Option<Finished> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).arg("record").args(options);
     command.args(["--frames", &FRAMES.to_string(), "--out"]).arg(out).arg("--");
-    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    let place = display::place();
+    command.arg(built().join(run.program)).args(run.arguments(&place));
     Finished::of(command, run.program, "record")
 }
 

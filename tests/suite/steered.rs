@@ -70,7 +70,8 @@ fn steered(rig: &Path, count: usize, input: Option<&str>) -> Option<Finished> {
         command.arg("--input").arg(file);
     }
     command.args(["--offscreen", "--capture", "capture.png", "--frames", "30", "--", "sh", "-c", IN_OWN_FOLDER]);
-    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    let place = display::place();
+    command.arg(built().join(run.program)).args(run.arguments(&place));
     Some(Finished::of(command, run.program, "node")?.expect_success())
 }
 
@@ -160,7 +161,8 @@ fn a_node_that_is_killed_leaves_the_keyboard_as_it_was() {
     let run = Run { frames: 0, size: (96, 96), ..Run::new("by_time") };
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.args(["node", "--local", "1", "--input", "/dev/null", "--rig"]).arg(rig()).arg("--");
-    command.arg(built().join(run.program)).args(run.arguments(&display::place()));
+    let place = display::place();
+    command.arg(built().join(run.program)).args(run.arguments(&place));
     command.env("CUPOLA_LIBRARY", library()).env("DISPLAY", &display.name).env("LIBGL_ALWAYS_SOFTWARE", "1");
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     let mut launcher = command.spawn().expect("cupola starts");

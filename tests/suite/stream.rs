@@ -93,7 +93,8 @@ fn a_recording_to_a_command_has_each_frame() {
             .env("CUPOLA_LIBRARY", library())
             .args(["record", "--rig", "identity", "--format", format, "--pipe", command]);
         record.args(["--frames", &FRAMES.to_string(), "--out"]).arg(&folder).arg("--");
-        record.arg(built().join(run.program)).args(run.arguments(&display::place()));
+        let place = display::place();
+        record.arg(built().join(run.program)).args(run.arguments(&place));
         Finished::of(record, run.program, "record")
     };
     let file = |name: &str| -> PathBuf { folder.join(name) };

@@ -84,7 +84,8 @@ fn outputs_on_two_screens_are_those_of_one_window() {
         .env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
     program.arg("run").arg("--rig").arg(&apart).arg(format!("--publish={}", published.display())).arg("--");
     let endless = Run { frames: 0, ..run.clone() };
-    program.arg(built().join(run.program)).args(endless.arguments(&display::place()));
+    let place = display::place();
+    program.arg(built().join(run.program)).args(endless.arguments(&place));
     let mut program = start(&mut program);
     let mut seen = Vec::new();
     // The window of the last output opened by itself.
