@@ -12,25 +12,25 @@ use crate::intercept::gl::context::hooks::hooks;
 fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let four = |rect: LowerLeftRect| Some((rect.to_array().map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
-    match (name, &ctx.lists.recording) {
+    match (name, ctx.lists.recording()) {
         // In between, the driver compiles lists of Cupola instead of the program's.
-        (api::GL_LIST_INDEX, Some(recording)) => return one(recording.list.into()),
-        (api::GL_LIST_MODE, Some(recording)) if recording.execute => return one(api::GL_COMPILE_AND_EXECUTE.into()),
+        (api::GL_LIST_INDEX, Some(recording)) => return one(recording.list().into()),
+        (api::GL_LIST_MODE, Some(recording)) if recording.executes() => return one(api::GL_COMPILE_AND_EXECUTE.into()),
         _ => {}
     }
     ctx.drawable.target()?;
     match name {
         api::GL_VIEWPORT => Some((ctx.app.viewport_at(0).to_array().map(f64::from), 4)),
-        api::GL_SCISSOR_BOX => four(ctx.app.scissor),
-        api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.app.scissor_test))),
-        api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.app.draw_framebuffer.into()),
-        api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.app.read_framebuffer.into()),
-        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.app.draw_buffer.into()),
-        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer.into()),
+        api::GL_SCISSOR_BOX => four(ctx.app.scissor()),
+        api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.app.scissor_test()))),
+        api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.app.draw_framebuffer().into()),
+        api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.app.read_framebuffer().into()),
+        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.app.draw_buffer().into()),
+        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer().into()),
         api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
         // Without formats there is no number to return.
         api::GL_PROGRAM_BINARY_FORMATS => Some(([0.0; 4], 0)),
-        _ if ctx.app.draw_framebuffer == 0 => {
+        _ if ctx.app.draw_framebuffer() == 0 => {
             let config = ctx.drawable.target()?.config();
             match name {
                 api::GL_DOUBLEBUFFER => one(f64::from(u8::from(config.double_buffered))),
@@ -102,7 +102,7 @@ macro_rules! getters {
                 }
             }; )*
             "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
-                if cap == api::GL_SCISSOR_TEST && ctx.drawable.target().is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
+                if cap == api::GL_SCISSOR_TEST && ctx.drawable.target().is_some() { u8::from(ctx.app.scissor_test()) } else { gl.is_enabled(cap) }
             };
         }
     };

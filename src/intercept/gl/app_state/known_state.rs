@@ -11,8 +11,8 @@ use crate::intercept::gl::context::hooks::hooks;
 /// Notes a call of the program that sets followed state. `note` stores the new values; it is not
 /// called if the call goes into a list or may be refused.
 pub fn note(ctx: &mut Context, note: impl FnOnce(&KnownState)) {
-    if let Some(recording) = &mut ctx.lists.recording {
-        recording.sets_state = true;
+    if ctx.compiling() {
+        ctx.lists.note_state();
     } else if ctx.takes_calls() {
         note(&ctx.driver.known_state);
     } else {

@@ -28,8 +28,8 @@ pub fn answer(ctx: &mut Context, gl: &Gl, name: u32) -> Option<[f64; 16]> {
         return None;
     }
     ctx.compat.projection.refresh(gl, Some(session));
-    let MatrixClass::Perspective(lens) = &ctx.compat.projection.class else { return None };
-    let wide = widened(&ctx.compat.projection.matrix, lens)?;
+    let MatrixClass::Perspective(lens) = ctx.compat.projection.class() else { return None };
+    let wide = widened(ctx.compat.projection.matrix(), lens)?;
     Some(if transposed { std::array::from_fn(|i| wide[i % 4 * 4 + i / 4]) } else { wide })
 }
 

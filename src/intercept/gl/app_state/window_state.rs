@@ -19,7 +19,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // The stack is as deep as OpenGL's own, which ignores a push beyond its depth.
     if ctx.app.can_push(0) {
         let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.raster.saved());
-        let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base, ctx.driver.known_state.clone());
+        let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base(), ctx.driver.known_state.clone());
         ctx.app.push(Pushed { mask, saved, list_base, known, raster });
     }
 }
@@ -29,22 +29,23 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.pop_attrib() };
-    ctx.projected.fixed_function.touch();
+    ctx.projected.note_switch();
     let Some(Pushed { mask, saved, list_base, known, raster }) = ctx.app.pop() else {
         ctx.driver.known_state.forget();
         return;
     };
     ctx.driver.known_state.restored(&known);
     if let Some(raster) = raster {
-        ctx.compat.raster = raster;
+        ctx.compat.restore_raster(raster);
     }
     ctx.app.restore(mask, &saved);
     ctx.driver.forget_window_space(mask);
     if mask & api::GL_ENABLE_BIT != 0 && ctx.driver.profile.version >= 30 {
-        ctx.app.discard = ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_RASTERIZER_DISCARD);
+        let discard = ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_RASTERIZER_DISCARD);
+        ctx.app.note_switch(api::GL_RASTERIZER_DISCARD, discard);
     }
     if mask & api::GL_LIST_BIT != 0 {
-        ctx.lists.base = list_base;
+        ctx.lists.set_base(list_base);
     }
     if ctx.session().is_some() && !ctx.redirected() {
         ctx.restore_window_space();
@@ -53,9 +54,9 @@ pub fn pop_attributes(ctx: &mut Context) {
 
 /// Follows a new size of the window, of which the program's viewport is the first sign.
 pub(super) fn follow_viewport(ctx: &mut Context) {
-    let LowerLeftRect { width, height, .. } = ctx.app.viewport;
+    let LowerLeftRect { width, height, .. } = ctx.app.viewport();
     let new_size = ctx.drawable.target().is_some_and(|t| t.size() != (width as u32, height as u32));
-    if new_size && !ctx.frame.begun && ctx.redirected() {
+    if new_size && !ctx.frame.begun() && ctx.redirected() {
         follow_size(ctx);
     }
 }
@@ -113,13 +114,12 @@ hooks! {
         match cap {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, true),
             _ => {
-                ctx.app.discard |= cap == api::GL_RASTERIZER_DISCARD;
-                ctx.app.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
+                ctx.app.note_switch(cap, true);
                 if cap == api::GL_STENCIL_TEST {
-                    ctx.frame.draw_count.note_stencil();
+                    ctx.frame.note_stencil();
                 }
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
-                    ctx.draw.max_width.note_unknown();
+                    ctx.draw.note_unknown_width();
                 }
                 if Pipeline::has(cap) { projected_vertices::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
                 known_state::note(ctx, |known| known.note(cap, true));
@@ -130,16 +130,16 @@ hooks! {
         match cap {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
             _ => {
-                ctx.app.discard &= cap != api::GL_RASTERIZER_DISCARD;
+                ctx.app.note_switch(cap, false);
                 if Pipeline::has(cap) { projected_vertices::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
                 known_state::note(ctx, |known| known.note(cap, false));
             }
         }
     };
     "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
-        ctx.app.picking = mode != api::GL_RENDER;
-        if ctx.app.picking && ctx.redirected() {
-            ctx.set_viewport(ctx.app.viewport);
+        ctx.app.set_render_mode(mode);
+        if ctx.app.picking() && ctx.redirected() {
+            ctx.set_viewport(ctx.app.viewport());
         }
         gl.render_mode(mode)
     };

@@ -93,7 +93,7 @@ struct Own {
 
 /// Issues the commands that were recorded between Begin and End.
 fn issue(ctx: &mut Context, mode: u32, own: Own, bounds: Bounds, recorder: &Recorder) {
-    ctx.draw.wide_primitives.shape = Shape::of_mode(mode);
+    ctx.draw.note_shape(Shape::of_mode(mode));
     let current = Current::get(ctx.driver.gl, recorder.sets_late());
     let changes = if recorder.sets_others_late() {
         Changes::Attributes
@@ -142,7 +142,7 @@ fn issue_recorded(ctx: &mut Context, own_end: bool) {
 /// True if Begin/End becomes an item of its own in the display list that is being compiled, so that
 /// its primitives can be divided when the list runs.
 fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
-    lists.recording.is_some() && !projected.views_only && methods::division_asked_for()
+    lists.recording.is_some() && !projected.views_only() && methods::division_asked_for()
 }
 
 /// Adds the recorded commands to the display list that is being compiled, as one item.
@@ -173,7 +173,7 @@ fn give_to_list(ctx: &mut Context) {
 pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
     let gl = ctx.driver.gl;
     if let (false, Some(mode)) = (ctx.compat.immediate.under_way(), primitive.within) {
-        if ctx.session().is_none() || ctx.app.picking {
+        if ctx.session().is_none() || ctx.app.picking() {
             program_window_space(ctx);
             plain_program(ctx);
             ctx.compat.immediate.passed_on = true;
@@ -198,7 +198,7 @@ pub(super) fn run_part(ctx: &mut Context, list: u32, primitive: Primitive) {
 hooks! {
     between;
     "glBegin" begin(mode: u32) = |ctx, gl| {
-        if ctx.app.draw_framebuffer != 0
+        if ctx.app.draw_framebuffer() != 0
             && !ctx.compiling()
             && gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER) != api::GL_FRAMEBUFFER_COMPLETE
         {
@@ -211,7 +211,7 @@ hooks! {
             if let Some(recording) = &mut ctx.lists.recording {
                 recording.primitive.begin(mode);
             }
-        } else if ctx.session().is_none() || ctx.app.picking {
+        } else if ctx.session().is_none() || ctx.app.picking() {
             program_window_space(ctx);
             plain_program(ctx);
             ctx.compat.immediate.passed_on = true;

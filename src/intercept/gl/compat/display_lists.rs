@@ -45,7 +45,7 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
             ctx.driver.known_state.forget();
             ctx.compat.projection.touch(api::GL_PROJECTION);
             ctx.compat.projection.touch(api::GL_MODELVIEW);
-            ctx.projected.fixed_function.touch();
+            ctx.projected.note_switch();
         }
         Some(items) => {
             for item in items.iter() {
@@ -76,7 +76,7 @@ pub(super) fn call(ctx: &mut Context, list: u32, depth: u32) {
 /// Runs the list at an offset from the list base. For `glCallLists`, unlike `glCallList`, list 0 is
 /// an empty list.
 fn call_at(ctx: &mut Context, offset: u32, depth: u32) {
-    let list = ctx.lists.base.wrapping_add(offset);
+    let list = ctx.lists.base().wrapping_add(offset);
     if list != 0 {
         call(ctx, list, depth);
     }
@@ -106,7 +106,7 @@ fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bo
 pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
     let gl = ctx.driver.gl;
     if change_matrix(gl, command) {
-        ctx.compat.projection.touch(ctx.app.matrix_mode);
+        ctx.compat.projection.touch(ctx.app.matrix_mode());
         return;
     }
     match command {
@@ -174,7 +174,7 @@ fn change_matrix(gl: &Gl, command: &Command) -> bool {
 }
 
 fn set_list_base(driver: &Driver, lists: &mut ListState, base: u32) {
-    lists.base = base;
+    lists.set_base(base);
     // SAFETY: the program's own command.
     unsafe { driver.gl.list_base(base) };
 }

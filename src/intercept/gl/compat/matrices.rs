@@ -15,18 +15,18 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
         return;
     }
     run();
-    ctx.compat.projection.touch(ctx.app.matrix_mode);
+    ctx.compat.projection.touch(ctx.app.matrix_mode());
 }
 
 /// `glMatrixMode`.
 pub(super) fn set_mode(ctx: &mut Context, mode: u32) {
     // SAFETY: the program's own command.
     unsafe { ctx.driver.gl.matrix_mode(mode) };
-    ctx.app.matrix_mode = match mode {
+    ctx.app.set_matrix_mode(match mode {
         api::GL_MODELVIEW | api::GL_PROJECTION | api::GL_TEXTURE => mode,
         // The driver may refuse other matrices.
         _ => integer(ctx.driver.gl, api::GL_MATRIX_MODE) as u32,
-    };
+    });
 }
 
 /// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like
@@ -39,11 +39,12 @@ fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
         return;
     }
     list_recording::now_or_later(ctx, move |ctx| {
-        let before = std::mem::replace(&mut ctx.app.matrix_mode, mode);
+        let before = ctx.app.matrix_mode();
+        ctx.app.set_matrix_mode(mode);
         // SAFETY: one of the two matrices that every context with lists has; the mode is put back.
         unsafe { ctx.driver.gl.matrix_mode(mode) };
         display_lists::run(ctx, &command, 0);
-        ctx.app.matrix_mode = before;
+        ctx.app.set_matrix_mode(before);
         // SAFETY: as above.
         unsafe { ctx.driver.gl.matrix_mode(before) };
     });

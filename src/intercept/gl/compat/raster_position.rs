@@ -27,7 +27,7 @@ use std::ffi::c_void;
 pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     let gl = ctx.driver.gl;
     let old = ctx.compat.raster.forget();
-    if ctx.redirected() && !ctx.app.picking {
+    if ctx.redirected() && !ctx.app.picking() {
         let class = classify(ctx);
         if class == DrawClass::FixedScene {
             let mut model_view = [0.0; 16];
@@ -38,18 +38,18 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
                 gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
                 TextureCoordinates::of(gl)
             };
-            ctx.compat.raster.projections.clone_from(&ctx.compat.projection.per_view);
+            ctx.compat.projection.copy_views_to(&mut ctx.compat.raster.projections);
             ctx.compat.raster.scene =
                 Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
             // The driver's own state is set too, for the program's queries, as in the program's
             // window.
-            ctx.set_viewport(ctx.app.viewport);
+            ctx.set_viewport(ctx.app.viewport());
         } else {
             ctx.compat.raster.origin = flat_window_space(ctx);
         }
     } else if ctx.drawable.target().is_some() {
         // In a framebuffer of the program, or for picking, there are no tiles.
-        ctx.set_viewport(ctx.app.viewport);
+        ctx.set_viewport(ctx.app.viewport());
     }
     // SAFETY: the program's own call.
     unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
@@ -83,12 +83,12 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
         // This matrix moves every position to the middle of the picture.
         let mut middle = [0.0; 16];
         middle[15] = 1.0;
-        projection::load(ctx.driver.gl, ctx.app.matrix_mode, &middle);
+        projection::load(ctx.driver.gl, ctx.app.matrix_mode(), &middle);
         gl.raster_pos4d(object[0], object[1], object[2], object[3]);
         if is_valid(gl) {
             gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
         }
-        projection::load(ctx.driver.gl, ctx.app.matrix_mode, &ctx.compat.projection.matrix);
+        projection::load(ctx.driver.gl, ctx.app.matrix_mode(), ctx.compat.projection.matrix());
         gl.pop_attrib();
     }
     color
@@ -97,7 +97,7 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
 /// `glWindowPos`.
 pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
     ctx.compat.raster.forget();
-    if ctx.redirected() && !ctx.app.picking {
+    if ctx.redirected() && !ctx.app.picking() {
         ctx.compat.raster.origin = flat_window_space(ctx);
     }
     let [x, y, z] = position;
@@ -122,18 +122,18 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
 /// Draws at the raster position. `changes`: state that the draw changes. Returns false if the
 /// caller must treat it like any other draw.
 pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) -> bool {
-    if ctx.app.picking || (!ctx.redirected() && ctx.compat.raster.origin == [0, 0]) {
+    if ctx.app.picking() || (!ctx.redirected() && ctx.compat.raster.origin == [0, 0]) {
         return false;
     }
     // Bitmaps may reach beyond the border of their tile.
-    ctx.draw.wide_primitives.cut = true;
+    ctx.draw.cut_at_tile();
     if !ctx.redirected() {
         scaling::scale(ctx.driver.gl, &mut ctx.queries, QueryScaling::ONCE);
         move_origin(ctx, [0, 0]);
         issue(ctx.driver.gl);
         return true;
     }
-    ctx.frame.counts.draws_seen += 1;
+    ctx.frame.note_draw();
     ctx.note_drawn();
     match ctx.compat.raster.scene.take() {
         Some(position) => draw_in_scene(ctx, position, changes, &issue),
@@ -153,12 +153,12 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     // The current values, including the raster position, are restored. This is impossible if the
     // stack is full.
     let keeps = ctx.app.can_push(0);
-    let placed = Placed::begin(gl, &position, ctx.app.matrix_mode, keeps);
+    let placed = Placed::begin(gl, &position, ctx.app.matrix_mode(), keeps);
     draw_in_views(ctx, &placed, &mut target, &mut || repeats.unchanged(gl, false, || issue(gl)));
     placed.end();
     // Draws once more at the position in the program's window, with an empty scissor. This moves
     // the raster position as the program expects.
-    ctx.set_viewport(ctx.app.viewport);
+    ctx.set_viewport(ctx.app.viewport());
     ctx.set_scissor(Some(LowerLeftRect::default()));
     issue(gl);
     let after = raster_position(gl);
@@ -169,7 +169,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
 
 /// Draws at a position of the scene in each view and in the program's own picture.
 fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebuffer, issue: &mut dyn FnMut()) {
-    let (gl, mode) = (ctx.driver.gl, ctx.app.matrix_mode);
+    let (gl, mode) = (ctx.driver.gl, ctx.app.matrix_mode());
     scaling::scale(gl, &mut ctx.queries, QueryScaling::ONCE);
     for index in 0..target.session.views().len() {
         let Some(projection) = ctx.compat.raster.projections.get(index).copied() else { break };
@@ -193,16 +193,16 @@ fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebu
         issue();
         target.issued(index);
     }
-    projection::load(gl, mode, &ctx.compat.projection.matrix);
+    projection::load(gl, mode, ctx.compat.projection.matrix());
     if let Some(tile) = target.primary() {
         scaling::scale(gl, &mut ctx.queries, QueryScaling { samples: 0.0, ..QueryScaling::ONCE });
         own_window_space(ctx, tile);
         placed.as_set(tile);
         issue();
-        ctx.frame.counts.primary_draws += 1;
+        ctx.frame.note_primary_draw();
     }
     if !placed.keeps() {
-        ctx.set_viewport(ctx.app.viewport);
+        ctx.set_viewport(ctx.app.viewport());
         placed.set();
     }
 }
@@ -211,7 +211,7 @@ fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebu
 fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.driver.gl;
     want_panel(ctx);
-    ctx.frame.counts.panel_draws += 1;
+    ctx.frame.note_panel_draw();
     let Some(tiles) = ctx.drawable.target().map(|t| t.flat_tiles()) else { return };
     let repeats = Repeats::new(changes, ctx, 0);
     let (mut before, pictures) = (None, tiles.iter().flatten().count());

@@ -2,7 +2,6 @@
 
 use crate::backend::gl::driver::api::{self, Gl};
 use crate::intercept::gl::state::driver::Driver;
-use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::process::log;
 
 /// Removes errors from the driver that only questions of Cupola caused. A driver may refuse these
@@ -17,14 +16,14 @@ pub fn drop_errors(gl: &Gl) {
 }
 
 /// Counts the errors since [`Driver::take_errors`] as errors of Cupola.
-pub fn take_own_errors(driver: &Driver, counts: &mut Counts) {
+pub fn take_own_errors(driver: &mut Driver) {
     // SAFETY: as above.
     for _ in 0..8 {
         let error = unsafe { driver.gl.get_error() };
         if error == api::GL_NO_ERROR {
             break;
         }
-        counts.errors += 1;
+        driver.note_own_error();
         log::once(&format!("an internal OpenGL call failed with error 0x{error:04X}"));
     }
 }

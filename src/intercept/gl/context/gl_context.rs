@@ -102,17 +102,17 @@ impl Context {
 
     /// True if the program draws to its window and Cupola replaces the window's framebuffer.
     pub fn redirected(&self) -> bool {
-        self.drawable.target().is_some() && self.app.draw_framebuffer == 0
+        self.drawable.target().is_some() && self.app.draw_framebuffer() == 0
     }
 
     /// True if the program reads from its window and Cupola replaces the window's framebuffer.
     pub fn reads_redirected(&self) -> bool {
-        self.drawable.target().is_some() && self.app.read_framebuffer == 0 && !self.drawable.reads_elsewhere
+        self.drawable.target().is_some() && self.app.read_framebuffer() == 0 && !self.drawable.reads_elsewhere()
     }
 
     /// Notes that something is drawn to the window.
     pub fn note_drawn(&mut self) {
-        self.frame.begun = true;
+        self.frame.note_drawn();
         if let Some(target) = self.drawable.target() {
             target.ready.set(None);
         }
@@ -121,7 +121,7 @@ impl Context {
     /// True if OpenGL surely executes a call of the program whose arguments are valid. False where
     /// the program may be between Begin and End.
     pub fn takes_calls(&self) -> bool {
-        !self.compat.immediate.under_way() && !self.app.picking && self.session().is_some()
+        !self.compat.immediate.under_way() && !self.app.picking() && self.session().is_some()
     }
 
     /// True while a display list is being compiled. Commands are then not executed now.
@@ -134,10 +134,10 @@ impl Context {
         if let Some(target) = self.drawable.take_target() {
             // SAFETY: puts back the program's own bindings; framebuffer 0 always exists.
             unsafe {
-                if self.app.draw_framebuffer == 0 {
+                if self.app.draw_framebuffer() == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
                 }
-                if self.app.read_framebuffer == 0 {
+                if self.app.read_framebuffer() == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
             }

@@ -144,7 +144,38 @@ pub struct ListState {
     /// The display list that is being compiled.
     pub(in crate::intercept::gl) recording: Option<Recording>,
     /// `glListBase`.
-    pub(in crate::intercept::gl) base: u32,
+    base: u32,
+}
+
+impl ListState {
+    /// The display list that is being compiled.
+    pub fn recording(&self) -> Option<&Recording> {
+        self.recording.as_ref()
+    }
+
+    /// Notes that the list that is being compiled draws vertices within `bounds`.
+    pub fn note_bounds(&mut self, bounds: &Bounds) {
+        if let Some(recording) = &mut self.recording {
+            recording.bounds.join(bounds);
+        }
+    }
+
+    /// Notes that the list that is being compiled sets state that Cupola follows.
+    pub fn note_state(&mut self) {
+        if let Some(recording) = &mut self.recording {
+            recording.sets_state = true;
+        }
+    }
+
+    /// `glListBase`, to be added to the offsets of `glCallLists`.
+    pub fn base(&self) -> u32 {
+        self.base
+    }
+
+    /// `glListBase`.
+    pub fn set_base(&mut self, base: u32) {
+        self.base = base;
+    }
 }
 
 /// The list that is being compiled.
@@ -210,6 +241,16 @@ pub fn go_on(ctx: &mut Context, command: Option<Command>) {
 }
 
 impl Recording {
+    /// The program's name of the list.
+    pub fn list(&self) -> u32 {
+        self.list
+    }
+
+    /// True if the commands are also executed (`GL_COMPILE_AND_EXECUTE`).
+    pub fn executes(&self) -> bool {
+        self.execute
+    }
+
     pub(in crate::intercept::gl) fn end_part(&mut self, gl: &Gl) {
         // SAFETY: ends the list that Cupola or the program began.
         unsafe { gl.end_list() };

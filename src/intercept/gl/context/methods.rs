@@ -19,7 +19,7 @@ pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
             "vertices are projected after a new start: outputs that ask for it are made by method \"fragment\" instead",
         );
     }
-    if asked_for() && !ctx.projected.views_only { Session::projecting } else { Session::new }
+    if asked_for() && !ctx.projected.views_only() { Session::projecting } else { Session::new }
 }
 
 /// True if `wanted` accepts the method of an output of the rig with which the program was started.

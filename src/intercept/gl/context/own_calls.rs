@@ -25,15 +25,10 @@ impl<'a> OwnCalls<'a> {
     /// rendering leaves it out, and no debug message about it reaches the program.
     pub fn begin(ctx: &'a mut Context) -> Self {
         let gl = ctx.driver.gl;
-        for running in &mut ctx.queries.running {
-            running.end_part(gl);
-        }
+        ctx.queries.end_parts(gl);
         let mut own = Self::without_messages(ctx);
         own.suspends = true;
-        if own.queries.condition.is_some() {
-            // SAFETY: conditional rendering is in force, as its hook saw; `drop` puts it back.
-            unsafe { own.driver.gl.end_conditional_render() };
-        }
+        own.queries.suspend_condition(gl);
         own
     }
 
@@ -69,9 +64,8 @@ impl DerefMut for OwnCalls<'_> {
 impl Drop for OwnCalls<'_> {
     fn drop(&mut self) {
         let gl = self.ctx.driver.gl;
-        if let Some((query, mode)) = self.ctx.queries.condition.filter(|_| self.suspends) {
-            // SAFETY: the object and mode that were in force.
-            unsafe { gl.begin_conditional_render(query, mode) };
+        if self.suspends {
+            self.ctx.queries.resume_condition(gl);
         }
         if self.messages {
             // SAFETY: a switch that this version has.
@@ -79,9 +73,7 @@ impl Drop for OwnCalls<'_> {
             self.ctx.driver.known_state.note(api::GL_DEBUG_OUTPUT, true);
         }
         if self.suspends {
-            for number in 0..self.ctx.queries.running.len() {
-                self.ctx.queries.begin_part(gl, number, None);
-            }
+            self.ctx.queries.begin_parts(gl);
         }
     }
 }

@@ -56,7 +56,7 @@ fn free(address: usize) {
     // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that
     // holds it; no thread has the context current, so that no reference to it is left.
     let context = unsafe { Box::from_raw(address as *mut Context) };
-    context.share.programs.locked().uses.change(context.shaders.pipelines.used, 0);
+    context.share.programs.locked().uses.change(context.shaders.used(), 0);
 }
 
 pub(in crate::intercept::gl) fn contexts<R>(use_them: impl FnOnce(&mut Contexts) -> R) -> R {

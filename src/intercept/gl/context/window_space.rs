@@ -43,8 +43,8 @@ impl Context {
             self.set_arrays(&arrays);
             return;
         }
-        self.set_viewport(self.app.viewport);
-        let (test, rect) = (self.app.scissor_test, self.app.scissor);
+        self.set_viewport(self.app.viewport());
+        let (test, rect) = (self.app.scissor_test(), self.app.scissor());
         if !self.compiling() {
             self.driver.set_scissor(rect);
         }

@@ -95,14 +95,14 @@ macro_rules! array_hooks {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
                 let read = projected_vertices::read_arrays(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
-                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.draw.wide_primitives.issued(mode), $($p),*);
-                ctx.draw.wide_primitives.mode = Some(mode);
-                $( ctx.draw.first_instance = $instance; )?
+                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.draw.issued_mode(mode), $($p),*);
+                ctx.draw.note_mode(mode);
+                $( ctx.draw.note_first_instance($instance); )?
                 match read {
                     Some(vertices) => divided::draw_arrays(ctx, mode, vertices, bounds, issue),
                     None => draw_command(ctx, Shape::of_mode(mode), bounds, issue),
                 }
-                ctx.draw.first_instance = 0;
+                ctx.draw.note_first_instance(0);
             }; )*
             "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32) = |ctx, _gl| {
                 let vertices = |i: usize| Vertices::Range { first: *first.add(i), count: *count.add(i) };

@@ -22,13 +22,11 @@ pub fn draw_command(
     if ctx.compiling() {
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
         list_recording::will_draw(ctx, false);
-        if let Some(recording) = &mut ctx.lists.recording {
-            recording.bounds.join(&bounds);
-        }
+        ctx.lists.note_bounds(&bounds);
         let gl = ctx.driver.gl;
         issue(ctx, gl);
     } else {
-        ctx.draw.wide_primitives.shape = shape;
+        ctx.draw.note_shape(shape);
         draw(ctx, Changes::Nothing, bounds, issue);
     }
 }

@@ -26,17 +26,17 @@ pub fn draw_read(
         Ok(vertices) => (Processor::Divides, Some(vertices)),
         Err(why) => (Processor::Cannot(why.clone()), None),
     };
-    ctx.projected.fixed_function.processor = processor;
+    ctx.projected.begin_draw(processor);
     draw(
         ctx,
         changes,
         |_| bounds,
-        |ctx, gl| match (ctx.projected.fixed_function.view.take(), vertices) {
+        |ctx, gl| match (ctx.projected.take_view(), vertices) {
             (Some((division, rows)), Some(vertices)) => draw_divided(ctx, vertices, division, &rows),
             _ => whole(ctx, gl),
         },
     );
-    ctx.projected.fixed_function.processor = Processor::Nothing;
+    ctx.projected.end_draw();
 }
 
 /// Issues a draw of arrays after an attempt to read its vertices on the processor. While a display
@@ -50,7 +50,7 @@ pub fn draw_arrays(
 ) {
     let shape = Shape::of_mode(mode);
     if !ctx.compiling() {
-        ctx.draw.wide_primitives.shape = shape;
+        ctx.draw.note_shape(shape);
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
         let current = current(ctx, &vertices);
         draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
@@ -63,7 +63,7 @@ pub fn draw_arrays(
     };
     let vertices = Ok(kept);
     list_recording::now_or_later(ctx, move |ctx| {
-        ctx.draw.wide_primitives.shape = shape;
+        ctx.draw.note_shape(shape);
         let current = current(ctx, &vertices);
         let whole = |_: &mut Context, gl: &Gl| draw_whole(gl, &vertices);
         if reads_vertices(ctx, mode) {

@@ -18,18 +18,18 @@ use crate::runtime::session::MatrixClass;
 pub fn look(ctx: &mut Context) {
     let projects = ctx.drawable.target().is_some_and(|target| !target.lenses.is_empty());
     if !projects
-        || ctx.app.picking
-        || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices())
+        || ctx.app.picking()
+        || ctx.shaders.program().is_some_and(|program| program.draws_vertices())
         || !ctx.driver.profile.compatibility()
     {
         return;
     }
-    if ctx.shaders.assembly.is_some() {
+    if ctx.shaders.assembly().is_some() {
         use_views(ctx, "the program's vertices go through a program in assembly language");
         return;
     }
     ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
-    if matches!(ctx.compat.projection.class, MatrixClass::Perspective(_))
+    if matches!(ctx.compat.projection.class(), MatrixClass::Perspective(_))
         && let Err(why) = projected_vertices::begin_stand_in(ctx)
     {
         use_views(ctx, why);
@@ -40,21 +40,19 @@ pub fn look(ctx: &mut Context) {
 /// window gets views by that.
 pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
-    let in_program = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
+    let in_program = ctx.shaders.program().is_some_and(|program| program.draws_vertices());
     if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Background) {
         return false;
     }
-    if let Processor::Cannot(why) = &ctx.projected.fixed_function.processor {
+    if let Processor::Cannot(why) = ctx.projected.processor() {
         let why = why.clone();
         use_views(ctx, why);
         return true;
     }
-    let drawn = ctx.draw.wide_primitives.drawn;
+    let drawn = ctx.draw.shape();
     match drawn {
         Shape::Points => return false,
-        _ if ctx.projected.fixed_function.processor == Processor::Divides
-            || projected_vertices::variant(ctx).is_some() =>
-        {
+        _ if *ctx.projected.processor() == Processor::Divides || projected_vertices::variant(ctx).is_some() => {
             return false;
         }
         Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),
@@ -73,10 +71,10 @@ pub fn look_screen(ctx: &mut Context) {
 /// Gives this context's windows views from now on, and logs why. The frame in progress starts again
 /// with the next draw.
 pub fn use_views(ctx: &mut Context, why: impl Into<Obstacle>) {
-    if ctx.projected.views_only {
+    if ctx.projected.views_only() {
         return;
     }
-    ctx.projected.views_only = true;
+    ctx.projected.use_views_only();
     if let Some(reason) = why.into().reason() {
         log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
     }

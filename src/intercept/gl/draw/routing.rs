@@ -57,7 +57,7 @@ pub fn draw(
         once(ctx, &mut issue);
     }
     projected_vertices::end_stand_in(ctx);
-    ctx.shaders.assembly = None;
+    ctx.shaders.end_draw();
 }
 
 /// Issues a draw once, with the program's own state.
@@ -75,12 +75,14 @@ fn draw_to_window(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: &mut dyn FnMut(&mut Context, &Gl),
 ) {
-    ctx.frame.counts.draws_seen += u64::from(!ctx.app.picking);
-    if ctx.app.picking || ctx.app.discard {
+    if !ctx.app.picking() {
+        ctx.frame.note_draw();
+    }
+    if ctx.app.picking() || ctx.app.discard() {
         // Picking and feedback answer in the program's own window coordinates and draw nothing.
         // With rasterizer discard nothing reaches the window, and results such as transform
         // feedback must be computed once.
-        ctx.set_viewport(ctx.app.viewport);
+        ctx.set_viewport(ctx.app.viewport());
         inspect(ctx, DrawClass::Flat, None);
         once(ctx, issue);
         return;
@@ -95,10 +97,10 @@ fn draw_to_window(
     };
     let Some(target) = ctx.drawable.target() else { return };
     let (session, primary) = (target.session.clone(), target.primary());
-    let counts = changes != Changes::Nothing || ctx.app.feedback || ctx.queries.primitives();
+    let counts = changes != Changes::Nothing || ctx.app.feedback() || ctx.queries.primitives();
     let shown = if counts { shown } else { shown.within(session.needed()) };
     if class != DrawClass::Background {
-        ctx.frame.note_viewport(ctx.app.viewport);
+        ctx.frame.note_viewport(ctx.app.viewport());
     }
     let mut window = Window { session, primary, class, shown };
     let views = window.session.views().len();
@@ -129,10 +131,10 @@ fn perspective_or_flat(
         if main && measure.is_none() && is_screen_pass(ctx) {
             fallback::look_screen(ctx);
             ctx.frame.note_scene();
-            ctx.frame.counts.found.count("inverse of a camera matrix");
+            ctx.frame.note_found("inverse of a camera matrix");
             return Some(DrawClass::Screen);
         }
-        ctx.frame.background.note_flat();
+        ctx.frame.note_flat();
         if measure.is_some() || several_viewports(ctx) || !background::is_behind(ctx) {
             if inspection::is_recording() {
                 let differ = several_viewports(ctx).then_some("its viewports differ");
@@ -178,7 +180,7 @@ impl Target for Window {
             own_window_space(ctx, tile);
             return self.session.turn().map(|_| self.class);
         }
-        view_window_space(ctx, tile, ctx.draw.wide_primitives.cut.then_some(tile));
+        view_window_space(ctx, tile, ctx.draw.is_cut().then_some(tile));
         Some(self.class)
     }
 
@@ -194,12 +196,12 @@ impl Target for Window {
 
     fn issued(&mut self, ctx: &mut Context, view: usize) {
         if view >= self.session.views().len() {
-            ctx.frame.counts.primary_draws += 1;
+            ctx.frame.note_primary_draw();
             return;
         }
         let Some(target) = ctx.drawable.target_mut() else { return };
-        match ctx.draw.areas.get(view).filter(|_| self.shown.bounded()) {
-            Some(area) => target.issued_within(view, *area),
+        match ctx.draw.area(view).filter(|_| self.shown.bounded()) {
+            Some(area) => target.issued_within(view, area),
             None => target.issued(view),
         }
     }
@@ -235,5 +237,5 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
             blending.end(gl);
         }
     }
-    ctx.frame.counts.panel_draws += 1;
+    ctx.frame.note_panel_draw();
 }

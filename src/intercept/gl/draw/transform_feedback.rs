@@ -11,7 +11,7 @@ use crate::intercept::gl::state::driver::Driver;
 /// for older versions `recording` is the answer.
 fn follow(driver: &Driver, app: &mut AppState, recording: bool) {
     let known = driver.profile.version >= if driver.profile.es { 30 } else { 40 };
-    app.feedback = recording;
+    app.note_feedback(recording);
     if known {
         let (mut active, mut paused) = (0, 0);
         // SAFETY: each query writes one boolean.
@@ -19,7 +19,7 @@ fn follow(driver: &Driver, app: &mut AppState, recording: bool) {
             driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_ACTIVE, &mut active);
             driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_PAUSED, &mut paused);
         }
-        app.feedback = active != 0 && paused == 0;
+        app.note_feedback(active != 0 && paused == 0);
     }
 }
 

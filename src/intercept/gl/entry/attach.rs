@@ -15,29 +15,30 @@ use std::sync::Arc;
 impl Context {
     /// Attaches the context to `window`, with which it became current; `None`: it has no window.
     pub fn attach(&mut self, window: Option<Window>, reads_elsewhere: bool) {
-        self.drawable.reads_elsewhere = reads_elsewhere;
-        for objects in std::mem::take(&mut self.drawable.left_behind) {
+        self.drawable.note_reads(reads_elsewhere);
+        for objects in self.drawable.take_left_behind() {
             objects.destroy(self.driver.gl);
         }
-        let first = self.drawable.window.is_none() && window.is_some() && self.app.viewport == LowerLeftRect::default();
-        if self.drawable.window != window {
+        let first =
+            self.drawable.window().is_none() && window.is_some() && self.app.viewport() == LowerLeftRect::default();
+        if self.drawable.window() != window.as_ref() {
             self.change_window(window);
         }
         view_copies::collect(self);
-        let Some(window) = self.drawable.window.clone() else {
+        let Some(window) = self.drawable.window().cloned() else {
             self.borrow();
             return;
         };
-        self.drawable.borrowed_session = None;
+        self.drawable.borrow_session(None);
         if let Some(size) = settings().and_then(|s| s.window_size) {
             window.resize(size);
         }
         if first {
             self.app.set_viewport(LowerLeftRect::of_size(window.size()));
-            self.app.set_scissor(self.app.viewport);
+            self.app.set_scissor(self.app.viewport());
             if !window.double_buffered(self.driver.gl, &self.driver.profile) {
-                self.app.draw_buffer = api::GL_FRONT;
-                self.app.read_buffer = api::GL_FRONT;
+                self.app.set_draw_buffer(api::GL_FRONT);
+                self.app.set_read_buffer(api::GL_FRONT);
             }
         }
         if self.drawable.target().is_none() {
@@ -45,7 +46,7 @@ impl Context {
                 Some(picture) => attach::take_over(self, picture),
                 None => attach::attach(self, Extras::default()),
             }
-        } else if self.app.read_framebuffer == 0 {
+        } else if self.app.read_framebuffer() == 0 {
             // SAFETY: binds the framebuffer that the program reads from, which may be another one
             // now.
             unsafe { self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.drawable.window_for_reading()) };
@@ -55,12 +56,12 @@ impl Context {
     /// Takes the plan of another context's window in the group, for a context without a window.
     fn borrow(&mut self) {
         let borrowed = registry::lend_session(&self.share);
-        if self.drawable.borrowed_session.as_ref().map(Arc::as_ptr) != borrowed.as_ref().map(Arc::as_ptr) {
-            self.drawable.borrowed_session = borrowed;
+        if self.drawable.borrowed_session().map(Arc::as_ptr) != borrowed.as_ref().map(Arc::as_ptr) {
+            self.drawable.borrow_session(borrowed);
             self.compat.projection.clear();
-            self.frame.cameras.clear();
+            self.frame.views_changed();
         }
-        if self.app.viewport == LowerLeftRect::default() {
+        if self.app.viewport() == LowerLeftRect::default() {
             let (mut viewport, mut scissor) = ([0; 4], [0; 4]);
             // SAFETY: each writes four integers.
             unsafe {
@@ -75,48 +76,33 @@ impl Context {
     /// Gives away the stand-in for `window`. Its objects that belong to this context alone are
     /// deleted when this context is current again.
     pub fn give_picture(&mut self, window: &Window) -> Option<Box<DefaultFramebuffer>> {
-        let position = self.drawable.other_windows.iter().position(|(other, _)| other == window);
-        let target = match position {
-            Some(index) => Some(self.drawable.other_windows.remove(index).1),
-            None if self.drawable.window.as_ref() == Some(window) => self.drawable.take_target(),
-            None => None,
-        }?;
-        self.drawable.left_behind.push(target.own_objects());
-        Some(target)
+        self.drawable.give_target(window)
     }
 
     /// Changes to another window or to none. The stand-in for the old window is stored, as the
     /// program may return to that window.
     fn change_window(&mut self, window: Option<Window>) {
-        let old = std::mem::replace(&mut self.drawable.window, window);
-        self.drawable.resized = 0;
+        let old = self.drawable.change_window(window);
         if let (Some(old), Some(target)) = (old, self.drawable.take_target()) {
-            if self.drawable.other_windows.len() >= MOST_OTHER_WINDOWS {
-                self.drawable.other_windows.remove(0).1.destroy(self.driver.gl);
+            if let Some(oldest) = self.drawable.put_aside(old, target) {
+                oldest.destroy(self.driver.gl);
             }
-            self.drawable.other_windows.push((old, target));
             // SAFETY: binds the program's window in place of Cupola's framebuffer.
             unsafe {
-                if self.app.draw_framebuffer == 0 {
+                if self.app.draw_framebuffer() == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
                 }
-                if self.app.read_framebuffer == 0 {
+                if self.app.read_framebuffer() == 0 {
                     self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
             }
             self.restore_window_space();
         }
-        self.frame.begun = false;
-        self.drawable.occluded = false;
-        if let Some(index) =
-            self.drawable.other_windows.iter().position(|(other, _)| Some(other) == self.drawable.window.as_ref())
-        {
-            let (window, target) = self.drawable.other_windows.remove(index);
+        self.frame.window_changed();
+        self.drawable.note_occluded(false);
+        if let Some((window, target)) = self.drawable.take_back() {
             attach::resume(self, &window, target);
             attach::follow_size(self);
         }
     }
 }
-
-/// Greatest number of stand-ins that a context stores for windows that it has left.
-pub(in crate::intercept::gl) const MOST_OTHER_WINDOWS: usize = 4;

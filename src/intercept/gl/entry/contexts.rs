@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// or window current. The program may swap the buffers of the old window while another one is
 /// current.
 pub fn leaving(handle: usize, window: Option<&Window>) {
-    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun && !ending::has_begun()) else { return };
-    if HANDLE.get() == handle && ctx.drawable.window.as_ref() == window {
+    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun() && !ending::has_begun()) else { return };
+    if HANDLE.get() == handle && ctx.drawable.window() == window {
         return;
     }
     if crate::fence::guard(|| leaving::leave(ctx)).is_none() {

@@ -29,17 +29,17 @@ pub fn keep(ctx: &mut Context, settings: &settings::Settings) {
     let statistics = settings.needs_statistics().then(|| statistics(ctx, settings));
     let pictures = if last_frame::wants_outputs(settings) { output_pictures(ctx, settings) } else { Vec::new() };
     let views = if last_frame::wants_views(settings) { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
-    let times = ctx.frame.times.as_ref().map(|times| Arc::clone(&times.shared));
+    take_own_errors(&mut ctx.driver);
+    let times = ctx.frame.measured_times();
     last_frame::store(LastFrame { statistics, times, pictures, views });
 }
 
 /// Returns how the program draws to images: in this context, and in the contexts that are current
 /// on no thread.
 pub fn off_screen(ctx: &Context) -> OffScreen {
-    let mut found = off_screen_report::off_screen(ctx, &ctx.view_copies.images, &ctx.view_copies.framebuffers);
+    let mut found = off_screen_report::off_screen(ctx, ctx.view_copies.images(), ctx.view_copies.framebuffers());
     each_other(ctx, |other, images, _| {
-        let other = off_screen_report::off_screen(other, images, &other.view_copies.framebuffers);
+        let other = off_screen_report::off_screen(other, images, other.view_copies.framebuffers());
         if found == OffScreen::Nothing || (found == OffScreen::Flat && other != OffScreen::Nothing) {
             found = other;
         }
@@ -53,12 +53,12 @@ pub fn off_screen(ctx: &Context) -> OffScreen {
 fn each_other(ctx: &Context, mut look: impl FnMut(&Context, &[Image], &Issued)) {
     registry::each_idle(|other| {
         if Arc::ptr_eq(&ctx.share, &other.share) {
-            look(other, &ctx.view_copies.images, &other.view_copies.issued);
+            look(other, ctx.view_copies.images(), other.view_copies.issued());
             return;
         }
         match &*other.share.off_screen.locked() {
             Some(group) => look(other, &group.images, &group.issued),
-            None => look(other, &other.view_copies.images, &other.view_copies.issued),
+            None => look(other, other.view_copies.images(), other.view_copies.issued()),
         }
     });
 }
@@ -66,24 +66,24 @@ fn each_other(ctx: &Context, mut look: impl FnMut(&Context, &[Image], &Issued)) 
 /// Adds the counts of `ctx`, whose group has these images. Toolkits often draw in one context and
 /// show the result in another.
 fn add_counts(statistics: &mut Statistics, ctx: &Context, images: &[Image], draws: &Issued) {
-    let counts = &ctx.frame.counts;
+    let counts = ctx.frame.counts();
     statistics.draws_seen += counts.draws_seen;
     statistics.panel_draws += counts.panel_draws;
     statistics.primary_draws += counts.primary_draws;
     statistics.bounded_draws += counts.bounded_draws;
     statistics.draws_at_border += counts.places.crossing;
     statistics.draws_beside += counts.places.outside;
-    statistics.ranges_read += ctx.vertex_input.ranges.reads;
+    statistics.ranges_read += ctx.vertex_input.ranges_read();
     statistics.closings += counts.closings;
     statistics.shaders_linked += counts.linked;
-    statistics.own_errors += counts.errors;
+    statistics.own_errors += ctx.driver.own_errors();
     statistics.duplicated_draws += draws.draws;
-    let (duplicated, single) = off_screen_report::status(ctx, images, &ctx.view_copies.framebuffers);
+    let (duplicated, single) = off_screen_report::status(ctx, images, ctx.view_copies.framebuffers());
     statistics.duplicated_framebuffers += duplicated;
     for (reason, framebuffers) in single {
         *statistics.single_framebuffers.entry(reason).or_default() += framebuffers;
     }
-    for lens in common_statistics::lenses(&ctx.frame.cameras) {
+    for lens in common_statistics::lenses(ctx.frame.cameras()) {
         if !statistics.lenses.contains(&lens) {
             statistics.lenses.push(lens);
         }
@@ -102,14 +102,11 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     let driver = format!("{}, {}", ctx.driver.gl.text(api::GL_VERSION), ctx.driver.gl.text(api::GL_RENDERER));
     let target = ctx.drawable.target();
     let mut statistics = Statistics {
-        hidden_frames: ctx.frame.counts.hidden_frames,
+        hidden_frames: ctx.frame.counts().hidden_frames,
         batches_left_out: target.map_or(0, |t| t.backend().left_out()),
-        coarse_primitives: (!ctx.projected.uncounted).then(|| {
-            ctx.projected.fixed_function.coarse
-                + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
-        }),
+        coarse_primitives: ctx.projected.coarse_primitives(ctx.driver.gl),
         outputs_narrowed: target.map_or(0, |t| t.backend().narrowed()),
-        ..common_statistics::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
+        ..common_statistics::begin(ctx.frame.counts().frames, &settings.rig.name, driver)
     };
     if let Some(target) = target {
         statistics.own_errors += target.backend().errors();
@@ -127,7 +124,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
             })
             .collect();
     }
-    add_counts(&mut statistics, ctx, &ctx.view_copies.images, &ctx.view_copies.issued);
+    add_counts(&mut statistics, ctx, ctx.view_copies.images(), ctx.view_copies.issued());
     each_other(ctx, |other, images, draws| add_counts(&mut statistics, other, images, draws));
     statistics
 }
@@ -136,7 +133,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
 fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
     let gl = ctx.driver.gl;
     let Some(target) = ctx.drawable.target() else {
-        let Some(window) = &ctx.drawable.window else { return Vec::new() };
+        let Some(window) = ctx.drawable.window() else { return Vec::new() };
         return vec![read_back(gl, 0, "window", LowerLeftRect::of_size(window.size()))];
     };
     let outputs = target.session.rig().outputs.iter().zip(target.session.viewports()).enumerate();

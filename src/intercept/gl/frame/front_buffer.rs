@@ -17,7 +17,7 @@ use std::time::Instant;
 /// Returns true if the program's drawing appears in the window without a swap.
 pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
     let front = matches!(
-        app.draw_buffer,
+        app.draw_buffer(),
         api::GL_FRONT
             | api::GL_FRONT_LEFT
             | api::GL_FRONT_RIGHT
@@ -31,12 +31,12 @@ pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
 /// Shows what the program has drawn. Pictures that follow each other too fast are left out, unless
 /// `finally` is set: then the program waits for the drawing.
 pub fn show(ctx: &mut Context, finally: bool) {
-    let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking;
-    if ctx.frame.begun
+    let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking();
+    if ctx.frame.begun()
         && !drawing
         && !ending::has_begun()
         && draws_to_front(&ctx.app, &ctx.drawable)
-        && (ctx.frame.front_buffer.allows(Instant::now()) || finally)
+        && (ctx.frame.front_buffer_is_due(Instant::now()) || finally)
     {
         present::show_front(ctx);
     }

@@ -14,7 +14,7 @@ pub fn leave(ctx: &mut Context) {
     } else {
         present::correct(ctx);
         // A thread without a context may swap the frame later. It could read no pictures.
-        if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
+        if let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window())
             && last_frame::is_last(settings, frame_number::next(window.handle()))
         {
             inspected::end_frame(ctx);
@@ -26,8 +26,8 @@ pub fn leave(ctx: &mut Context) {
 /// Stores a requested picture that the program no longer swaps, when the thread or the process
 /// ends. Later the driver may be unable to draw.
 pub fn at_end() {
-    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
-    let next = ctx.drawable.window.as_ref().map(|window| frame_number::next(window.handle()));
+    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun()) else { return };
+    let next = ctx.drawable.window().map(|window| frame_number::next(window.handle()));
     if next.is_some() && settings::settings().is_some_and(|settings| settings.frames == next) {
         // Nobody is left at the end to whom a panic could be reported.
         let _ = crate::fence::guard(|| leave(ctx));

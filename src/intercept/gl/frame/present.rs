@@ -19,11 +19,10 @@ use crate::intercept::process::{log, settings};
 use crate::lock::Lock;
 use crate::runtime::frame_times::FrameTimes;
 use crate::system::thread_time;
-use std::sync::Arc;
 
 /// Returns true if the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
-    current().and_then(|c| c.drawable.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
+    current().and_then(|c| c.drawable.window()).is_some_and(|current| current.handle() == window.handle())
 }
 
 /// Returns true if the current context draws to `window` and Cupola corrects the drawing.
@@ -102,7 +101,7 @@ pub fn show_front(ctx: &mut Context) {
             }
         }
     });
-    if let Some(window) = ctx.drawable.window.as_ref().filter(|_| complete) {
+    if let Some(window) = ctx.drawable.window().filter(|_| complete) {
         nodes::end_frame(window.handle() as u64, || window.size());
     }
     next_frame(ctx);
@@ -111,7 +110,7 @@ pub fn show_front(ctx: &mut Context) {
 /// Runs `run` with the window's own framebuffer bound for drawing.
 fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
     let Some(target) = ctx.drawable.target() else { return };
-    let bound = if ctx.app.draw_framebuffer == 0 { target.framebuffer() } else { ctx.app.draw_framebuffer };
+    let bound = if ctx.app.draw_framebuffer() == 0 { target.framebuffer() } else { ctx.app.draw_framebuffer() };
     // SAFETY: the binding is put back.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
     run(ctx.driver.gl);
@@ -139,8 +138,7 @@ fn correct_now(ctx: &mut Context) {
     }
     let failed = target.backend().errors() > errors;
     ctx.drawable.put_target(target);
-    ctx.frame.failed_corrections = if failed { ctx.frame.failed_corrections + 1 } else { 0 };
-    if ctx.frame.failed_corrections >= MOST_FAILED_CORRECTIONS {
+    if ctx.frame.note_correction(failed) >= MOST_FAILED_CORRECTIONS {
         log::once("this window keeps its own picture: the driver reports an error for each correction");
         ctx.leave_alone();
     }
@@ -151,15 +149,15 @@ const MOST_FAILED_CORRECTIONS: u32 = 2;
 
 /// Logs that a program draws everything flat, or that it leaves out objects beside its own picture.
 fn look_for_a_scene(ctx: &mut Context) {
-    let (mut flat_program, mut culling_program) = (ctx.frame.flat_program, ctx.frame.culling_program);
+    let (mut flat_program, mut culling_program) = ctx.frame.program_checks();
     if let Some(session) = ctx.drawable.session() {
-        let (draws, has_scene) = (ctx.frame.counts.draws_seen, ctx.frame.shows_scene());
+        let (draws, has_scene) = (ctx.frame.counts().draws_seen, ctx.frame.shows_scene());
         flat_program.look(draws, has_scene, session, || frame_statistics::off_screen(ctx));
     }
     if let Some(session) = ctx.drawable.session() {
-        culling_program.look(ctx.frame.counts.places, ctx.frame.lens.as_ref(), session);
+        culling_program.look(ctx.frame.counts().places, ctx.frame.lens().as_ref(), session);
     }
-    (ctx.frame.flat_program, ctx.frame.culling_program) = (flat_program, culling_program);
+    ctx.frame.put_program_checks(flat_program, culling_program);
 }
 
 /// Corrects the frame, and stores statistics and captures. Returns false if the views are not
@@ -168,22 +166,21 @@ fn frame(ctx: &mut Context) -> bool {
     if !in_turn::end_frame(ctx) {
         return false;
     }
-    ctx.frame.counts.frames += 1;
+    ctx.frame.note_presented();
     look_for_a_scene(ctx);
     let Some(settings) = settings::settings() else {
         correct(ctx);
         return true;
     };
-    let number =
-        ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
+    let number = ctx.drawable.window().map_or(ctx.frame.counts().frames, |window| frame_number::count(window.handle()));
     let last = last_frame::is_last(settings, number);
     let kept = last || settings.frames.is_none();
     let published = publish::wants(ctx);
     if is_occluded(&ctx.drawable) && !(kept && last_frame::wants_outputs(settings)) && !published {
-        ctx.frame.counts.hidden_frames += 1;
+        ctx.frame.note_hidden();
     } else {
         measure(ctx, |gl, _, device| device.drawn(gl));
-        let before = ctx.frame.times.is_some().then(thread_time);
+        let before = ctx.frame.is_timed().then(thread_time);
         correct(ctx);
         measure(ctx, |gl, times, device| {
             device.corrected(gl);
@@ -209,12 +206,12 @@ fn frame(ctx: &mut Context) -> bool {
 /// Returns true if the window was occluded after the last swap and still is. So a visible window
 /// costs one question per frame, and a window that becomes visible again is corrected at once.
 fn is_occluded(drawable: &Drawable) -> bool {
-    drawable.occluded && drawable.window.as_ref().is_some_and(|window| window.look().occluded)
+    drawable.occluded() && drawable.window().is_some_and(|window| window.look().occluded)
 }
 
 /// Measures times if the settings request them.
 fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut DeviceTimes)) {
-    if let Some(Times { shared, device }) = &mut ctx.frame.times {
+    if let Some(Times { shared, device }) = ctx.frame.times_mut() {
         act(ctx.driver.gl, &mut shared.locked(), device);
     }
 }
@@ -222,12 +219,12 @@ fn measure(ctx: &mut Context, act: impl FnOnce(&Gl, &mut FrameTimes, &mut Device
 fn next_frame(ctx: &mut Context) {
     publish::hand_on(ctx, false);
     let inspects = settings::settings().filter(|settings| settings.inspect.is_some());
-    if let (Some(settings), Some(window)) = (inspects, &ctx.drawable.window) {
+    if let (Some(settings), Some(window)) = (inspects, ctx.drawable.window()) {
         last_frame::begin(settings, frame_number::next(window.handle()));
     }
-    if ctx.frame.times.is_none() && settings::settings().is_some_and(settings::Settings::needs_statistics) {
+    if !ctx.frame.is_timed() && settings::settings().is_some_and(settings::Settings::needs_statistics) {
         let device = DeviceTimes::new(ctx.driver.gl, &ctx.driver.profile);
-        ctx.frame.times = Some(Times { shared: Arc::default(), device });
+        ctx.frame.begin_timing(device);
     }
     measure(ctx, |gl, times, device| {
         times.end_frame();
@@ -236,7 +233,7 @@ fn next_frame(ctx: &mut Context) {
     ctx.frame.end();
     view_copies::end_frame(ctx);
     buffers::of(&ctx.share).end_frame();
-    ctx.vertex_input.blocks.storage_changed();
+    ctx.vertex_input.storage_changed();
     follow_size(ctx);
     follow_rig(ctx);
 }

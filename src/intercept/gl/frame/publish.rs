@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Returns true if frames of the context's window are published.
 pub fn wants(ctx: &Context) -> bool {
-    ctx.drawable.window.as_ref().is_some_and(|window| publishing::wants(window.handle() as u64))
+    ctx.drawable.window().is_some_and(|window| publishing::wants(window.handle() as u64))
 }
 
 /// Publishes the frame that was just corrected: starts reading its pictures, and publishes the
@@ -52,7 +52,7 @@ fn fitting(ctx: &mut Context) -> Option<Box<Publishing>> {
     let session = ctx.drawable.target().map(|target| &target.session);
     let window = match session {
         Some(session) => session.window(),
-        None => ctx.drawable.window.as_ref()?.size(),
+        None => ctx.drawable.window()?.size(),
     };
     if let Some(publishing) = ctx.frame.publishing.take() {
         if publishing.session.as_ref().map(Arc::as_ptr) == session.map(Arc::as_ptr) && publishing.window == window {

@@ -34,10 +34,10 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     let (Some(name), None, false) = (colours.next(), colours.next(), framebuffer.has_scene) else { return };
     let Some(image) = ctx.view_copies.image(name).filter(|image| FORMATS.contains(&image.format)) else { return };
     let [width, height] = image.size;
-    let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens) else { return };
+    let (Some(copy), Some(lens)) = (&image.view_copy, ctx.frame.lens()) else { return };
     let Some(session) = ctx.drawable.session() else { return };
     // A view with a curved picture cannot be filled.
-    let fills = ctx.app.viewport == LowerLeftRect::new(0, 0, width, height);
+    let fills = ctx.app.viewport() == LowerLeftRect::new(0, 0, width, height);
     if !fills || session.rows(&lens).any(|rows| rows.curved) {
         return;
     }

@@ -33,16 +33,16 @@ struct Used {
 
 /// Issues a dispatch. `groups`: number of its work groups, if it is known.
 pub fn dispatch(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&Gl)) {
-    if ctx.shaders.pipelines.used != 0 {
+    if ctx.shaders.used() != 0 {
         return dispatch_by_program(ctx, groups, issue);
     }
-    let computing = programs::record(&ctx.share, ctx.shaders.pipelines.stages().compute());
-    let drawing = std::mem::replace(&mut ctx.shaders.program, computing);
+    let computing = programs::record(&ctx.share, ctx.shaders.stages().compute());
+    let drawing = ctx.shaders.choose(computing);
     dispatch_by_program(ctx, groups, issue);
-    ctx.shaders.program = drawing;
+    ctx.shaders.choose(drawing);
 }
 
-/// Issues a dispatch of the program in `ctx.shaders.program`.
+/// Issues a dispatch of the program in `ctx.shaders`.
 fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn FnMut(&Gl)) {
     let gl = ctx.driver.gl;
     if let Some(view) = ctx.session().and_then(Session::turn) {
@@ -50,7 +50,7 @@ fn dispatch_by_program(ctx: &mut Context, groups: Option<u32>, issue: &mut dyn F
         issue(gl);
         return upload::load_own(ctx);
     }
-    let program = ctx.shaders.program.clone();
+    let program = ctx.shaders.program().cloned();
     let stage = program.as_ref().and_then(|program| program.compute.as_ref());
     let Some(stage) = stage.filter(|_| ctx.view_copies.any() && possible(ctx)) else { return issue(gl) };
     let used = used(ctx, stage, groups == Some(1));
@@ -99,7 +99,7 @@ fn barrier(gl: &Gl) {
 fn used(ctx: &mut Context, stage: &ComputeStage, single: bool) -> Used {
     let mut used = Used { read: sampling::sampled(ctx), written: 0, numbers: false, lost: stage.loses_cameras };
     let gl = ctx.driver.gl;
-    let program = ctx.shaders.program.as_ref().map_or(0, |program| program.name);
+    let program = ctx.shaders.program().map_or(0, |program| program.name);
     let mut unknown = false;
     for location in &stage.images {
         let Some(bound) = bound_image(gl, program, *location) else { continue };

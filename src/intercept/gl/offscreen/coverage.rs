@@ -26,15 +26,15 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
 /// Returns whether the next draw, which samples no followed image, fills the program's viewport in
 /// a framebuffer with `samples` samples per pixel. `Err`: not known yet, the draw must be measured.
 pub fn fills_viewport(ctx: &mut Context, samples: i32) -> Result<bool, Measure> {
-    let [width, height] = ctx.app.viewport.size().map(i64::from);
+    let [width, height] = ctx.app.viewport().size().map(i64::from);
     known(ctx, 0, width * height * i64::from(samples.max(1)), true).unwrap_or(Ok(true))
 }
 
 /// Returns the known coverage of draws like the next one. `meanwhile`: answer until the result of
 /// the measurement is available. `None`: the coverage cannot be measured.
 fn known(ctx: &mut Context, sampled: Set, all: i64, meanwhile: bool) -> Option<Result<bool, Measure>> {
-    let program = ctx.shaders.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
-    let signature = Signature { program, sampled, viewport: ctx.app.viewport };
+    let program = ctx.shaders.program().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
+    let signature = Signature { program, sampled, viewport: ctx.app.viewport() };
     let kinds = &mut ctx.view_copies.coverage.0;
     let kind = match kinds.iter().position(|kind| kind.signature == signature) {
         Some(index) => index,

@@ -105,7 +105,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
     let whole = LowerLeftRect::of_size(target.size());
     // True if the last draw to the window used the canvases too, so that they are up to date. This
     // draw is counted already.
-    let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts.draws_seen);
+    let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts().draws_seen);
     let view_now = Cell::new(0);
     // Copies between a canvas and a view's tile. The canvas remains bound for drawing.
     let copy = |ctx: &mut Context, view: usize, to_view: bool| {
@@ -151,5 +151,5 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
     });
     // SAFETY: the stand-in framebuffer of the program's window.
     unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
-    ctx.view_copies.displayed.current = Some(ctx.frame.counts.draws_seen);
+    ctx.view_copies.displayed.current = Some(ctx.frame.counts().draws_seen);
 }

@@ -37,7 +37,8 @@ pub fn draw(
     if in_turn::is_on(ctx) {
         return in_turn::draw(ctx, changes, issue);
     }
-    if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback || !possible(ctx) {
+    if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || ctx.app.discard() || ctx.app.feedback() || !possible(ctx)
+    {
         leave(ctx);
         let why = Some("draws here are issued once (picking, discard, feedback, or no view with another lens)");
         inspected::note(ctx, &Seen { class: DrawClass::Flat, sampled: 0, why });
@@ -104,7 +105,7 @@ fn classified(ctx: &mut Context, attached: Set) -> Classified {
     // A draw in perspective samples images at coordinates of its own, which are the same for all
     // views. Only a flat draw, or a shader that uses window coordinates, needs the view's own
     // image.
-    let program = ctx.shaders.program.as_ref();
+    let program = ctx.shaders.program();
     let in_framebuffer = program.is_some_and(|program| program.reads_frag_coord);
     let by_frag_coord = in_framebuffer || program.is_some_and(|program| program.frag_coord.is_some());
     let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
@@ -118,9 +119,9 @@ fn classified(ctx: &mut Context, attached: Set) -> Classified {
 fn panel_part(ctx: &Context, index: usize) -> Option<PanelPart> {
     let framebuffer = ctx.view_copies.framebuffers.get(index)?;
     let [width, height] = ctx.view_copies.image(framebuffer.images().next()?)?.size;
-    let [across, up] = ctx.app.viewport.size().map(f64::from);
+    let [across, up] = ctx.app.viewport().size().map(f64::from);
     let is_main = viewport::is_main(across, up, f64::from(width) * f64::from(height));
-    (!is_main && !several_viewports(ctx)).then(|| PanelPart::of(ctx.app.viewport, [width, height]))
+    (!is_main && !several_viewports(ctx)).then(|| PanelPart::of(ctx.app.viewport(), [width, height]))
 }
 
 /// Draws to the tile of each view in framebuffer `index`. Each view samples its own version of the
@@ -143,9 +144,9 @@ fn draw_in_tiles(
         own_window_space(ctx, grid.tile(view));
         if class == DrawClass::Background && view < own {
             ctx.set_viewport(grid.tile(view));
-            ctx.set_scissor(Some(ctx.frame.background.within(view, grid.tile(view))));
+            ctx.set_scissor(Some(ctx.frame.background().within(view, grid.tile(view))));
         }
-        ctx.draw.to_window = ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]);
+        ctx.draw.note_window_space(ToWindow::of_tile(grid.tile(view).into(), grid.extent(count)[1]));
         class
     });
     if sampled != 0 {
@@ -174,7 +175,7 @@ impl Placed {
 fn place(ctx: &mut Context, index: usize) -> Placed {
     let image = ctx.view_copies.framebuffers[index].images().next().and_then(|name| ctx.view_copies.image(name));
     let samples = image.map_or(0, |image| image.samples);
-    if ctx.app.scissor_test && !ctx.app.scissor.contains(ctx.app.viewport) {
+    if ctx.app.scissor_test() && !ctx.app.scissor().contains(ctx.app.viewport()) {
         return Placed::of(DrawClass::Flat);
     }
     let (class, measure, fills) = match coverage::fills_viewport(ctx, samples) {
@@ -230,7 +231,7 @@ fn draw_through(
 /// Notes what a draw reveals about the images of the framebuffer at `index`.
 fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
     let Some(window) = ctx.session().map(Session::window) else { return };
-    let [width, height] = ctx.app.viewport.size();
+    let [width, height] = ctx.app.viewport().size();
     let alike =
         duplicate_mode() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
     let ViewCopies { framebuffers, images, learnt, .. } = &mut ctx.view_copies;

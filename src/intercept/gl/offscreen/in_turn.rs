@@ -29,19 +29,19 @@ pub fn draw(ctx: &mut Context, changes: Changes, draw: &mut dyn FnMut(&mut Conte
     let Some((view, views, window)) = ctx.session().and_then(|s| Some((s.turn()?, s.views().len(), s.window()))) else {
         return false;
     };
-    if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback {
+    if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || ctx.app.discard() || ctx.app.feedback() {
         return false;
     }
     // Needed because flat draws to the window are compared with the attached images.
     look(ctx);
-    let [width, height] = ctx.app.viewport.size();
+    let [width, height] = ctx.app.viewport().size();
     let class = match classify_by_projection(ctx) {
         DrawClass::Flat if upload::holds_inverse(ctx) => DrawClass::Screen,
         DrawClass::Flat => return false,
         class if viewport::has_shape_of_window(width.into(), height.into(), window) => class,
         _ => return false,
     };
-    ctx.frame.scene_off_screen = true;
+    ctx.frame.note_scene_off_screen();
     inspected::note(ctx, &Seen { class, sampled: 0, why: None });
     let copies = Copies { changes, views, count: views, shown: Views::only(view) };
     issue(ctx, &copies, &mut OwnImages { class, window: None }, draw);
@@ -54,7 +54,7 @@ pub fn look_at_window(ctx: &mut Context, main: bool) -> Shows {
         return Shows::Pictures(0);
     }
     let sampled = if main { sampling::sampled(ctx) } else { 0 };
-    if !main || (sampled == 0 && !ctx.frame.scene_off_screen) {
+    if !main || (sampled == 0 && !ctx.frame.scene_off_screen()) {
         return Shows::Nothing;
     }
     let samples = ctx.drawable.target().map_or(0, |target| target.config().samples);

@@ -41,8 +41,8 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
         class: class_name(seen),
         why: why(ctx, seen),
         lens: match seen.class {
-            DrawClass::Scene(index) => ctx.frame.cameras.get(index).map(|camera| camera.intrinsics),
-            DrawClass::FixedScene => ctx.frame.lens,
+            DrawClass::Scene(index) => ctx.frame.cameras().get(index).map(|camera| camera.intrinsics),
+            DrawClass::FixedScene => ctx.frame.lens(),
             _ => None,
         },
         shaders: shaders(ctx),
@@ -50,7 +50,7 @@ pub fn note(ctx: &mut Context, seen: &Seen<'_>) {
         matrices: matrices(ctx),
     };
     let number = inspection::note_draw(ctx.driver.id, &target, || how(ctx), draw, 1);
-    let framebuffer = ctx.app.draw_framebuffer;
+    let framebuffer = ctx.app.draw_framebuffer();
     ctx.view_copies.inspected = number.map(|number| InspectedPass { number, framebuffer, target });
 }
 
@@ -78,12 +78,12 @@ fn why(ctx: &Context, seen: &Seen<'_>) -> String {
         (None, DrawClass::Scene(_)) => "a matrix with a perspective flows into its positions".to_owned(),
         (None, DrawClass::Screen) => "a shader has the inverse of a camera matrix".to_owned(),
         (None, DrawClass::Background) => "flat, and drawn before the scene".to_owned(),
-        (None, DrawClass::Flat) => match &ctx.shaders.program {
+        (None, DrawClass::Flat) => match ctx.shaders.program() {
             Some(program) if !program.uniforms.locked().any() => "no 4×4 matrix flows into its positions".to_owned(),
             _ => "no matrix with a perspective".to_owned(),
         },
     };
-    if ctx.app.picking || ctx.app.discard {
+    if ctx.app.picking() || ctx.app.discard() {
         why = "nothing is rasterised, or it is drawn for picking".to_owned();
     }
     let images = ctx.view_copies.images.iter().enumerate().take(64).filter(|(i, _)| seen.sampled >> i & 1 != 0);
@@ -96,10 +96,10 @@ fn why(ctx: &Context, seen: &Seen<'_>) -> String {
 
 fn target(ctx: &Context) -> String {
     let window = ctx.drawable.target().map_or((0, 0), |target| target.size());
-    if ctx.app.draw_framebuffer == 0 {
+    if ctx.app.draw_framebuffer() == 0 {
         return format!("window, {} × {}", window.0, window.1);
     }
-    let mut text = format!("framebuffer {}", ctx.app.draw_framebuffer);
+    let mut text = format!("framebuffer {}", ctx.app.draw_framebuffer());
     if let Some(framebuffer) = bound(ctx) {
         for (number, name) in framebuffer.images().enumerate() {
             text.push_str(if number == 0 { ": " } else { ", " });
@@ -111,7 +111,7 @@ fn target(ctx: &Context) -> String {
 
 /// Returns the framebuffer of the program that is bound for drawing.
 fn bound(ctx: &Context) -> Option<&Framebuffer> {
-    let index = ctx.view_copies.position(ctx.app.draw_framebuffer)?;
+    let index = ctx.view_copies.position(ctx.app.draw_framebuffer())?;
     ctx.view_copies.framebuffers.get(index)
 }
 
@@ -155,7 +155,7 @@ fn format_name(format: u32) -> String {
 
 /// Describes how draws to the target are issued.
 fn how(ctx: &Context) -> String {
-    if ctx.app.draw_framebuffer == 0 {
+    if ctx.app.draw_framebuffer() == 0 {
         return match ctx.drawable.target() {
             Some(target) => {
                 format!("Draws of the scene are issued to {} views, flat ones once.", target.session.views().len())
@@ -173,7 +173,7 @@ fn how(ctx: &Context) -> String {
 }
 
 fn shaders(ctx: &Context) -> String {
-    match (&ctx.shaders.program, &ctx.shaders.assembly) {
+    match (ctx.shaders.program(), ctx.shaders.assembly()) {
         (Some(program), _) => {
             let stages = [
                 (api::GL_VERTEX_SHADER_BIT, "vertex"),
@@ -204,21 +204,21 @@ fn state(ctx: &Context) -> String {
             parts.push(text.to_owned());
         }
     }
-    let LowerLeftRect { x, y, width, height } = ctx.app.viewport;
+    let LowerLeftRect { x, y, width, height } = ctx.app.viewport();
     parts.push(format!("viewport {x}, {y}, {width} × {height}"));
     parts.join(", ")
 }
 
 fn matrices(ctx: &Context) -> Vec<MatrixNote> {
     let describe = |matrix: &Matrix| MatrixNote::new(&*matrix.name, form(matrix), &matrix.candidate());
-    match &ctx.shaders.program {
+    match ctx.shaders.program() {
         Some(program) => {
             let mut notes: Vec<_> = program.uniforms.locked().matrices.iter().map(describe).collect();
             notes.extend(camera_matrices(program));
             notes
         }
-        None if ctx.shaders.assembly.is_none() && ctx.driver.profile.compatibility() => {
-            let projection = Candidate::either(0, &ctx.compat.projection.matrix);
+        None if ctx.shaders.assembly().is_none() && ctx.driver.profile.compatibility() => {
+            let projection = Candidate::either(0, ctx.compat.projection.matrix());
             vec![MatrixNote::new("GL_PROJECTION", "fixed function", &projection)]
         }
         None => Vec::new(),

@@ -17,7 +17,7 @@ fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
     // SAFETY: reads which textures the program's samplers use; the active unit is put back.
     unsafe {
         gl.get_integerv(api::GL_ACTIVE_TEXTURE, &mut active);
-        match &shaders.program {
+        match shaders.program() {
             Some(program) if program.draws_vertices() || program.compute.is_some() => {
                 for sampler in program.samplers.iter().take(SAMPLERS) {
                     let mut unit = 0;

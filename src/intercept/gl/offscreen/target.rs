@@ -30,7 +30,7 @@ pub fn each_view(
     prepare: impl Fn(&mut Context, usize) -> DrawClass,
 ) {
     let session =
-        ctx.drawable.target().map(|target| target.session.clone()).or_else(|| ctx.drawable.borrowed_session.clone());
+        ctx.drawable.target().map(|target| target.session.clone()).or_else(|| ctx.drawable.borrowed_session().cloned());
     let views = session.as_ref().map_or(0, |session| session.views().len());
     let mut target = CopiesPerView { session, share: 1.0 / count.max(1) as f64, class: DrawClass::Flat, prepare };
     issue(ctx, &Copies { changes, views, count, shown }, &mut target, draw);

@@ -73,7 +73,7 @@ fn read_side(ctx: &Context) -> Side {
     if ctx.reads_redirected() {
         return Side::Window;
     }
-    let index = ctx.view_copies.position(ctx.app.read_framebuffer);
+    let index = ctx.view_copies.position(ctx.app.read_framebuffer());
     let index = index.filter(|index| ctx.view_copies.has_view_copies(&ctx.view_copies.framebuffers[*index]));
     index.map_or(Side::Single, Side::ViewCopies)
 }
@@ -137,9 +137,9 @@ fn note_any_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Nam
 
 /// Returns the colour images of the read framebuffer.
 fn colours_of_read(ctx: &Context) -> [Option<Name>; COLOURS] {
-    let index = ctx.view_copies.position(ctx.app.read_framebuffer);
+    let index = ctx.view_copies.position(ctx.app.read_framebuffer());
     let mut colours = [None; COLOURS];
-    if let Some(index) = index.filter(|_| ctx.app.read_framebuffer != 0) {
+    if let Some(index) = index.filter(|_| ctx.app.read_framebuffer() != 0) {
         for (colour, name) in colours.iter_mut().zip(ctx.view_copies.framebuffers[index].colours()) {
             *colour = Some(name);
         }
@@ -149,7 +149,7 @@ fn colours_of_read(ctx: &Context) -> [Option<Name>; COLOURS] {
 
 /// Returns the depth image of the read framebuffer.
 fn depth_of_read(ctx: &Context) -> Option<Name> {
-    let index = ctx.view_copies.position(ctx.app.read_framebuffer).filter(|_| ctx.app.read_framebuffer != 0)?;
+    let index = ctx.view_copies.position(ctx.app.read_framebuffer()).filter(|_| ctx.app.read_framebuffer() != 0)?;
     ctx.view_copies.framebuffers[index].depth()
 }
 

@@ -110,7 +110,7 @@ pub fn leave(ctx: &mut Context) {
         unsafe {
             ctx.driver
                 .gl
-                .bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer)
+                .bind_framebuffer(crate::backend::gl::driver::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer())
         };
         ctx.restore_window_space();
     }
@@ -125,7 +125,7 @@ pub fn rebound(view_copies: &mut ViewCopies) -> bool {
 /// Notes a change of a framebuffer's attachments or draw buffers, which are examined again later.
 pub fn forget(ctx: &mut Context, name: u32) {
     let Some(index) = ctx.view_copies.position(name) else { return };
-    if ctx.app.draw_framebuffer == name {
+    if ctx.app.draw_framebuffer() == name {
         leave(ctx);
     }
     let framebuffer = &mut ctx.view_copies.framebuffers[index];
@@ -221,7 +221,7 @@ fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
         drop_errors(ctx.driver.gl);
         log::once("a scene that the program draws off screen is shown flat: the driver cannot make copies of it");
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
     !ctx.view_copies.images[index].refused
 }
 

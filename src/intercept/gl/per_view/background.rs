@@ -9,16 +9,16 @@ use crate::intercept::gl::state::frame::background::PanelPart;
 
 /// True if a flat draw with the present state goes behind the scene.
 pub fn is_behind(ctx: &mut Context) -> bool {
-    if !ctx.frame.background.order.is_behind() || !classify::main_viewport(&ctx.app, &ctx.frame) {
+    if !ctx.frame.is_behind() || !classify::main_viewport(&ctx.app, &ctx.frame) {
         return false;
     }
     let Some(target) = ctx.drawable.target() else { return false };
-    let whole = ctx.app.scissor.contains(LowerLeftRect::of_size(target.size()));
-    (whole || !ctx.app.scissor_test) && prepare(ctx, PanelPart::default())
+    let whole = ctx.app.scissor().contains(LowerLeftRect::of_size(target.size()));
+    (whole || !ctx.app.scissor_test()) && prepare(ctx, PanelPart::default())
 }
 
 /// Computes the matrices from flat clip positions to the views. Returns false if there are none.
 pub fn prepare(ctx: &mut Context, part: PanelPart) -> bool {
     let Some(session) = ctx.drawable.session() else { return false };
-    ctx.frame.background.prepare(session, &ctx.compat.projection.matrix, part)
+    ctx.frame.prepare_background(session, ctx.compat.projection.matrix(), part)
 }

@@ -17,7 +17,7 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
 
 /// True if the primitives of a draw may go to different viewports.
 pub fn several_viewports(ctx: &Context) -> bool {
-    let chooses = || ctx.shaders.program.as_ref().is_some_and(|program| program.chooses_viewport);
+    let chooses = || ctx.shaders.program().is_some_and(|program| program.chooses_viewport);
     ctx.app.arrays().is_some_and(WindowArrays::differ) && chooses()
 }
 
@@ -26,11 +26,11 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
     if several_viewports(ctx) {
         return DrawClass::Flat;
     }
-    if let Some(program) = ctx.shaders.program.clone().filter(|p| p.draws_vertices()) {
+    if let Some(program) = ctx.shaders.program().cloned().filter(|p| p.draws_vertices()) {
         let lens = program_pipelines::lens(ctx, &program);
         return of_lens(ctx, lens);
     }
-    if let Some(program) = ctx.shaders.assembly.clone() {
+    if let Some(program) = ctx.shaders.assembly().cloned() {
         let has_matrices = !program.matrices.is_empty();
         let lens = if has_matrices { assembly::lens(ctx, &program) } else { programs::given(ctx) };
         return of_lens(ctx, lens);
@@ -39,10 +39,9 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
         return DrawClass::Flat;
     }
     ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
-    match ctx.compat.projection.class {
+    match *ctx.compat.projection.class() {
         MatrixClass::Perspective(intrinsics) => {
-            ctx.frame.lens = Some(intrinsics);
-            ctx.frame.counts.found.count("fixed-function matrix");
+            ctx.frame.note_lens(intrinsics, "fixed-function matrix");
             DrawClass::FixedScene
         }
         _ => DrawClass::Flat,
@@ -54,15 +53,14 @@ fn of_lens(ctx: &mut Context, lens: ProgramLens) -> DrawClass {
     let (ProgramLens::Perspective(told, how), Some(session)) = (lens, ctx.drawable.session()) else {
         return DrawClass::Flat;
     };
-    let [width, height] = ctx.app.viewport.size().map(f64::from);
-    let Some(intrinsics) = told.settled(ctx.frame.cameras.lenses(), width / height) else { return DrawClass::Flat };
-    ctx.frame.counts.found.count(how);
-    ctx.frame.lens = Some(intrinsics);
-    DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))
+    let [width, height] = ctx.app.viewport().size().map(f64::from);
+    let Some(intrinsics) = told.settled(ctx.frame.cameras().lenses(), width / height) else { return DrawClass::Flat };
+    ctx.frame.note_lens(intrinsics, how);
+    DrawClass::Scene(ctx.frame.camera(&intrinsics, session))
 }
 
 /// True if the viewport is the program's main one. Drawing to smaller viewports is flat.
 pub fn main_viewport(app: &AppState, frame: &Frame) -> bool {
-    let [width, height] = app.viewport.size().map(f64::from);
+    let [width, height] = app.viewport().size().map(f64::from);
     viewport::is_main(width, height, frame.main_area() as f64)
 }

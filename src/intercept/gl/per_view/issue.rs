@@ -86,8 +86,8 @@ fn load_view(
     view: usize,
     projection_loaded: &mut bool,
 ) -> Option<(Arc<Variant>, InUse)> {
-    let in_shader = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
-    let takes_rows = in_shader || ctx.shaders.assembly.is_some();
+    let in_shader = ctx.shaders.program().is_some_and(|program| program.draws_vertices());
+    let takes_rows = in_shader || ctx.shaders.assembly().is_some();
     match class {
         None => {
             plain_program(ctx);
@@ -98,29 +98,27 @@ fn load_view(
             upload::load_view(ctx, view, class);
         }
         Some(class @ DrawClass::Scene(camera)) => {
-            ctx.frame.cameras.show(camera);
-            let rows = ctx.frame.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
+            ctx.frame.show_camera(camera);
+            let rows = ctx.frame.cameras().get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
             upload::load_view(ctx, view, class);
             return load_rows(ctx, view, &rows);
         }
         Some(DrawClass::Background) if takes_rows => {
-            let rows = ctx.frame.background.shader_rows(view).copied()?;
+            let rows = ctx.frame.background().shader_rows(view).copied()?;
             return load_rows(ctx, view, &rows);
         }
         Some(class) => {
             plain_program(ctx);
             if class == DrawClass::FixedScene {
-                if let Some(lens) = &ctx.frame.lens {
-                    ctx.frame.cameras.show_fixed(lens);
-                }
+                ctx.frame.show_fixed_camera();
                 upload::load_view(ctx, view, class);
             }
             let matrix = match class {
-                DrawClass::Background => ctx.frame.background.projection(view),
-                _ => ctx.compat.projection.per_view.get(view),
+                DrawClass::Background => ctx.frame.background().projection(view),
+                _ => ctx.compat.projection.of_view(view),
             };
             if let Some(matrix) = matrix {
-                projection::load(ctx.driver.gl, ctx.app.matrix_mode, matrix);
+                projection::load(ctx.driver.gl, ctx.app.matrix_mode(), matrix);
                 *projection_loaded = true;
             }
         }
@@ -140,7 +138,7 @@ fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Optio
 /// Restores the program's own projection if the projection of a view was loaded.
 fn restore_projection(ctx: &Context, loaded: &mut bool) {
     if std::mem::take(loaded) {
-        projection::load(ctx.driver.gl, ctx.app.matrix_mode, &ctx.compat.projection.matrix);
+        projection::load(ctx.driver.gl, ctx.app.matrix_mode(), ctx.compat.projection.matrix());
     }
 }
 
@@ -178,7 +176,7 @@ impl Repeats {
         };
         let follows = mask != 0 && ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_COLOR_MATERIAL);
         // Before OpenGL 4.0 there is no pause, so every repetition is recorded.
-        Self { mask, follows, feedback: ctx.app.feedback && ctx.driver.gl.has_pause_transform_feedback() }
+        Self { mask, follows, feedback: ctx.app.feedback() && ctx.driver.gl.has_pause_transform_feedback() }
     }
 
     /// Runs `issue` for the `number`-th time. Restores what it changes, unless it is the `last`

@@ -7,32 +7,16 @@
 use crate::backend::gl::driver::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::state::draw::primitives::{Patch, Shape};
 
 /// Determines whether the next draw may reach beyond its tile.
 pub fn look(ctx: &mut Context) {
-    let shape = std::mem::take(&mut ctx.draw.wide_primitives.shape);
-    ctx.draw.wide_primitives.drawn = shape;
-    ctx.draw.wide_primitives.patch = match ctx.draw.wide_primitives.mode.take() {
-        Some(api::GL_TRIANGLES) => Some(Patch::Triangles),
-        Some(api::GL_LINES) => Some(Patch::Lines),
-        Some(api::GL_QUADS) => Some(Patch::Quads),
-        _ => None,
-    };
-    let emits = ctx.shaders.program.as_ref().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
-    let wide = ctx.draw.max_width.exceeds_gutter();
-    ctx.draw.wide_primitives.cut = match shape {
-        _ if emits => wide,
-        Shape::Unknown | Shape::Lines => wide,
-        // In OpenGL ES shaders always set the size of points.
-        Shape::Points => wide || ctx.driver.profile.es,
-        Shape::Triangles | Shape::Filled => wide && ctx.draw.wide_primitives.polygons,
-    };
+    let emits = ctx.shaders.program().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
+    ctx.draw.begin(emits, ctx.driver.profile.es);
 }
 
 hooks! {
     "glPolygonMode" polygon_mode(face: u32, mode: u32) = |ctx, gl| {
-        ctx.draw.wide_primitives.polygons |= mode != api::GL_FILL;
+        ctx.draw.note_polygon_mode(mode);
         gl.polygon_mode(face, mode);
     };
 }

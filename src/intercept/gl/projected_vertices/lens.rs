@@ -20,8 +20,8 @@ use std::sync::Arc;
 /// Returns the kinds of stages that can divide the present draw, the best first. Points need no
 /// division.
 fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
-    let patch = ctx.draw.wide_primitives.patch.filter(|_| tessellation_asked_for());
-    let input = match ctx.draw.wide_primitives.drawn {
+    let patch = ctx.draw.patch().filter(|_| tessellation_asked_for());
+    let input = match ctx.draw.shape() {
         Shape::Triangles => Some(Input::Triangles),
         Shape::Lines => Some(Input::Lines),
         _ => None,
@@ -44,12 +44,12 @@ pub fn begin(
     division: Option<Division>,
 ) -> Option<(Arc<Variant>, InUse)> {
     let (lens, division) = (lens?, division?);
-    if ctx.projected.fixed_function.processor == Processor::Divides {
-        ctx.projected.fixed_function.view = Some((division, *rows));
+    if *ctx.projected.processor() == Processor::Divides {
+        ctx.projected.divide_view(division, *rows);
         return None;
     }
     // Transform feedback must record the outputs of the program's own stages.
-    if ctx.app.feedback {
+    if ctx.app.feedback() {
         return None;
     }
     let variant = variant(ctx)?;

@@ -31,7 +31,7 @@ use std::sync::Arc;
 /// Returns the variant of this kind of the program in use, and links it if it is new. `None`: there
 /// can be no variant.
 pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
-    let program = ctx.shaders.program.clone()?;
+    let program = ctx.shaders.program().cloned()?;
     let state = program.variants.locked().state(kind);
     match state {
         State::Made(variant) => Some(variant),
@@ -44,7 +44,7 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
                 errors::drop_errors(ctx.driver.gl);
                 made
             };
-            ctx.frame.counts.linked += 1;
+            ctx.frame.note_linked(1);
             let (state, variant) = match made {
                 Ok(variant) => {
                     let variant = Arc::new(variant);
@@ -69,8 +69,8 @@ impl Variant {
     /// these rows and this lens.
     pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
         let gl = ctx.driver.gl;
-        let counter = ctx.projected.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
-        let subroutines = ctx.shaders.program.as_ref().is_some_and(|program| program.subroutines);
+        let counter = ctx.projected.counter().filter(|_| self.counts).map(|counter| counter.begin(gl));
+        let subroutines = ctx.shaders.program().is_some_and(|program| program.subroutines);
         let own = subroutines.then(|| CurrentProgram::save(gl, ctx.driver.profile.version as i32));
         // SAFETY: a program of Cupola. The locations are those of the two halves of Cupola's array.
         unsafe {
@@ -81,7 +81,7 @@ impl Variant {
         if let Some(own) = &own {
             own.copy_subroutines(gl, self.name);
         }
-        self.mirror.copy(gl, ctx.shaders.pipelines.used, self.name);
+        self.mirror.copy(gl, ctx.shaders.used(), self.name);
         let mut vertices = 0;
         if let Some(own) = self.patch {
             // SAFETY: reads and sets a number that OpenGL 4.0 has; `end` restores it.
@@ -89,7 +89,7 @@ impl Variant {
                 gl.get_integerv(api::GL_PATCH_VERTICES, &mut vertices);
                 gl.patch_parameteri(api::GL_PATCH_VERTICES, own);
             }
-            ctx.draw.wide_primitives.as_patches = true;
+            ctx.draw.issue_as_patches(true);
         }
         InUse { counter, vertices, own }
     }
@@ -97,17 +97,17 @@ impl Variant {
     /// Uses the application's own program again.
     pub fn end(&self, ctx: &mut Context, in_use: &InUse) {
         if self.patch.is_some() {
-            ctx.draw.wide_primitives.as_patches = false;
+            ctx.draw.issue_as_patches(false);
             // SAFETY: restores the value that `begin` found.
             unsafe { ctx.driver.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.vertices) };
         }
-        if let (Some(counter), Some(before)) = (&ctx.projected.coarse, &in_use.counter) {
+        if let (Some(counter), Some(before)) = (ctx.projected.counter(), &in_use.counter) {
             counter.end(ctx.driver.gl, before);
         }
         match &in_use.own {
             Some(own) => own.restore(ctx.driver.gl),
             // SAFETY: the program that the application uses.
-            None => unsafe { ctx.driver.gl.use_program(ctx.shaders.pipelines.used) },
+            None => unsafe { ctx.driver.gl.use_program(ctx.shaders.used()) },
         }
     }
 }
@@ -137,7 +137,7 @@ fn limits(driver: &Driver, kind: Kind) -> Limits {
 }
 
 fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, Obstacle> {
-    if ctx.shaders.pipelines.used != program.name {
+    if ctx.shaders.used() != program.name {
         return Err("it is part of a program pipeline".into());
     }
     let index = dividable(ctx.driver.profile, program, kind)?;
@@ -163,10 +163,10 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, Obs
         // SAFETY: a NUL-terminated name.
         unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
     };
-    if let (Some(binding), None) = (limits.counter, &ctx.projected.coarse) {
-        ctx.projected.coarse = Some(Counter::new(gl, binding));
+    if let (Some(binding), None) = (limits.counter, ctx.projected.counter()) {
+        ctx.projected.count_with(Counter::new(gl, binding));
     }
-    ctx.projected.uncounted |= limits.counter.is_none();
+    ctx.projected.note_counting(limits.counter.is_some());
     Ok(Variant {
         name,
         locations: [location(0), location(projection::ROWS)],

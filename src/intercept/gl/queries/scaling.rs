@@ -50,10 +50,10 @@ pub fn scale(gl: &Gl, queries: &mut Queries, factors: QueryScaling) {
 /// that fills that picture counts as many samples as the picture has. `off_screen`: each view has
 /// as many samples as that picture.
 pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
-    let Some(lens) = ctx.frame.lens else { return 1.0 };
-    let seen = Some((lens, ctx.app.viewport, off_screen));
+    let Some(lens) = ctx.frame.lens() else { return 1.0 };
+    let seen = Some((lens, ctx.app.viewport(), off_screen));
     if ctx.queries.seen != seen {
-        let [width, height] = ctx.app.viewport.size().map(f64::from);
+        let [width, height] = ctx.app.viewport().size().map(f64::from);
         let own = width * height;
         ctx.queries.worth = factor(own, session.samples(&lens, own, off_screen));
         ctx.queries.seen = seen;

@@ -77,7 +77,7 @@ fn read(ctx: &mut Context, matrix: &mut AttributeMatrix) -> Option<()> {
         (matrix.value, matrix.read) = (value.map(f64::from), None);
         return Some(());
     }
-    let instance = ctx.draw.first_instance as usize;
+    let instance = ctx.draw.first_instance() as usize;
     let mut layouts = [None; 4];
     for (location, layout) in (matrix.location..).zip(&mut layouts) {
         *layout = Some(Layout::of_instances(ctx, location, instance)?);

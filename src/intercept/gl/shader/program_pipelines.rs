@@ -9,13 +9,13 @@ use std::sync::Arc;
 /// Chooses the program that draws: the program in use, or else the pipeline's last program before
 /// rasterisation.
 pub fn choose(ctx: &mut Context) {
-    if ctx.shaders.pipelines.used != 0 {
-        ctx.shaders.program = programs::record(&ctx.share, ctx.shaders.pipelines.used);
+    if ctx.shaders.used() != 0 {
+        ctx.shaders.choose(programs::record(&ctx.share, ctx.shaders.used()));
         return;
     }
-    let names = ctx.shaders.pipelines.stages().last_first();
+    let names = ctx.shaders.stages().last_first();
     let last = names.into_iter().find(|name| *name != 0).unwrap_or(0);
-    ctx.shaders.program = programs::record(&ctx.share, last);
+    ctx.shaders.choose(programs::record(&ctx.share, last));
     for earlier in names.into_iter().filter(|name| *name != 0 && *name != last) {
         if let Some(program) = programs::record(&ctx.share, earlier) {
             programs::send(ctx, &program, &crate::intercept::gl::state::shader::programs::IDENTITY);
@@ -25,16 +25,16 @@ pub fn choose(ctx: &mut Context) {
 
 /// Returns the program that `glUniform` sets if no program is in use.
 pub fn active(ctx: &Context) -> Option<Arc<Program>> {
-    programs::record(&ctx.share, ctx.shaders.pipelines.stages().active)
+    programs::record(&ctx.share, ctx.shaders.stages().active())
 }
 
 /// Returns the lens of the present draw. In a pipeline it is that of the last program that has one.
 pub fn lens(ctx: &mut Context, program: &Program) -> ProgramLens {
     let lens = program.lens(ctx);
-    if ctx.shaders.pipelines.used != 0 || lens != ProgramLens::Flat {
+    if ctx.shaders.used() != 0 || lens != ProgramLens::Flat {
         return lens;
     }
-    for name in ctx.shaders.pipelines.stages().last_first() {
+    for name in ctx.shaders.stages().last_first() {
         let lens = programs::record(&ctx.share, name).filter(|p| p.name != program.name).map(|p| p.lens(ctx));
         if let Some(lens) = lens.filter(|lens| *lens != ProgramLens::Flat) {
             return lens;
@@ -46,27 +46,24 @@ pub fn lens(ctx: &mut Context, program: &Program) -> ProgramLens {
 hooks! {
     "glBindProgramPipeline" bind_program_pipeline(pipeline: u32) = |ctx, gl| {
         gl.bind_program_pipeline(pipeline);
-        ctx.shaders.pipelines.bound = pipeline;
+        ctx.shaders.bind_pipeline(pipeline);
         choose(ctx);
     };
     "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, gl| {
         gl.use_program_stages(pipeline, stages, program);
         let present = programs::record(&ctx.share, program).map_or(0, |p| p.stages());
-        ctx.shaders.pipelines.pipelines.entry(pipeline).or_default().set(stages, program, present);
+        ctx.shaders.set_stages(pipeline, stages, program, present);
         choose(ctx);
     };
     "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, gl| {
         gl.active_shader_program(pipeline, program);
-        ctx.shaders.pipelines.pipelines.entry(pipeline).or_default().active = program;
+        ctx.shaders.set_active(pipeline, program);
     };
     "glDeleteProgramPipelines" delete_program_pipelines(count: i32, names: *const u32) = |ctx, gl| {
         gl.delete_program_pipelines(count, names);
         if !names.is_null() {
             for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
-                ctx.shaders.pipelines.pipelines.remove(name);
-                if ctx.shaders.pipelines.bound == *name {
-                    ctx.shaders.pipelines.bound = 0;
-                }
+                ctx.shaders.delete_pipeline(*name);
             }
         }
         choose(ctx);

@@ -11,10 +11,10 @@ use crate::lock::Lock;
 pub fn select(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.use_program(name) };
-    let old = ctx.shaders.pipelines.used;
+    let old = ctx.shaders.used();
     if old != name {
         let name = if name == 0 || programs::record(&ctx.share, name).is_some() { name } else { used(ctx) };
-        ctx.shaders.pipelines.used = name;
+        ctx.shaders.use_program(name);
         ctx.share.programs.locked().uses.change(old, name);
         delete_unused(ctx);
     }

@@ -22,7 +22,7 @@ impl Program {
         }
         if self.fixed_matrices {
             ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
-            if let MatrixClass::Perspective(intrinsics) = ctx.compat.projection.class {
+            if let MatrixClass::Perspective(intrinsics) = *ctx.compat.projection.class() {
                 return ProgramLens::Perspective(Told::sure(intrinsics), "fixed-function matrix in a shader");
             }
         }
@@ -58,7 +58,7 @@ impl Program {
         if !uniforms.any() && !self.fixed_matrices {
             return (ProgramLens::Flat, false);
         }
-        let generation = ctx.vertex_input.blocks.generation();
+        let generation = ctx.vertex_input.generation();
         let lens = uniforms.lens(ctx.driver.gl, generation, &buffers::of(&ctx.share));
         (lens, !uniforms.unclear)
     }
@@ -76,9 +76,9 @@ pub fn given(ctx: &Context) -> ProgramLens {
 
 /// Sends `rows` to the program in use, unless it has them already.
 pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
-    if let Some(program) = &ctx.shaders.assembly {
+    if let Some(program) = ctx.shaders.assembly() {
         assembly::upload(ctx, program, rows);
-    } else if let Some(program) = &ctx.shaders.program {
+    } else if let Some(program) = ctx.shaders.program() {
         send(ctx, program, rows);
     }
 }
@@ -99,7 +99,7 @@ pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
 /// one.
 pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
     upload(ctx, rows);
-    let (Some(program), Some(lens)) = (&ctx.shaders.program, lens) else { return };
+    let (Some(program), Some(lens)) = (ctx.shaders.program(), lens) else { return };
     let mut uploaded = program.uploaded.locked();
     if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
         set_vectors(ctx, program, program.lens_location, &lens.to_array());
@@ -113,7 +113,7 @@ pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vecto
     // SAFETY: the location is that of the array, of its second half or of a vector. If no program
     // is in use, there are pipelines, and with them the command that takes a program's name.
     unsafe {
-        if ctx.shaders.pipelines.used == program.name {
+        if ctx.shaders.used() == program.name {
             ctx.driver.gl.uniform4fv(location, count, vectors.as_ptr());
         } else {
             ctx.driver.gl.program_uniform4fv(program.name, location, count, vectors.as_ptr());
@@ -125,7 +125,7 @@ pub(super) fn set_vectors(ctx: &Context, program: &Program, location: i32, vecto
 pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix: &[f32; 16]) {
     // SAFETY: the location is that of the matrix; the rest as for `set_vectors`.
     unsafe {
-        if ctx.shaders.pipelines.used == program.name {
+        if ctx.shaders.used() == program.name {
             ctx.driver.gl.uniform_matrix4fv(location, 1, 0, matrix.as_ptr());
         } else {
             ctx.driver.gl.program_uniform_matrix4fv(program.name, location, 1, 0, matrix.as_ptr());
@@ -137,7 +137,7 @@ pub(super) fn set_matrix(ctx: &Context, program: &Program, location: i32, matrix
 pub(super) fn set_number(ctx: &Context, program: &Program, location: i32, number: f32) {
     // SAFETY: the location is that of the number; the rest as for `set_vectors`.
     unsafe {
-        if ctx.shaders.pipelines.used == program.name {
+        if ctx.shaders.used() == program.name {
             ctx.driver.gl.uniform1fv(location, 1, &number);
         } else {
             ctx.driver.gl.program_uniform1fv(program.name, location, 1, &number);

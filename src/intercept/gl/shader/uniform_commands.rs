@@ -61,8 +61,8 @@ unsafe fn note_vectors(program: Option<&Program>, location: i32, count: i32, val
 
 /// Calls `note` with the program that `glUniform` sets.
 fn with_current<T>(ctx: &Context, note: impl FnOnce(Option<&Program>) -> T) -> T {
-    if ctx.shaders.pipelines.used != 0 {
-        note(ctx.shaders.program.as_deref())
+    if ctx.shaders.used() != 0 {
+        note(ctx.shaders.program().map(|program| &**program))
     } else {
         note(program_pipelines::active(ctx).as_deref())
     }

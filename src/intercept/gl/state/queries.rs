@@ -99,6 +99,41 @@ impl Queries {
         self.running.iter().any(|r| quantity(r.target) == Quantity::Primitives)
     }
 
+    /// Ends the part of each running query that counts now, before internal drawing of Cupola.
+    pub fn end_parts(&mut self, gl: &Gl) {
+        for running in &mut self.running {
+            running.end_part(gl);
+        }
+    }
+
+    /// Begins a part of each running query, after internal drawing of Cupola.
+    pub fn begin_parts(&mut self, gl: &Gl) {
+        for number in 0..self.running.len() {
+            self.begin_part(gl, number, None);
+        }
+    }
+
+    /// True while conditional rendering is in force.
+    pub fn is_conditional(&self) -> bool {
+        self.condition.is_some()
+    }
+
+    /// Suspends conditional rendering, before internal drawing of Cupola.
+    pub fn suspend_condition(&self, gl: &Gl) {
+        if self.condition.is_some() {
+            // SAFETY: conditional rendering is in force, as its hook saw.
+            unsafe { gl.end_conditional_render() };
+        }
+    }
+
+    /// Puts conditional rendering back.
+    pub fn resume_condition(&self, gl: &Gl) {
+        if let Some((query, mode)) = self.condition {
+            // SAFETY: the object and mode that were in force.
+            unsafe { gl.begin_conditional_render(query, mode) };
+        }
+    }
+
     /// Forgets the factor, as the views have changed.
     pub fn forget_views(&mut self) {
         self.seen = None;

@@ -16,12 +16,12 @@ use crate::intercept::process::log;
 fn parts(ctx: &Context) -> Vec<LowerLeftRect> {
     let Some(target) = ctx.drawable.target() else { return Vec::new() };
     let window = target.size();
-    let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
+    let part = ctx.app.scissor_test().then(|| ctx.app.scissor().moved_into(LowerLeftRect::of_size(window)));
     if part.is_none_or(|part| part.is_most_of(window)) {
         return vec![LowerLeftRect::of_size(target.session.surface_size())];
     }
     let tiles = target.flat_tiles().into_iter().flatten();
-    tiles.map(|(tile, _)| ctx.app.scissor.moved_into(tile)).collect()
+    tiles.map(|(tile, _)| ctx.app.scissor().moved_into(tile)).collect()
 }
 
 /// Runs `work` with the accumulation buffer, which is created at its first use.
@@ -32,21 +32,22 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let surface = ctx.drawable.target().map(|t| t.session.surface_size());
     let size = surface.map_or((0, 0), |(width, height)| (width as i32, height as i32));
     // The tiles have moved, so the accumulated pictures are lost for one frame.
-    if let Some(old) = ctx.drawable.accumulation.take_if(|old| old.size() != size) {
-        old.destroy(gl);
-    }
-    let buffer = match ctx.drawable.accumulation.take() {
-        Some(buffer) => Ok(buffer),
+    let buffer = match ctx.drawable.take_accumulation() {
+        Some(buffer) if buffer.size() == size => Ok(buffer),
+        Some(old) => {
+            old.destroy(gl);
+            Accumulation::new(gl, size)
+        }
         None => Accumulation::new(gl, size),
     };
     match buffer {
         Ok(buffer) => {
             work(ctx, &buffer);
-            ctx.drawable.accumulation = Some(buffer);
+            ctx.drawable.put_accumulation(buffer);
         }
         Err(error) => log::once(&format!("the program's accumulation buffer has no effect: {error}")),
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// True if the window has an accumulation buffer, which Cupola replaces then.
@@ -72,7 +73,7 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
         unsafe { ctx.driver.gl.accum(name, value) };
         return;
     }
-    if ctx.app.picking || ctx.app.discard {
+    if ctx.app.picking() || ctx.app.discard() {
         return;
     }
     ctx.note_drawn();
@@ -91,7 +92,7 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
 
 /// `glClear` of the accumulation buffer.
 pub fn clear(ctx: &mut Context) {
-    if !is_ours(ctx) || ctx.app.picking || ctx.app.discard {
+    if !is_ours(ctx) || ctx.app.picking() || ctx.app.discard() {
         return;
     }
     let mut colour = [0.0f32; 4];

@@ -23,16 +23,16 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
         // binding has not changed.
         return;
     }
-    if reads && name == 0 && ctx.drawable.reads_elsewhere {
+    if reads && name == 0 && ctx.drawable.reads_elsewhere() {
         // SAFETY: the window's own framebuffer.
         unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0) };
     }
     let was_redirected = was_redirected || (draws && view_copies::rebound(&mut ctx.view_copies));
     if draws {
-        ctx.app.draw_framebuffer = name;
+        ctx.app.bind_draw_framebuffer(name);
     }
     if reads {
-        ctx.app.read_framebuffer = name;
+        ctx.app.bind_read_framebuffer(name);
     }
     if was_redirected && !ctx.redirected() {
         ctx.restore_window_space();
@@ -42,7 +42,8 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
 /// Attaches an image to the framebuffer that is bound at `target`. For the window the window's own
 /// framebuffer gets the call, and reports that nothing can be attached.
 fn attach(ctx: &mut Context, target: u32, run: impl FnOnce(&Gl)) {
-    let changed = if target == api::GL_READ_FRAMEBUFFER { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
+    let changed =
+        if target == api::GL_READ_FRAMEBUFFER { ctx.app.read_framebuffer() } else { ctx.app.draw_framebuffer() };
     view_copies::forget(ctx, changed);
     window_answers::with_own(ctx, target, run);
 }
@@ -71,10 +72,10 @@ hooks! {
         gl.delete_framebuffers(count, names);
         // After deletion of the bound framebuffer the window is bound, so the stand-in framebuffer
         // is needed.
-        if ctx.app.draw_framebuffer != 0 && deleted.contains(&ctx.app.draw_framebuffer) {
+        if ctx.app.draw_framebuffer() != 0 && deleted.contains(&ctx.app.draw_framebuffer()) {
             bind(ctx, api::GL_DRAW_FRAMEBUFFER, 0);
         }
-        if ctx.app.read_framebuffer != 0 && deleted.contains(&ctx.app.read_framebuffer) {
+        if ctx.app.read_framebuffer() != 0 && deleted.contains(&ctx.app.read_framebuffer()) {
             bind(ctx, api::GL_READ_FRAMEBUFFER, 0);
         }
     };

@@ -20,7 +20,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     if let Some(target) = ctx.drawable.target_mut().filter(|_| cleared.color) {
         target.content.forget();
     }
-    if !ctx.redirected() || ctx.app.picking {
+    if !ctx.redirected() || ctx.app.picking() {
         if !view_copies::clear_with(ctx, &issue) {
             issue(gl);
         }
@@ -30,7 +30,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     ctx.view_copies.window_changed();
     let Some(target) = ctx.drawable.target() else { return false };
     let window = target.size();
-    let part = ctx.app.scissor_test.then(|| ctx.app.scissor.moved_into(LowerLeftRect::of_size(window)));
+    let part = ctx.app.scissor_test().then(|| ctx.app.scissor().moved_into(LowerLeftRect::of_size(window)));
     // Many programs set a scissor around (most of) the window and mean the whole viewport.
     let whole = part.is_none_or(|part| part.is_most_of(window));
     let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);

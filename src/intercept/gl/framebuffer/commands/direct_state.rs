@@ -23,7 +23,7 @@ pub(super) fn bound<R>(
     read: Option<u32>,
     run: impl FnOnce(&mut Context) -> R,
 ) -> R {
-    let before = [ctx.app.draw_framebuffer, ctx.app.read_framebuffer];
+    let before = [ctx.app.draw_framebuffer(), ctx.app.read_framebuffer()];
     let change = |ctx: &mut Context, target: u32, from: u32, to: u32| {
         if from != to {
             bindings::bind(ctx, target, to);
@@ -35,7 +35,7 @@ pub(super) fn bound<R>(
     change(ctx, api::GL_DRAW_FRAMEBUFFER, before[0], draw.unwrap_or(before[0]));
     change(ctx, api::GL_READ_FRAMEBUFFER, before[1], read.unwrap_or(before[1]));
     let answer = run(ctx);
-    let now = [ctx.app.draw_framebuffer, ctx.app.read_framebuffer];
+    let now = [ctx.app.draw_framebuffer(), ctx.app.read_framebuffer()];
     change(ctx, api::GL_DRAW_FRAMEBUFFER, now[0], before[0]);
     change(ctx, api::GL_READ_FRAMEBUFFER, now[1], before[1]);
     if compiling {

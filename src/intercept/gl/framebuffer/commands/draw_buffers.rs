@@ -42,10 +42,10 @@ pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
         if ctx.redirected() {
             gl.draw_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
-                ctx.app.draw_buffer = buffer;
+                ctx.app.set_draw_buffer(buffer);
             }
         } else {
-            view_copies::forget(ctx, ctx.app.draw_framebuffer);
+            view_copies::forget(ctx, ctx.app.draw_framebuffer());
             gl.draw_buffer(buffer);
         }
     }
@@ -62,7 +62,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
         if ctx.reads_redirected() && (of_es || !ctx.driver.profile.es) {
             gl.read_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
-                ctx.app.read_buffer = buffer;
+                ctx.app.set_read_buffer(buffer);
             }
         } else {
             gl.read_buffer(buffer);
@@ -97,7 +97,7 @@ fn error_of(es: bool, names: &[u32]) -> u32 {
 pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.driver.gl;
     if !ctx.redirected() || buffers.is_null() || !(0..=16).contains(&count) {
-        view_copies::forget(ctx, ctx.app.draw_framebuffer);
+        view_copies::forget(ctx, ctx.app.draw_framebuffer());
         // SAFETY: the program's own call.
         unsafe { gl.draw_buffers(count, buffers) };
         return;
@@ -117,7 +117,7 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
     }
     let first = names.first().copied().unwrap_or(api::GL_NONE);
     if is_window_buffer(first) || first == api::GL_NONE {
-        ctx.app.draw_buffer = first;
+        ctx.app.set_draw_buffer(first);
     }
     // SAFETY: the array has at least `count` names.
     unsafe { gl.draw_buffers(count, translated.as_ptr()) };

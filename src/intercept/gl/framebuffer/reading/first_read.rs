@@ -37,14 +37,14 @@ pub fn fill_primary(ctx: &mut Context) {
         first_read_depth::fill(&ctx.driver, &ctx.frame, &target, directions);
     }
     ctx.drawable.put_target(target);
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// Returns the matrix from a pixel of the program's own picture (−1…1 to the right and up, 1) to
 /// its direction in the viewer's axes. The direction has the length at which it reaches −1 along
 /// the program's axis. `None`: the program's lens is not known yet.
 pub(in crate::intercept::gl) fn own_directions(frame: &Frame, camera: &Camera) -> Option<DMat3> {
-    let lens = frame.lens?;
+    let lens = frame.lens()?;
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
         zoom / lens.a,
@@ -92,7 +92,7 @@ pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, di
         dome_rotation: DMat3::IDENTITY,
     };
     let mut views = plan.views.clone();
-    if let (Some(panel), Some(lens)) = (&mut views.panel, frame.lens) {
+    if let (Some(panel), Some(lens)) = (&mut views.panel, frame.lens()) {
         // In the program's own picture the panel fills the whole window.
         let camera = &session.rig().camera;
         let own = lens.frustum();

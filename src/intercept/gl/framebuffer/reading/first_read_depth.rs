@@ -25,7 +25,7 @@ const EMPTY: u32 = DEEPEST << 8;
 /// program's axis. The views must be drawn and, if they have several samples, resolved.
 pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directions: DMat3) {
     // OpenGL ES cannot read depth, so the program cannot read it either.
-    let (Some(lens), Some(primary), false) = (frame.lens, target.primary(), driver.profile.es) else {
+    let (Some(lens), Some(primary), false) = (frame.lens(), target.primary(), driver.profile.es) else {
         return;
     };
     let [width, height] = primary.size();

@@ -64,7 +64,7 @@ impl DefaultFramebuffer {
         let rect = part.unwrap_or(LowerLeftRect::new(0, 0, width, height)).corners();
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
         let reads =
-            if ctx.drawable.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
+            if ctx.drawable.reads_elsewhere() { ctx.app.read_framebuffer() } else { real(ctx.app.read_framebuffer()) };
         // SAFETY: copies between framebuffers of Cupola; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
@@ -79,7 +79,7 @@ impl DefaultFramebuffer {
                 blit(gl, rect, rect, depth, api::GL_NEAREST);
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer));
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer()));
             if scissor {
                 gl.enable(api::GL_SCISSOR_TEST);
             }

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// window's.
 pub fn attach(ctx: &mut Context, extras: Extras) {
     let Some(settings) = settings::settings() else { return };
-    let Some(window) = ctx.drawable.window.clone() else { return };
+    let Some(window) = ctx.drawable.window().cloned() else { return };
     if settings.rig.passthrough {
         return;
     }
@@ -34,7 +34,7 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
         Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// Uses the present rig in the same stand-in if nothing but the adaptation of the program's camera
@@ -61,7 +61,7 @@ fn follows_camera(ctx: &mut Context, target: &mut DefaultFramebuffer, live: Live
 
 /// Replaces the window's framebuffer by a new stand-in, and clears it.
 fn put(ctx: &mut Context, target: DefaultFramebuffer) {
-    ctx.frame.counts.linked += target.backend.linked();
+    ctx.frame.note_linked(target.backend.linked());
     ctx.drawable.put_target(Box::new(target));
     start_again(ctx);
 }
@@ -85,17 +85,17 @@ pub fn follow_rig(ctx: &mut Context) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
-    let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
+    let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window().cloned()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
     if live::rig().is_some_and(|live| follows_camera(ctx, &mut old, live)) {
         view_copies::clear(ctx);
         ctx.drawable.put_target(old);
         start_again(ctx);
-        take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+        take_own_errors(&mut ctx.driver);
         return;
     }
-    let extras = ctx.frame.draw_count.extras(old.extras());
+    let extras = ctx.frame.draw_count().extras(old.extras());
     match DefaultFramebuffer::new(ctx, &window, settings, extras, Some(&mut old)) {
         Ok(new) => {
             view_copies::clear(ctx);
@@ -108,7 +108,7 @@ pub fn follow_rig(ctx: &mut Context) {
             ctx.drawable.put_target(old);
         }
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// Greatest number of times that Cupola gives a window the requested size again after the program
@@ -120,17 +120,17 @@ const MOST_RESIZED: u32 = 3;
 /// question to the display in each frame.
 pub fn follow_size(ctx: &mut Context) {
     if ctx.drawable.target().is_none() {
-        ctx.drawable.occluded = false;
+        ctx.drawable.note_occluded(false);
         return;
     }
-    let Some(window) = ctx.drawable.window.clone() else { return };
+    let Some(window) = ctx.drawable.window().cloned() else { return };
     let Look { mut size, occluded } = window.look();
-    ctx.drawable.occluded = occluded;
+    ctx.drawable.note_occluded(occluded);
     if let Some(wanted) = settings::settings().and_then(|settings| settings.window_size)
         && size != wanted
-        && ctx.drawable.resized < MOST_RESIZED
+        && ctx.drawable.resized() < MOST_RESIZED
     {
-        ctx.drawable.resized += 1;
+        ctx.drawable.note_resized();
         window.resize(wanted);
         size = window.size();
     }
@@ -155,7 +155,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
     } else {
         target.destroy(ctx.driver.gl);
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// Continues a picture that another context of the group began.
@@ -165,7 +165,7 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
         Ok(()) => {
             ctx.drawable.put_target(target);
             adopt(ctx);
-            ctx.frame.begun = true;
+            ctx.frame.note_drawn();
         }
         Err(error) => {
             log::once(&format!("drawing of another context to this window is lost: {error}"));
@@ -173,7 +173,7 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
             attach(ctx, Extras::default());
         }
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// Adapts the rest of the context to a new stand-in.
@@ -182,18 +182,17 @@ pub fn adopt(ctx: &mut Context) {
     ctx.driver.forget_window_space(u32::MAX);
     ctx.compat.projection.clear();
     ctx.queries.forget_views();
-    ctx.frame.cameras.clear();
-    ctx.frame.background.clear();
+    ctx.frame.views_changed();
     let Some(target) = ctx.drawable.target() else { return };
     let framebuffer = target.framebuffer();
     // SAFETY: binds the stand-in framebuffer where the program has bound its window.
     unsafe {
-        if ctx.app.read_framebuffer == 0 {
+        if ctx.app.read_framebuffer() == 0 {
             ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.drawable.window_for_reading());
         }
-        if ctx.app.draw_framebuffer == 0 {
+        if ctx.app.draw_framebuffer() == 0 {
             ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-            if ctx.app.draw_buffer == api::GL_NONE {
+            if ctx.app.draw_buffer() == api::GL_NONE {
                 ctx.driver.gl.draw_buffers(1, &api::GL_NONE);
             }
         }

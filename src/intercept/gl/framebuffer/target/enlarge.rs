@@ -34,7 +34,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     add(&mut extras);
     match old.enlarged(ctx, extras) {
         Ok(new) => {
-            ctx.frame.counts.linked += new.backend.linked();
+            ctx.frame.note_linked(new.backend.linked());
             ctx.drawable.put_target(Box::new(new));
             let gl = ctx.driver.gl;
             adopt(ctx);
@@ -46,8 +46,8 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
                     gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
                     clear_everything(gl);
                     copy_tiles(gl, &old, new);
-                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.app.read_framebuffer);
-                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer);
+                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.app.read_framebuffer());
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer());
                 }
             }
             adopt(ctx);
@@ -58,7 +58,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
             ctx.drawable.put_target(old);
         }
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 /// # Safety

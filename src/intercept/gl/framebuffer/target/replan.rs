@@ -16,13 +16,13 @@ use crate::intercept::gl::state::driver::Driver;
 
 /// Plans again at a clear of the window, if the clear removes everything that was drawn before.
 pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
-    let begins = !ctx.frame.begun && ctx.redirected() && !ctx.app.picking && !ctx.app.scissor_test;
-    let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.frame.draw_count.stencil);
-    let kept = ctx.queries.condition.is_some() || ctx.app.discard || ctx.drawable.accumulation.is_some();
-    if !begins || !whole || kept || ctx.frame.draw_count.draws.is_some() || !writes_all(&ctx.driver, &ctx.app) {
+    let begins = !ctx.frame.begun() && ctx.redirected() && !ctx.app.picking() && !ctx.app.scissor_test();
+    let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.frame.draw_count().tests_stencil());
+    let kept = ctx.queries.is_conditional() || ctx.app.discard() || ctx.drawable.accumulates();
+    if !begins || !whole || kept || ctx.frame.draw_count().is_planned() || !writes_all(&ctx.driver, &ctx.app) {
         return;
     }
-    if let Some(draws) = ctx.frame.draw_count.take() {
+    if let Some(draws) = ctx.frame.draws_to_plan_for() {
         plan_for(&mut OwnCalls::begin(ctx), draws);
     }
 }
@@ -35,5 +35,5 @@ fn writes_all(driver: &Driver, app: &AppState) -> bool {
         driver.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
         driver.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
     }
-    color[..3].iter().all(|on| *on != 0) && depth != 0 && app.draw_buffer != api::GL_NONE
+    color[..3].iter().all(|on| *on != 0) && depth != 0 && app.draw_buffer() != api::GL_NONE
 }

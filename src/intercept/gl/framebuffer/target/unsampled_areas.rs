@@ -98,16 +98,18 @@ fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
 pub fn close(ctx: &mut Context, cleared: f32) {
     // Transform feedback without a pause would record Cupola's rectangles.
     if ctx.drawable.target().is_none_or(|t| t.closed().is_empty())
-        || ctx.app.feedback && !ctx.driver.gl.has_pause_transform_feedback()
+        || ctx.app.feedback() && !ctx.driver.gl.has_pause_transform_feedback()
     {
         return;
     }
     ctx.driver.take_errors();
     if let Some(target) = ctx.drawable.target() {
         let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
-        ctx.frame.counts.closings += u64::from(texels > 0);
+        if texels > 0 {
+            ctx.frame.note_closing();
+        }
     }
-    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
+    take_own_errors(&mut ctx.driver);
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::intercept::process::log;
 /// Returns the index of the program's draw framebuffer. Examines its attachments if they are not
 /// known.
 pub(in crate::intercept::gl::offscreen) fn look(ctx: &mut Context) -> usize {
-    let name = ctx.app.draw_framebuffer;
+    let name = ctx.app.draw_framebuffer();
     let index = ctx.view_copies.position(name).unwrap_or_else(|| {
         ctx.view_copies.framebuffers.push(Framebuffer::new(name));
         ctx.view_copies.framebuffers.len() - 1
@@ -34,8 +34,8 @@ pub(in crate::intercept::gl::offscreen) fn look(ctx: &mut Context) -> usize {
 /// Examines the attachments of the program's read framebuffer, if compute shaders may have written
 /// its images. In that case no draw has examined it.
 pub(in crate::intercept::gl::offscreen) fn look_at_read(ctx: &mut Context) {
-    let name = ctx.app.read_framebuffer;
-    if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer {
+    let name = ctx.app.read_framebuffer();
+    if !ctx.view_copies.computes || name == 0 || name == ctx.app.draw_framebuffer() {
         return;
     }
     let index = ctx.view_copies.position(name).unwrap_or_else(|| {
@@ -102,21 +102,21 @@ pub(in crate::intercept::gl::offscreen) fn make_framebuffer(ctx: &mut Context, i
 /// Runs a clear of a framebuffer of the program. Returns false if the framebuffer is drawn only
 /// once.
 pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
-    if ctx.app.draw_framebuffer == 0 || ctx.app.picking || !possible(ctx) {
+    if ctx.app.draw_framebuffer() == 0 || ctx.app.picking() || !possible(ctx) {
         return false;
     }
     let index = look(ctx);
     // A clear of a part, as for a picture in a corner, does not remove the scene.
     let name = ctx.view_copies.framebuffers[index].images().next();
     let size = name.and_then(|name| ctx.view_copies.image(name)).map_or([0; 2], |image| image.size);
-    let part = ctx.app.scissor_test && !ctx.app.scissor.contains(LowerLeftRect::new(0, 0, size[0], size[1]));
+    let part = ctx.app.scissor_test() && !ctx.app.scissor().contains(LowerLeftRect::new(0, 0, size[0], size[1]));
     ctx.view_copies.framebuffers[index].has_scene &= part;
     if !enter(ctx, index) {
         return false;
     }
     ctx.view_copies.changed(index);
     let gl = ctx.driver.gl;
-    if !ctx.app.scissor_test {
+    if !ctx.app.scissor_test() {
         ctx.set_scissor(None);
         issue(gl);
         return true;

@@ -82,7 +82,7 @@ pub fn before_reading_texture(ctx: &mut Context, texture: u32) {
 
 /// Gives the images of the read framebuffer their own picture before the program reads it.
 pub fn before_reading_framebuffer(ctx: &mut Context) {
-    let Some(index) = ctx.view_copies.position(ctx.app.read_framebuffer) else { return };
+    let Some(index) = ctx.view_copies.position(ctx.app.read_framebuffer()) else { return };
     let attachments = ctx.view_copies.framebuffers[index].attachments;
     before_reading(ctx, |image| attachments.contains(&Some(image.name)));
 }

@@ -7,7 +7,7 @@ use crate::intercept::gl::context::gl_context::Context;
 /// Notes that the program cleared the colour of all views by `glClear`, with its present clear
 /// state.
 pub fn note_clear(ctx: &mut Context) {
-    let unconditional = ctx.queries.condition.is_none() && !ctx.app.discard && ctx.app.draw_buffer != api::GL_NONE;
+    let unconditional = ctx.queries.condition.is_none() && !ctx.app.discard() && ctx.app.draw_buffer() != api::GL_NONE;
     let (gl, state) = (ctx.driver.gl, &ctx.driver.known_state);
     let srgb = ctx.drawable.target().is_some_and(|t| t.config().srgb);
     // OpenGL ES always converts to sRGB if the window supports it.

@@ -67,13 +67,13 @@ impl View {
 /// Returns the array of positions of the next draw, and the number of components that it uses.
 /// `None`: not known.
 pub fn array(ctx: &Context) -> Option<(Array, usize)> {
-    match ctx.shaders.program.as_ref().filter(|program| program.draws_vertices()) {
+    match ctx.shaders.program().filter(|program| program.draws_vertices()) {
         Some(program) => {
             // In a pipeline a stage of another program may follow and change the position.
-            let position = program.position.as_ref().filter(|_| ctx.shaders.pipelines.used == program.name)?;
+            let position = program.position.as_ref().filter(|_| ctx.shaders.used() == program.name)?;
             Some((position.array, position.components))
         }
-        None => (ctx.driver.profile.compatibility() && !ctx.app.assembly).then_some((Array::Conventional, 4)),
+        None => (ctx.driver.profile.compatibility() && !ctx.app.assembly()).then_some((Array::Conventional, 4)),
     }
 }
 
@@ -82,10 +82,10 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
 pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
     match class {
         DrawClass::FixedScene => {
-            (!ctx.app.assembly).then(|| Transform::of(&ctx.compat.projection.model_view(ctx.driver.gl)))
+            (!ctx.app.assembly()).then(|| Transform::of(&ctx.compat.projection.model_view(ctx.driver.gl)))
         }
         DrawClass::Scene(_) => {
-            let program = ctx.shaders.program.clone().filter(|program| ctx.shaders.pipelines.used == program.name)?;
+            let program = ctx.shaders.program().cloned().filter(|program| ctx.shaders.used() == program.name)?;
             clip(ctx, &program, program.position.as_ref()?)
         }
         DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
@@ -99,7 +99,7 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
             Factor::ModelView => ctx.compat.projection.model_view(ctx.driver.gl),
             Factor::Projection => {
                 ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
-                ctx.compat.projection.matrix
+                *ctx.compat.projection.matrix()
             }
             Factor::Uniform(number) => {
                 let uniforms = program.uniforms.locked();
@@ -116,8 +116,8 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
 /// view `index`.
 pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -> Option<View> {
     match class {
-        DrawClass::FixedScene => compat.projection.per_view.get(index).map(View::of),
-        DrawClass::Scene(camera) => frame.cameras.get(camera)?.rows.get(index).map(View::of_rows),
+        DrawClass::FixedScene => compat.projection.of_view(index).map(View::of),
+        DrawClass::Scene(camera) => frame.cameras().get(camera)?.rows.get(index).map(View::of_rows),
         DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
     }
 }
@@ -126,7 +126,7 @@ pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -
 /// program's own picture.
 pub fn of_own_picture(compat: &Compat, class: DrawClass) -> Option<View> {
     match class {
-        DrawClass::FixedScene => Some(View::of(&compat.projection.matrix)),
+        DrawClass::FixedScene => Some(View::of(compat.projection.matrix())),
         DrawClass::Scene(_) => Some(View::of(&Transform::NONE.matrix)),
         DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
     }

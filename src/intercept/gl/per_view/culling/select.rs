@@ -33,7 +33,7 @@ pub fn views(
     changes: Changes,
 ) -> Views {
     let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
-    let mut areas = std::mem::take(&mut ctx.draw.areas);
+    let mut areas = ctx.draw.take_areas();
     areas.clear();
     let Some(target) = ctx.drawable.target() else { return Views::ALL };
     let session = &target.session;
@@ -50,7 +50,7 @@ pub fn views(
             None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.spread),
         });
     }
-    ctx.draw.areas = areas;
+    ctx.draw.put_areas(areas);
     Views { seen: at_least(&ctx.app, seen, count, changes), bounded: true }
 }
 
@@ -65,7 +65,7 @@ pub fn views_off_screen(
     let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
     let Some(session) = ctx.session() else { return Views::ALL };
     let count = session.views().len().min(64);
-    let shows = |index: usize| !known.look(ctx, session, index, ctx.app.viewport.size()).unseen;
+    let shows = |index: usize| !known.look(ctx, session, index, ctx.app.viewport().size()).unseen;
     let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
     Views { seen: at_least(&ctx.app, seen, count, changes), bounded: false }
 }
@@ -73,7 +73,7 @@ pub fn views_off_screen(
 /// Returns the views that show a draw. If there are none but the draw must be issued, returns the
 /// last view.
 fn at_least(app: &AppState, seen: u64, count: usize, changes: Changes) -> u64 {
-    let needed = seen == 0 && (changes != Changes::Nothing || app.feedback);
+    let needed = seen == 0 && (changes != Changes::Nothing || app.feedback());
     if needed { 1 << (count.max(1) - 1) } else { seen }
 }
 
@@ -96,7 +96,7 @@ struct Look {
 
 impl Known {
     fn of(ctx: &mut Context, class: DrawClass, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
-        let spread = ctx.draw.max_width.spread();
+        let spread = ctx.draw.spread();
         // In a curved picture the corners of a box do not limit what lies between them.
         let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
         if !enabled() || !spread.is_finite() || curved {
@@ -105,7 +105,7 @@ impl Known {
         let model = position::transform(ctx, class)?;
         let (low, high) = bounds(ctx).known()?;
         let placed = Placed::of(&model, low, high);
-        ctx.frame.counts.bounded_draws += 1;
+        ctx.frame.note_bounded_draw();
         note_place(ctx, class, &placed);
         Some(Self { class, placed, spread })
     }
@@ -122,15 +122,14 @@ impl Known {
 
 /// Counts draws beside the program's own picture, and draws across its border.
 fn note_place(ctx: &mut Context, class: DrawClass, placed: &Placed) {
-    if ctx.frame.culling_program.is_decided() {
+    if !ctx.frame.needs_places() {
         return;
     }
     let Some(own) = position::of_own_picture(&ctx.compat, class) else { return };
-    let places = &mut ctx.frame.counts.places;
     if outside(&own, placed, [0.0; 2]) {
-        places.outside += 1;
+        ctx.frame.note_draw_beside();
     } else if extent(&own, placed).is_some_and(|part| part.iter().any(|edge| edge.abs() > 1.0)) {
-        places.crossing += 1;
+        ctx.frame.note_draw_at_border();
     }
 }
 

@@ -134,8 +134,9 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
     if matches!(range, Range::Range { count: ..=0, .. } | Range::Elements { count: ..=0, .. }) {
         return None;
     }
-    let apart = ctx.compiling() && !ctx.projected.views_only && methods::division_asked_for();
-    if !apart && !substitute::reads(ctx, mode) || !ctx.driver.profile.compatibility() || ctx.shaders.program.is_some() {
+    let apart = ctx.compiling() && !ctx.projected.views_only() && methods::division_asked_for();
+    if !apart && !substitute::reads(ctx, mode) || !ctx.driver.profile.compatibility() || ctx.shaders.program().is_some()
+    {
         return None;
     }
     let mut arrays = vec![array(ctx.driver.gl, &POSITION, None)?];

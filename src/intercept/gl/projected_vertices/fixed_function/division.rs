@@ -32,7 +32,7 @@ struct Divided<'a> {
 /// Draws `vertices` for the view of `rows`. The current attribute values are undefined afterwards.
 pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &ReprojectionMatrix) {
     let model_view = ctx.compat.projection.model_view(ctx.driver.gl);
-    let clip = projection::multiply(&ctx.compat.projection.matrix, &model_view);
+    let clip = projection::multiply(ctx.compat.projection.matrix(), &model_view);
     let seen = (0..vertices.count())
         .map(|number| {
             let [x, y, z, w] = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
@@ -40,14 +40,14 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
             seen(rows, [at(0), at(1), at(2), at(3)])
         })
         .collect();
-    let (flat, outlined) = (substitute::is_flat(&ctx.projected), ctx.draw.wide_primitives.may_outline());
+    let (flat, outlined) = (substitute::is_flat(&ctx.projected), ctx.draw.may_outline());
     let mut divided = Divided { gl: ctx.driver.gl, vertices, division, seen, flat, outlined, coarse: 0 };
     if assembly::fills(vertices.mode) {
         divided.triangles();
     } else {
         divided.lines();
     }
-    ctx.projected.fixed_function.coarse += divided.coarse;
+    ctx.projected.count_coarse(divided.coarse);
 }
 
 /// Draws `vertices` without division. The current attribute values are undefined afterwards.

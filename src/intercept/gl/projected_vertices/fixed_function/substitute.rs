@@ -29,26 +29,22 @@ use std::sync::Arc;
 /// # Errors
 /// The reason why there is no such program, for the log.
 pub fn begin(ctx: &mut Context) -> Result<(), Obstacle> {
-    if ctx.shaders.program.is_some() || ctx.shaders.pipelines.used != 0 {
+    if ctx.shaders.program().is_some() || ctx.shaders.used() != 0 {
         return Err("a program has shaders for fragments only".into());
     }
     // SAFETY: asks for a switch that the program has used.
-    if ctx.app.assembly && unsafe { ctx.driver.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
+    if ctx.app.assembly() && unsafe { ctx.driver.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
         return Err("the program's vertices go through a program in assembly language".into());
     }
-    if ctx.projected.fixed_function.known.is_none() {
+    if ctx.projected.pipeline().is_none() {
         let pipeline = Pipeline::read(&ctx.driver);
         errors::drop_errors(ctx.driver.gl);
-        ctx.projected.fixed_function.known = Some(pipeline);
+        ctx.projected.note_pipeline(pipeline);
     }
-    let (program, two_sided, separate) = match &ctx.projected.fixed_function.known {
+    let (program, two_sided, separate) = match ctx.projected.pipeline() {
         Some(Ok(pipeline)) => {
             let lighting = pipeline.lighting.unwrap_or_default();
-            (
-                ctx.projected.fixed_function.programs.get(pipeline).cloned(),
-                lighting.two_sided,
-                lighting.separate_specular,
-            )
+            (ctx.projected.stand_in(pipeline), lighting.two_sided, lighting.separate_specular)
         }
         Some(Err(why)) => return Err(why.clone()),
         None => return Err("the state of the pipeline is not known".into()),
@@ -69,17 +65,15 @@ pub fn begin(ctx: &mut Context) -> Result<(), Obstacle> {
         }
         gl.use_program(program.name);
     }
-    ctx.shaders.pipelines.used = program.name;
-    ctx.shaders.program = Some(program);
-    ctx.projected.fixed_function.in_use = Some(switched);
+    ctx.shaders.use_stand_in(program);
+    ctx.projected.use_stand_in(switched);
     Ok(())
 }
 
 /// Uses the pipeline again, if a program has replaced it.
 pub fn end(ctx: &mut Context) {
-    let Some(switched) = ctx.projected.fixed_function.in_use.take() else { return };
-    ctx.shaders.program = None;
-    ctx.shaders.pipelines.used = 0;
+    let Some(switched) = ctx.projected.end_stand_in() else { return };
+    ctx.shaders.end_stand_in();
     // SAFETY: restores the state before `begin`.
     unsafe {
         for switch in switched {
@@ -91,19 +85,19 @@ pub fn end(ctx: &mut Context) {
 
 /// True if a primitive has the colour, and with lighting the normal, of one vertex.
 pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
-    matches!(&projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
+    matches!(projected.pipeline(), Some(Ok(pipeline)) if pipeline.flat)
 }
 
 /// True if the processor has to read the vertices of the next draw of `mode`, in order to divide
 /// them for a view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
-    divides && !ctx.app.picking && !ctx.app.feedback && ctx.shaders.program.is_none() && mode != api::GL_POINTS
+    divides && !ctx.app.picking() && !ctx.app.feedback() && ctx.shaders.program().is_none() && mode != api::GL_POINTS
 }
 
 /// Links the program for the present switches.
 fn make(ctx: &mut Context) -> Result<Arc<Program>, Obstacle> {
-    let Some(Ok(pipeline)) = ctx.projected.fixed_function.known.clone() else {
+    let Some(Ok(pipeline)) = ctx.projected.pipeline().cloned() else {
         return Err("the state of the pipeline is not known".into());
     };
     let own = shader_text::text(&pipeline);
@@ -115,13 +109,13 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, Obstacle> {
         errors::drop_errors(ctx.driver.gl);
         program
     };
-    ctx.frame.counts.linked += 1;
+    ctx.frame.note_linked(1);
     let Some(program) = program.map(Arc::new) else {
         let why = Obstacle::from("the driver does not link the shader that replaces the fixed-function pipeline");
-        ctx.projected.fixed_function.known = Some(Err(why.clone()));
+        ctx.projected.note_pipeline(Err(why.clone()));
         return Err(why);
     };
-    ctx.projected.fixed_function.programs.insert(pipeline, program.clone());
+    ctx.projected.store_stand_in(pipeline, program.clone());
     Ok(program)
 }
 
@@ -133,7 +127,7 @@ pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
         return;
     }
     list_recording::now_or_later(ctx, move |ctx| {
-        ctx.projected.fixed_function.touch();
+        ctx.projected.note_switch();
         run(ctx.driver.gl);
     });
 }

@@ -25,14 +25,15 @@ const TARGET: u32 = api::GL_VERTEX_PROGRAM_ARB;
 
 /// Notes which of these programs the next draw uses.
 pub fn look(ctx: &mut Context) {
-    let in_shader = || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
-    if !ctx.app.assembly || in_shader() {
+    let in_shader = || ctx.shaders.program().is_some_and(|program| program.draws_vertices());
+    if !ctx.app.assembly() || in_shader() {
         return;
     }
     // SAFETY: asks for a switch that the program has used.
     if unsafe { ctx.driver.gl.is_enabled(TARGET) } != 0 {
         let name = bound(ctx);
-        ctx.shaders.assembly = ctx.share.programs.locked().assembly.get(&name).cloned();
+        let program = ctx.share.programs.locked().assembly.get(&name).cloned();
+        ctx.shaders.use_assembly(program);
     }
 }
 

@@ -13,11 +13,11 @@ use std::sync::Arc;
 
 /// Returns the programs of the present vertex and fragment shaders, if they have such matrices.
 fn drawing(ctx: &Context) -> [Option<Arc<Program>>; 2] {
-    let pipelines = &ctx.shaders.pipelines;
+    let shaders = &ctx.shaders;
     let holds = |program: &Arc<Program>| program.has_camera_matrices;
-    let drawn = ctx.shaders.program.as_ref();
-    let fragment = if pipelines.used == 0 && pipelines.bound != 0 {
-        programs::record(&ctx.share, pipelines.stages().fragment())
+    let drawn = ctx.shaders.program();
+    let fragment = if shaders.used() == 0 && shaders.bound_pipeline() != 0 {
+        programs::record(&ctx.share, shaders.stages().fragment())
     } else {
         None
     };
@@ -32,8 +32,8 @@ pub fn holds_inverse(ctx: &Context) -> bool {
 }
 
 fn recognise(ctx: &Context, matrices: &mut CameraMatrices) -> bool {
-    let generation = ctx.vertex_input.blocks.generation();
-    matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), &ctx.frame.cameras)
+    let generation = ctx.vertex_input.generation();
+    matrices.recognise(ctx.driver.gl, generation, &buffers::of(&ctx.share), ctx.frame.cameras())
 }
 
 /// Gives the present shaders the matrices of a view. In draws of a scene positions are
@@ -83,8 +83,8 @@ pub fn load_view(ctx: &mut Context, view: usize, class: DrawClass) {
 /// Returns the reprojection matrix of a view for a lens.
 fn rows(ctx: &mut Context, lens: &Intrinsics, view: usize) -> Option<[f64; 16]> {
     let session = ctx.drawable.session()?;
-    let camera = ctx.frame.cameras.index(lens, session);
-    Some(ctx.frame.cameras.get(camera)?.rows.get(view)?.matrix())
+    let camera = ctx.frame.camera(lens, session);
+    Some(ctx.frame.cameras().get(camera)?.rows.get(view)?.matrix())
 }
 
 /// Gives the present shaders the program's own matrices.

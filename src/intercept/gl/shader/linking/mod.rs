@@ -66,16 +66,14 @@ fn link(ctx: &mut Context, program: u32) {
     let texts = Texts { sources: &sources, shaders: &shaders, position_names: position_names.as_ref(), es, curved };
     let (linked, touched) = link_with_changes(gl, program, &texts, left);
     give_back_texts(ctx, &sources, &linked, touched);
-    ctx.frame.counts.linked += u64::from(texts.position().is_some());
+    ctx.frame.note_linked(u64::from(texts.position().is_some()));
     if !status(gl, program) {
         return;
     }
     let record = Arc::new(record(&ctx.driver, program, &texts, &linked));
     ctx.share.programs.locked().programs.insert(program, record.clone());
     // If a program in use is linked, its new version is in use at once.
-    if ctx.shaders.program.as_ref().is_some_and(|p| p.name == program) {
-        ctx.shaders.program = Some(record);
-    }
+    ctx.shaders.note_relinked(record);
 }
 
 /// Forgets a program that is linked again. Returns the texts from which its shaders were compiled,

@@ -89,13 +89,13 @@ fn condition_depth(bare: &str) -> usize {
 /// Sends the transformation to window coordinates to the present fragment shader, unless the shader
 /// has it already.
 pub fn upload(ctx: &Context) {
-    let pipelines = &ctx.shaders.pipelines;
-    if pipelines.used != 0 {
-        if let Some(program) = &ctx.shaders.program {
+    let shaders = &ctx.shaders;
+    if shaders.used() != 0 {
+        if let Some(program) = ctx.shaders.program() {
             send(ctx, program);
         }
-    } else if pipelines.bound != 0
-        && let Some(program) = programs::record(&ctx.share, pipelines.stages().fragment())
+    } else if shaders.bound_pipeline() != 0
+        && let Some(program) = programs::record(&ctx.share, shaders.stages().fragment())
     {
         send(ctx, &program);
     }
@@ -103,7 +103,7 @@ pub fn upload(ctx: &Context) {
 
 fn send(ctx: &Context, program: &Program) {
     let Some(FragCoord { location, upper_left }) = program.frag_coord else { return };
-    let vector = ctx.draw.to_window.vector(upper_left);
+    let vector = ctx.draw.to_window().vector(upper_left);
     let mut uploaded = program.uploaded.locked();
     if uploaded.to_window != Some(vector) {
         programs::set_vectors(ctx, program, location, &vector);

@@ -14,34 +14,34 @@ use crate::intercept::gl::state::app::window_arrays::{Viewport, WindowArrays};
 /// State that the program has set, as the program would read it.
 pub struct AppState {
     /// The program's draw framebuffer, 0 = its window.
-    pub draw_framebuffer: u32,
+    draw_framebuffer: u32,
     /// The program's read framebuffer.
-    pub read_framebuffer: u32,
+    read_framebuffer: u32,
     /// The first viewport, in whole pixels.
-    pub viewport: LowerLeftRect,
+    viewport: LowerLeftRect,
     /// The first scissor.
-    pub scissor: LowerLeftRect,
+    scissor: LowerLeftRect,
     /// The first scissor test.
-    pub scissor_test: bool,
+    scissor_test: bool,
     /// Viewports and scissors, if they differ by their index or have fractions.
     arrays: Option<Box<WindowArrays>>,
     /// `glDrawBuffer` of the program's window.
-    pub draw_buffer: u32,
+    draw_buffer: u32,
     /// `glReadBuffer` of the program's window.
-    pub read_buffer: u32,
+    read_buffer: u32,
     /// `glMatrixMode`.
-    pub matrix_mode: u32,
+    matrix_mode: u32,
     /// Stack of `glPushAttrib`.
     attribute_stack: Vec<Pushed>,
     /// True if `glRenderMode` is not `GL_RENDER`.
-    pub(in crate::intercept::gl) picking: bool,
+    picking: bool,
     /// `GL_RASTERIZER_DISCARD`.
-    pub(in crate::intercept::gl) discard: bool,
+    discard: bool,
     /// True while transform feedback is recording.
-    pub(in crate::intercept::gl) feedback: bool,
+    feedback: bool,
     /// True once the program has switched on a vertex program in assembly language. The
     /// fixed-function matrices may then have no meaning.
-    pub(in crate::intercept::gl) assembly: bool,
+    assembly: bool,
 }
 
 impl Default for AppState {
@@ -66,6 +66,110 @@ impl Default for AppState {
 }
 
 impl AppState {
+    /// Returns the program's draw framebuffer, 0 = its window.
+    pub fn draw_framebuffer(&self) -> u32 {
+        self.draw_framebuffer
+    }
+
+    /// Returns the program's read framebuffer, 0 = its window.
+    pub fn read_framebuffer(&self) -> u32 {
+        self.read_framebuffer
+    }
+
+    /// Returns the first viewport, in whole pixels.
+    pub fn viewport(&self) -> LowerLeftRect {
+        self.viewport
+    }
+
+    /// Returns the first scissor.
+    pub fn scissor(&self) -> LowerLeftRect {
+        self.scissor
+    }
+
+    /// Returns the first scissor test.
+    pub fn scissor_test(&self) -> bool {
+        self.scissor_test
+    }
+
+    /// Returns `glDrawBuffer` of the program's window.
+    pub fn draw_buffer(&self) -> u32 {
+        self.draw_buffer
+    }
+
+    /// Returns `glReadBuffer` of the program's window.
+    pub fn read_buffer(&self) -> u32 {
+        self.read_buffer
+    }
+
+    /// Returns `glMatrixMode`.
+    pub fn matrix_mode(&self) -> u32 {
+        self.matrix_mode
+    }
+
+    /// True if `glRenderMode` is not `GL_RENDER`.
+    pub fn picking(&self) -> bool {
+        self.picking
+    }
+
+    /// True if `GL_RASTERIZER_DISCARD` is on.
+    pub fn discard(&self) -> bool {
+        self.discard
+    }
+
+    /// True while transform feedback is recording.
+    pub fn feedback(&self) -> bool {
+        self.feedback
+    }
+
+    /// True once the program has switched on a vertex program in assembly language.
+    pub fn assembly(&self) -> bool {
+        self.assembly
+    }
+
+    /// The program binds a draw framebuffer.
+    pub fn bind_draw_framebuffer(&mut self, name: u32) {
+        self.draw_framebuffer = name;
+    }
+
+    /// The program binds a read framebuffer.
+    pub fn bind_read_framebuffer(&mut self, name: u32) {
+        self.read_framebuffer = name;
+    }
+
+    /// `glDrawBuffer` of the program's window.
+    pub fn set_draw_buffer(&mut self, buffer: u32) {
+        self.draw_buffer = buffer;
+    }
+
+    /// `glReadBuffer` of the program's window.
+    pub fn set_read_buffer(&mut self, buffer: u32) {
+        self.read_buffer = buffer;
+    }
+
+    /// `glMatrixMode`.
+    pub fn set_matrix_mode(&mut self, mode: u32) {
+        self.matrix_mode = mode;
+    }
+
+    /// `glRenderMode`.
+    pub fn set_render_mode(&mut self, mode: u32) {
+        self.picking = mode != api::GL_RENDER;
+    }
+
+    /// `glEnable` and `glDisable` of switches other than the scissor test.
+    pub fn note_switch(&mut self, switch: u32, on: bool) {
+        match switch {
+            api::GL_RASTERIZER_DISCARD => self.discard = on,
+            api::GL_VERTEX_PROGRAM_ARB => self.assembly |= on,
+            _ => {}
+        }
+    }
+
+    /// Notes whether transform feedback is recording.
+    pub fn note_feedback(&mut self, recording: bool) {
+        self.feedback = recording;
+    }
+
     /// True if the driver's attribute stack has room for one more entry, beside the program's
     /// entries and `own` entries of Cupola.
     pub fn can_push(&self, own: usize) -> bool {

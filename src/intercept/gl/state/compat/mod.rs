@@ -23,3 +23,10 @@ pub struct Compat {
     /// The raster position.
     pub(in crate::intercept::gl) raster: RasterPosition,
 }
+
+impl Compat {
+    /// `glPopAttrib` restores the raster position.
+    pub fn restore_raster(&mut self, raster: RasterPosition) {
+        self.raster = raster;
+    }
+}

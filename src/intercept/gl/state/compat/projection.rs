@@ -9,11 +9,11 @@ pub struct Projection {
     /// True if the matrix may have changed since it was read.
     changed: bool,
     /// The matrix as the program set it, column by column.
-    pub matrix: [f64; 16],
+    matrix: [f64; 16],
     /// Class of the matrix.
-    pub class: MatrixClass,
+    class: MatrixClass,
     /// Projection of each view, in the order of the views.
-    pub per_view: Vec<[f64; 16]>,
+    per_view: Vec<[f64; 16]>,
     /// Value of `GL_MODELVIEW`; `None` if it may have changed since it was read.
     model_view: Option<[f64; 16]>,
 }
@@ -46,6 +46,26 @@ impl Projection {
             unsafe { gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
             self.update(matrix, session);
         }
+    }
+
+    /// Returns the matrix as the program set it.
+    pub fn matrix(&self) -> &[f64; 16] {
+        &self.matrix
+    }
+
+    /// Returns the class of the matrix.
+    pub fn class(&self) -> &MatrixClass {
+        &self.class
+    }
+
+    /// Returns the projection of a view.
+    pub fn of_view(&self, view: usize) -> Option<&[f64; 16]> {
+        self.per_view.get(view)
+    }
+
+    /// Copies the projections of all views to `views`, whose memory is used again.
+    pub fn copy_views_to(&self, views: &mut Vec<[f64; 16]>) {
+        views.clone_from(&self.per_view);
     }
 
     /// Returns `GL_MODELVIEW`. Asks the driver only after a change.

@@ -37,33 +37,43 @@ impl Shape {
 
 /// State of primitives that may be wide or drawn as outlines.
 #[derive(Default)]
-pub struct WidePrimitives {
+pub(super) struct WidePrimitives {
     /// Primitives of the next draw, if its hook knows them.
-    pub shape: Shape,
+    pub(super) shape: Shape,
     /// Primitives of the draw that is being issued.
-    pub drawn: Shape,
+    pub(super) drawn: Shape,
     /// Mode of the next draw, if its hook can issue it as patches.
-    pub mode: Option<u32>,
+    pub(super) mode: Option<u32>,
     /// Patches as which the present draw can be issued.
-    pub patch: Option<Patch>,
+    pub(super) patch: Option<Patch>,
     /// True while the draw is issued as patches.
-    pub as_patches: bool,
+    pub(super) as_patches: bool,
     /// True once `glPolygonMode` was not `GL_FILL`. This is never forgotten, as a display list or
     /// `glPopAttrib` may restore it.
-    pub(in crate::intercept::gl) polygons: bool,
+    pub(super) polygons: bool,
     /// True if the draw that is being issued may leave its tile.
-    pub cut: bool,
+    pub(super) cut: bool,
 }
 
 impl WidePrimitives {
-    /// Returns the mode with which a hook issues a draw of `mode`.
-    pub fn issued(&self, mode: u32) -> u32 {
-        if self.as_patches { api::GL_PATCHES } else { mode }
-    }
-
-    /// True if polygons may be drawn as outlines.
-    pub fn may_outline(&self) -> bool {
-        self.polygons
+    /// Begins a draw. `wide`: points and lines may be wider than the gutter between tiles. `emits`:
+    /// a geometry shader makes the primitives. `es`: the context has OpenGL ES.
+    pub(super) fn begin(&mut self, wide: bool, emits: bool, es: bool) {
+        let shape = std::mem::take(&mut self.shape);
+        self.drawn = shape;
+        self.patch = match self.mode.take() {
+            Some(api::GL_TRIANGLES) => Some(Patch::Triangles),
+            Some(api::GL_LINES) => Some(Patch::Lines),
+            Some(api::GL_QUADS) => Some(Patch::Quads),
+            _ => None,
+        };
+        self.cut = match shape {
+            _ if emits => wide,
+            Shape::Unknown | Shape::Lines => wide,
+            // In OpenGL ES shaders always set the size of points.
+            Shape::Points => wide || es,
+            Shape::Triangles | Shape::Filled => wide && self.polygons,
+        };
     }
 }
 

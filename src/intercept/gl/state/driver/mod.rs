@@ -27,6 +27,8 @@ pub struct Driver {
     pub(in crate::intercept::gl) known_state: KnownState,
     /// Error of the program that was taken out of the driver.
     pending_error: u32,
+    /// Number of errors that Cupola caused.
+    own_errors: u64,
     /// True if the driver's anisotropic filtering may never end.
     pub(in crate::intercept::gl) endless_anisotropy: bool,
 }
@@ -42,6 +44,7 @@ impl Driver {
             window_space: DriverState::default(),
             known_state: KnownState::of_new_context(),
             pending_error: 0,
+            own_errors: 0,
             endless_anisotropy: is_endless(gl),
         }
     }
@@ -69,6 +72,16 @@ impl Driver {
         if self.pending_error == api::GL_NO_ERROR {
             self.pending_error = error;
         }
+    }
+
+    /// Counts an error that Cupola caused.
+    pub fn note_own_error(&mut self) {
+        self.own_errors += 1;
+    }
+
+    /// Number of errors that Cupola caused.
+    pub fn own_errors(&self) -> u64 {
+        self.own_errors
     }
 
     /// Answers `glGetError`. The first error stays until the program asks for it. Later ones are

@@ -12,9 +12,9 @@ pub struct DrawCount {
     /// Number of frames in a row with about the same number of draws.
     steady: u32,
     /// True if the program tests stencils, which may have to outlast a frame.
-    pub(in crate::intercept::gl) stencil: bool,
+    stencil: bool,
     /// Number of draws for which the views are planned, once it is known.
-    pub(in crate::intercept::gl) draws: Option<u32>,
+    draws: Option<u32>,
 }
 
 /// Number of frames in a row that must have about the same number of draws.
@@ -29,13 +29,23 @@ impl DrawCount {
         (self.before, self.last) = (seen, draws);
     }
 
+    /// True if the program tests stencils.
+    pub fn tests_stencil(&self) -> bool {
+        self.stencil
+    }
+
+    /// True if the number of draws to plan for is known.
+    pub fn is_planned(&self) -> bool {
+        self.draws.is_some()
+    }
+
     /// Notes that the program switched the stencil test on.
     pub fn note_stencil(&mut self) {
         self.stencil = true;
     }
 
     /// Returns the number of draws to plan for, a power of two. Returns it once, when it is known.
-    pub(in crate::intercept::gl) fn take(&mut self) -> Option<u32> {
+    pub fn take(&mut self) -> Option<u32> {
         if self.draws.is_some() || self.steady < STEADY_FRAMES {
             return None;
         }

@@ -12,7 +12,7 @@ pub mod publishing;
 pub mod statistics;
 
 use crate::correct::LowerLeftRect;
-use crate::intercept::gl::state::frame::background::Background;
+use crate::intercept::gl::state::frame::background::{Background, PanelPart};
 use crate::intercept::gl::state::frame::device_times::DeviceTimes;
 use crate::intercept::gl::state::frame::draw_count::DrawCount;
 use crate::intercept::gl::state::frame::front_buffer::FrontBufferThrottle;
@@ -22,40 +22,41 @@ use crate::intercept::scene::camera::Cameras;
 use crate::intercept::scene::culling_program::CullingProgram;
 use crate::intercept::scene::flat_program::FlatProgram;
 use crate::runtime::frame_times::FrameTimes;
-use crate::runtime::session::Intrinsics;
+use crate::runtime::session::{Intrinsics, Session};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 /// State of a window's frames.
 #[derive(Default)]
 pub struct Frame {
     /// True if something was drawn since the last swap.
-    pub(in crate::intercept::gl) begun: bool,
+    begun: bool,
     /// Flat drawing behind the scene.
-    pub(in crate::intercept::gl) background: Background,
+    background: Background,
     /// The cameras of the frame.
-    pub(in crate::intercept::gl) cameras: Cameras,
+    cameras: Cameras,
     /// The lens of the last draw of the scene.
-    pub(in crate::intercept::gl) lens: Option<Intrinsics>,
+    lens: Option<Intrinsics>,
     /// Area of the largest viewport that a scene was drawn to: in this frame, and in the last one.
     viewport_area: [i64; 2],
     /// Number of draws.
-    pub(in crate::intercept::gl) draw_count: DrawCount,
+    draw_count: DrawCount,
     /// Limit of the flushes of the front buffer that are answered.
-    pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
+    front_buffer: FrontBufferThrottle,
     /// Number of corrections in a row in which the driver reported an error.
-    pub(in crate::intercept::gl) failed_corrections: u32,
+    failed_corrections: u32,
     /// Test whether the program draws no scene.
-    pub(in crate::intercept::gl) flat_program: FlatProgram,
+    flat_program: FlatProgram,
     /// Test whether the program leaves out objects beside its own picture.
-    pub(in crate::intercept::gl) culling_program: CullingProgram,
+    culling_program: CullingProgram,
     /// True if a scene was ever shown in the window.
     shows_scene: bool,
     /// For views that are drawn in turn: true if a scene was drawn off screen in this frame.
-    pub(in crate::intercept::gl) scene_off_screen: bool,
+    scene_off_screen: bool,
     /// Counts for `--stats`.
-    pub(in crate::intercept::gl) counts: Counts,
+    counts: Counts,
     /// Times for `--stats`; `None` if they are not asked for.
-    pub(in crate::intercept::gl) times: Option<Times>,
+    times: Option<Times>,
     /// Read-back of the published pictures; `None` if none are published.
     pub(in crate::intercept::gl) publishing: Option<Box<Publishing>>,
 }
@@ -69,6 +70,213 @@ pub struct Times {
 }
 
 impl Frame {
+    /// True if something was drawn since the last swap.
+    pub fn begun(&self) -> bool {
+        self.begun
+    }
+
+    /// Notes that something is drawn.
+    pub fn note_drawn(&mut self) {
+        self.begun = true;
+    }
+
+    /// Notes that the context draws to another window now.
+    pub fn window_changed(&mut self) {
+        self.begun = false;
+    }
+
+    /// Notes that the views changed. What was computed for them is not valid any more.
+    pub fn views_changed(&mut self) {
+        self.cameras.clear();
+        self.background.clear();
+    }
+
+    /// Flat drawing behind the scene.
+    pub fn background(&self) -> &Background {
+        &self.background
+    }
+
+    /// Notes a flat draw to the window.
+    pub fn note_flat(&mut self) {
+        self.background.note_flat();
+    }
+
+    /// True if flat drawing comes before the scene now.
+    pub fn is_behind(&self) -> bool {
+        self.background.order.is_behind()
+    }
+
+    /// Computes the matrices of flat drawing behind the scene. Returns false if there are none.
+    pub fn prepare_background(&mut self, session: &Session, projection: &[f64; 16], part: PanelPart) -> bool {
+        self.background.prepare(session, projection, part)
+    }
+
+    /// The cameras of the frame.
+    pub fn cameras(&self) -> &Cameras {
+        &self.cameras
+    }
+
+    /// Returns the index of the camera with this lens, which is made if it is new.
+    pub fn camera(&mut self, lens: &Intrinsics, session: &Session) -> usize {
+        self.cameras.index(lens, session)
+    }
+
+    /// Notes that the views are drawn with the camera at `index`.
+    pub fn show_camera(&mut self, index: usize) {
+        self.cameras.show(index);
+    }
+
+    /// Notes that the views are drawn with the last lens, which is that of the fixed-function
+    /// pipeline.
+    pub fn show_fixed_camera(&mut self) {
+        if let Some(lens) = &self.lens {
+            self.cameras.show_fixed(lens);
+        }
+    }
+
+    /// The lens of the last draw of the scene.
+    pub fn lens(&self) -> Option<Intrinsics> {
+        self.lens
+    }
+
+    /// Notes the lens of a draw of the scene; `how`: the way in which it was found.
+    pub fn note_lens(&mut self, lens: Intrinsics, how: &'static str) {
+        self.lens = Some(lens);
+        self.counts.found.count(how);
+    }
+
+    /// Notes a draw whose projection was found in this way, without a lens of its own.
+    pub fn note_found(&mut self, how: &'static str) {
+        self.counts.found.count(how);
+    }
+
+    /// Number of draws in a frame.
+    pub fn draw_count(&self) -> &DrawCount {
+        &self.draw_count
+    }
+
+    /// Notes that the program switched the stencil test on.
+    pub fn note_stencil(&mut self) {
+        self.draw_count.note_stencil();
+    }
+
+    /// Returns the number of draws to plan the views for. Returns it once, when it is known.
+    pub fn draws_to_plan_for(&mut self) -> Option<u32> {
+        self.draw_count.take()
+    }
+
+    /// True if the front buffer may be shown at this time. It may not if the program flushes too
+    /// often.
+    pub fn front_buffer_is_due(&mut self, now: Instant) -> bool {
+        self.front_buffer.allows(now)
+    }
+
+    /// Notes a correction. Returns the number of corrections in a row that have `failed`.
+    pub fn note_correction(&mut self, failed: bool) -> u32 {
+        self.failed_corrections = if failed { self.failed_corrections + 1 } else { 0 };
+        self.failed_corrections
+    }
+
+    /// Returns the tests whether the program draws no scene, and whether it leaves out objects.
+    pub fn program_checks(&self) -> (FlatProgram, CullingProgram) {
+        (self.flat_program, self.culling_program)
+    }
+
+    /// Puts these tests back after they have looked at a frame.
+    pub fn put_program_checks(&mut self, flat_program: FlatProgram, culling_program: CullingProgram) {
+        (self.flat_program, self.culling_program) = (flat_program, culling_program);
+    }
+
+    /// True if the test whether the program leaves out objects needs the positions of draws.
+    pub fn needs_places(&self) -> bool {
+        !self.culling_program.is_decided()
+    }
+
+    /// Notes a draw of the scene that is beside the program's own picture.
+    pub fn note_draw_beside(&mut self) {
+        self.counts.places.outside += 1;
+    }
+
+    /// Notes a draw of the scene that crosses the border of the program's own picture.
+    pub fn note_draw_at_border(&mut self) {
+        self.counts.places.crossing += 1;
+    }
+
+    /// For views that are drawn in turn: notes that a scene is drawn off screen.
+    pub fn note_scene_off_screen(&mut self) {
+        self.scene_off_screen = true;
+    }
+
+    /// For views that are drawn in turn: true if a scene was drawn off screen in this frame.
+    pub fn scene_off_screen(&self) -> bool {
+        self.scene_off_screen
+    }
+
+    /// Counts for `--stats`.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Counts a draw of the program to its window.
+    pub fn note_draw(&mut self) {
+        self.counts.draws_seen += 1;
+    }
+
+    /// Counts a draw that was issued to the primary view.
+    pub fn note_primary_draw(&mut self) {
+        self.counts.primary_draws += 1;
+    }
+
+    /// Counts a flat draw that was issued to the panel.
+    pub fn note_panel_draw(&mut self) {
+        self.counts.panel_draws += 1;
+    }
+
+    /// Counts a draw of the scene whose area is known.
+    pub fn note_bounded_draw(&mut self) {
+        self.counts.bounded_draws += 1;
+    }
+
+    /// Counts a closing of the unsampled areas.
+    pub fn note_closing(&mut self) {
+        self.counts.closings += 1;
+    }
+
+    /// Counts shader programs that were linked for Cupola.
+    pub fn note_linked(&mut self, programs: u64) {
+        self.counts.linked += programs;
+    }
+
+    /// Counts a presented frame.
+    pub fn note_presented(&mut self) {
+        self.counts.frames += 1;
+    }
+
+    /// Counts a presented frame of which nothing was visible.
+    pub fn note_hidden(&mut self) {
+        self.counts.hidden_frames += 1;
+    }
+
+    /// True if times are measured for `--stats`.
+    pub fn is_timed(&self) -> bool {
+        self.times.is_some()
+    }
+
+    /// Begins to measure times, with these timestamps of the device.
+    pub fn begin_timing(&mut self, device: DeviceTimes) {
+        self.times = Some(Times { shared: Arc::default(), device });
+    }
+
+    /// Times for `--stats`, to be measured; `None` if they are not needed.
+    pub fn times_mut(&mut self) -> Option<&mut Times> {
+        self.times.as_mut()
+    }
+
+    /// Measured times, which the report of the last frame reads when it is written.
+    pub fn measured_times(&self) -> Option<Arc<Mutex<FrameTimes>>> {
+        self.times.as_ref().map(|times| Arc::clone(&times.shared))
+    }
+
     /// Notes a viewport that a scene is drawn to.
     pub fn note_viewport(&mut self, LowerLeftRect { width, height, .. }: LowerLeftRect) {
         let area = i64::from(width) * i64::from(height);

@@ -25,8 +25,6 @@ pub struct Counts {
     pub closings: u64,
     /// Shader programs that were linked for Cupola.
     pub linked: u64,
-    /// OpenGL errors that Cupola caused.
-    pub errors: u64,
     /// Draws by the way their projection was found.
     pub found: Found,
 }

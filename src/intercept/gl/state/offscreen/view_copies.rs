@@ -76,6 +76,21 @@ pub struct SharedViewCopies {
 }
 
 impl ViewCopies {
+    /// Images of the program that are followed.
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+
+    /// Framebuffers of the program.
+    pub fn framebuffers(&self) -> &[Framebuffer] {
+        &self.framebuffers
+    }
+
+    /// Off-screen draws that were issued once per view.
+    pub fn issued(&self) -> &Issued {
+        &self.issued
+    }
+
     /// True if any image of the program is followed.
     pub fn any(&self) -> bool {
         !self.images.is_empty()

@@ -22,24 +22,17 @@ pub enum Processor {
 
 /// Programs that stand in for the pipeline in a context.
 #[derive(Default)]
-pub struct FixedFunction {
+pub(super) struct FixedFunction {
     /// Task of the processor for the draw that is being issued.
-    pub processor: Processor,
+    pub(super) processor: Processor,
     /// Division by the processor for the view that is drawn now, and the reprojection matrix of
     /// that view.
-    pub view: Option<(Division, ReprojectionMatrix)>,
+    pub(super) view: Option<(Division, ReprojectionMatrix)>,
     /// Number of primitives that the processor did not divide far enough.
-    pub coarse: u64,
+    pub(super) coarse: u64,
     /// The switches, or the reason why they cannot be followed; `None` if they may have changed.
-    pub(in crate::intercept::gl) known: Option<Result<Pipeline, Obstacle>>,
-    pub(in crate::intercept::gl) programs: HashMap<Pipeline, Arc<Program>>,
+    pub(super) known: Option<Result<Pipeline, Obstacle>>,
+    pub(super) programs: HashMap<Pipeline, Arc<Program>>,
     /// Switches that were turned on for the program that is in use now.
-    pub(in crate::intercept::gl) in_use: Option<Vec<u32>>,
-}
-
-impl FixedFunction {
-    /// Notes that the switches may have changed.
-    pub fn touch(&mut self) {
-        self.known = None;
-    }
+    pub(super) in_use: Option<Vec<u32>>,
 }

@@ -5,43 +5,48 @@ use std::collections::HashMap;
 
 /// The pipelines of a context.
 #[derive(Default)]
-pub struct Pipelines {
-    pub(in crate::intercept::gl) pipelines: HashMap<u32, Stages>,
-    pub(in crate::intercept::gl) bound: u32,
+pub(super) struct Pipelines {
+    pipelines: HashMap<u32, Stages>,
+    pub(super) bound: u32,
     /// Program of `glUseProgram`, which takes precedence over any pipeline; 0 = none.
-    pub used: u32,
+    pub(super) used: u32,
 }
 
 /// The programs of a pipeline that Cupola follows, by their names; 0 = none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::intercept::gl) struct Stages {
+pub struct Stages {
     vertex: u32,
     evaluation: u32,
     geometry: u32,
     fragment: u32,
     compute: u32,
     /// Program of `glActiveShaderProgram`.
-    pub(in crate::intercept::gl) active: u32,
+    pub(super) active: u32,
 }
 
 impl Stages {
     /// Returns the program of the fragment stage.
-    pub(in crate::intercept::gl) fn fragment(&self) -> u32 {
+    pub fn fragment(&self) -> u32 {
         self.fragment
     }
 
     /// Returns the program of the compute stage.
-    pub(in crate::intercept::gl) fn compute(&self) -> u32 {
+    pub fn compute(&self) -> u32 {
         self.compute
     }
 
     /// Returns the programs before rasterisation, the last one first.
-    pub(in crate::intercept::gl) fn last_first(&self) -> [u32; 3] {
+    pub fn last_first(&self) -> [u32; 3] {
         [self.geometry, self.evaluation, self.vertex]
     }
 
+    /// Returns the program of `glActiveShaderProgram`.
+    pub fn active(&self) -> u32 {
+        self.active
+    }
+
     /// `glUseProgramStages` with a program that has the stages `present`.
-    pub(in crate::intercept::gl) fn set(&mut self, stages: u32, program: u32, present: u32) {
+    pub(super) fn set(&mut self, stages: u32, program: u32, present: u32) {
         if stages & api::GL_FRAGMENT_SHADER_BIT != 0 {
             self.fragment = program;
         }
@@ -62,7 +67,18 @@ impl Stages {
 }
 
 impl Pipelines {
-    pub(in crate::intercept::gl) fn stages(&self) -> Stages {
+    pub(super) fn of(&mut self, pipeline: u32) -> &mut Stages {
+        self.pipelines.entry(pipeline).or_default()
+    }
+
+    pub(super) fn delete(&mut self, pipeline: u32) {
+        self.pipelines.remove(&pipeline);
+        if self.bound == pipeline {
+            self.bound = 0;
+        }
+    }
+
+    pub(super) fn stages(&self) -> Stages {
         self.pipelines.get(&self.bound).copied().unwrap_or_default()
     }
 }

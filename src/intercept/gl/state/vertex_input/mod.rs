@@ -25,6 +25,23 @@ pub struct VertexInput {
     pub(in crate::intercept::gl) blocks: BlockBuffers,
 }
 
+impl VertexInput {
+    /// Returns a number that grows with every change of a buffer that may hold uniform blocks.
+    pub fn generation(&self) -> u64 {
+        self.blocks.generation()
+    }
+
+    /// Notes that a buffer of a storage block may have changed, as shaders may write to it.
+    pub fn storage_changed(&mut self) {
+        self.blocks.storage_changed();
+    }
+
+    /// Number of ranges of vertices that were read so far.
+    pub fn ranges_read(&self) -> u64 {
+        self.ranges.reads
+    }
+}
+
 /// Buffers that were bound for uniform blocks and storage blocks.
 #[derive(Default)]
 pub struct BlockBuffers {
