@@ -3,6 +3,8 @@
 
 #[path = "../src/bin/cupola-lab/structure/circles.rs"]
 mod circles;
+#[path = "architecture/parts.rs"]
+mod parts;
 #[path = "../src/bin/cupola-lab/structure/rules.rs"]
 mod rules;
 #[path = "../src/bin/cupola-lab/structure/source.rs"]
@@ -398,6 +400,38 @@ fn rooms_use_only_rooms_below_them() {
         }
     }
     report(&findings);
+}
+
+#[test]
+fn rooms_change_only_their_own_parts() {
+    let sources = sources(&["src/intercept"], &["rs"]);
+    let findings = parts::FOLDERS.iter().flat_map(|(folder, parts)| {
+        [parts::foreign_uses(&sources, folder, parts), parts::unused(&sources, folder, parts)].concat()
+    });
+    report(&findings.collect::<Vec<_>>());
+}
+
+/// The check of parts finds fields that a foreign room names or sets. It does not find methods,
+/// fields of the owner, and open fields.
+#[test]
+fn the_owners_of_parts_are_checked() {
+    let file = |path: &str, text: &str| Source { path: path.into(), text: text.into() };
+    let sources = [
+        file(
+            "x/draw/a.rs",
+            "ctx.frame.count += 1; ctx.frame.note(); ctx.driver.gl.flush(); frame::x(); my_frame.count;",
+        ),
+        file("x/draw/b.rs", "f(&frame.lens); ctx.driver.gl = other; // ctx.frame.count"),
+        file("x/frame/c.rs", "ctx.frame.count = 1; let same = ctx.driver.id == 1;"),
+        file("x/state/d.rs", "self.frame.count = 1;"),
+    ];
+    let part = |name, owners, open| parts::Part { name, owners, open };
+    let all = [part("frame", &["frame"], &[]), part("driver", &[], &["gl", "id", "gone"])];
+    let found = parts::foreign_uses(&sources, "x", &all);
+    let expected = ["x/draw/a.rs: sets frame.count", "x/draw/b.rs: names frame.lens", "x/draw/b.rs: sets driver.gl"];
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    assert!(found.iter().zip(expected).all(|(found, start)| found.starts_with(start)), "{found:?}");
+    assert_eq!(parts::unused(&sources, "x", &all), ["x: no room names driver.gone: remove it from the list"]);
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn app_state_answer(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
 
 /// Converts a raster position of the driver to the program's window.
 fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
-    let [x, y] = ctx.compat.raster.origin();
+    let [x, y] = ctx.compat.raster_origin();
     values[0] -= f64::from(x);
     values[1] -= f64::from(y);
 }
@@ -79,7 +79,7 @@ macro_rules! getters {
                 } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.drawable.target().is_some() {
                     let answered = is_answered(|room: *mut $t| gl.$method(name, room));
                     gl.$method(name, values);
-                    if answered && ctx.compat.raster.origin() != [0; 2] {
+                    if answered && ctx.compat.raster_origin() != [0; 2] {
                         let mut position = [0.0; 4];
                         gl.get_doublev(name, position.as_mut_ptr());
                         raster_position(ctx, &mut position);

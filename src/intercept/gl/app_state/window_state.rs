@@ -18,7 +18,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     unsafe { ctx.driver.gl.push_attrib(mask) };
     // The stack is as deep as OpenGL's own, which ignores a push beyond its depth.
     if ctx.app.can_push(0) {
-        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.raster.saved());
+        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.saved_raster());
         let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base(), ctx.driver.known_state.clone());
         ctx.app.push(Pushed { mask, saved, list_base, known, raster });
     }

@@ -114,14 +114,14 @@ impl Context {
     pub fn note_drawn(&mut self) {
         self.frame.note_drawn();
         if let Some(target) = self.drawable.target() {
-            target.ready.set(None);
+            target.note_drawn();
         }
     }
 
     /// True if OpenGL surely executes a call of the program whose arguments are valid. False where
     /// the program may be between Begin and End.
     pub fn takes_calls(&self) -> bool {
-        !self.compat.immediate.under_way() && !self.app.picking() && self.session().is_some()
+        !self.compat.under_way() && !self.app.picking() && self.session().is_some()
     }
 
     /// True while a display list is being compiled. Commands are then not executed now.

@@ -40,7 +40,7 @@ macro_rules! hooks {
                 if $ctx.switched_off
                     || $crate::intercept::process::ending::of_process()
                     || $ctx.driver.profile.is_outside(OUTSIDE)
-                    || (!$between && $ctx.compat.immediate.refuses($gl))
+                    || (!$between && $ctx.compat.refuses($gl))
                 {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };

@@ -41,7 +41,7 @@ pub fn look(ctx: &mut Context) {
 pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     let divides = ctx.drawable.target().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     let in_program = ctx.shaders.program().is_some_and(|program| program.draws_vertices());
-    if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Background) {
+    if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Behind) {
         return false;
     }
     if let Processor::Cannot(why) = ctx.projected.processor() {

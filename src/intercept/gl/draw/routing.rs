@@ -99,7 +99,7 @@ fn draw_to_window(
     let (session, primary) = (target.session.clone(), target.primary());
     let counts = changes != Changes::Nothing || ctx.app.feedback() || ctx.queries.primitives();
     let shown = if counts { shown } else { shown.within(session.needed()) };
-    if class != DrawClass::Background {
+    if class != DrawClass::Behind {
         ctx.frame.note_viewport(ctx.app.viewport());
     }
     let mut window = Window { session, primary, class, shown };
@@ -144,7 +144,7 @@ fn perspective_or_flat(
             flat(ctx, changes, measure, issue);
             return None;
         }
-        class = DrawClass::Background;
+        class = DrawClass::Behind;
     } else {
         ctx.frame.note_scene();
     }

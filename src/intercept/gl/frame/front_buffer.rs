@@ -31,7 +31,7 @@ pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
 /// Shows what the program has drawn. Pictures that follow each other too fast are left out, unless
 /// `finally` is set: then the program waits for the drawing.
 pub fn show(ctx: &mut Context, finally: bool) {
-    let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking();
+    let drawing = ctx.compiling() || ctx.compat.under_way() || ctx.app.picking();
     if ctx.frame.begun()
         && !drawing
         && !ending::has_begun()

@@ -125,7 +125,7 @@ pub(super) fn correct(ctx: &mut Context) {
 
 fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.drawable.take_target() else { return };
-    if target.collected.is_none() {
+    if !target.is_collected() {
         target.resolve(ctx, None);
     }
     let cleared = target.views_cleared();

@@ -48,7 +48,7 @@ pub(super) fn spread(ctx: &mut Context, index: usize) {
     debug_assert_eq!(tiles.len(), views(ctx));
     let what = Spread { framebuffer, picture: grid.tile(own_tile(ctx)), format, lens, tiles: &tiles };
     if let Some(target) = ctx.drawable.target_mut()
-        && let Err(error) = target.backend.spread(ctx.driver.gl, &what, &ctx.driver.known_state)
+        && let Err(error) = target.spread(ctx.driver.gl, &what, &ctx.driver.known_state)
     {
         log::once(&format!("the background of a scene has seams between the views: {error}"));
     }

@@ -66,7 +66,7 @@ pub fn draw(
     let count = views(ctx);
     ctx.view_copies.issued.count(shown, count);
     let placed = match (class, corner) {
-        (_, Some(part)) if background::prepare(ctx, part) => Placed::of(DrawClass::Background),
+        (_, Some(part)) if background::prepare(ctx, part) => Placed::of(DrawClass::Behind),
         (DrawClass::Flat, _) if sampled == 0 => place(ctx, index),
         _ => Placed::of(class),
     };
@@ -142,7 +142,7 @@ fn draw_in_tiles(
     each_view(ctx, changes, count, shown, issue, |ctx, view| {
         supply(ctx, sampled, view);
         own_window_space(ctx, grid.tile(view));
-        if class == DrawClass::Background && view < own {
+        if class == DrawClass::Behind && view < own {
             ctx.set_viewport(grid.tile(view));
             ctx.set_scissor(Some(ctx.frame.background().within(view, grid.tile(view))));
         }
@@ -180,7 +180,7 @@ fn place(ctx: &mut Context, index: usize) -> Placed {
     }
     let (class, measure, fills) = match coverage::fills_viewport(ctx, samples) {
         Err(measure) => (DrawClass::Flat, Some(measure), false),
-        Ok(false) if background::prepare(ctx, PanelPart::default()) => (DrawClass::Background, None, false),
+        Ok(false) if background::prepare(ctx, PanelPart::default()) => (DrawClass::Behind, None, false),
         Ok(fills) => (DrawClass::Flat, None, fills),
     };
     Placed { class, measure, fills }

@@ -66,7 +66,7 @@ fn class_name(seen: &Seen<'_>) -> &'static str {
         DrawClass::FixedScene | DrawClass::Scene(_) => "scene",
         DrawClass::Flat if seen.sampled != 0 => "pass over the screen",
         DrawClass::Flat => "flat",
-        DrawClass::Background => "flat, behind the scene",
+        DrawClass::Behind => "flat, behind the scene",
         DrawClass::Screen => "pass over the screen",
     }
 }
@@ -77,7 +77,7 @@ fn why(ctx: &Context, seen: &Seen<'_>) -> String {
         (None, DrawClass::FixedScene) => "fixed-function projection with a perspective".to_owned(),
         (None, DrawClass::Scene(_)) => "a matrix with a perspective flows into its positions".to_owned(),
         (None, DrawClass::Screen) => "a shader has the inverse of a camera matrix".to_owned(),
-        (None, DrawClass::Background) => "flat, and drawn before the scene".to_owned(),
+        (None, DrawClass::Behind) => "flat, and drawn before the scene".to_owned(),
         (None, DrawClass::Flat) => match ctx.shaders.program() {
             Some(program) if !program.uniforms.locked().any() => "no 4×4 matrix flows into its positions".to_owned(),
             _ => "no matrix with a perspective".to_owned(),

@@ -103,7 +103,7 @@ fn load_view(
             upload::load_view(ctx, view, class);
             return load_rows(ctx, view, &rows);
         }
-        Some(DrawClass::Background) if takes_rows => {
+        Some(DrawClass::Behind) if takes_rows => {
             let rows = ctx.frame.background().shader_rows(view).copied()?;
             return load_rows(ctx, view, &rows);
         }
@@ -114,7 +114,7 @@ fn load_view(
                 upload::load_view(ctx, view, class);
             }
             let matrix = match class {
-                DrawClass::Background => ctx.frame.background().projection(view),
+                DrawClass::Behind => ctx.frame.background().projection(view),
                 _ => ctx.compat.projection.of_view(view),
             };
             if let Some(matrix) = matrix {

@@ -70,8 +70,7 @@ pub unsafe fn stage(device: &Device, parts: &Parts<'_>, layout: &PipelineLayout)
         };
         let words = divide(input, &outputs, provoking, layout.ours, layout.counts, &limits)?;
         if !layout.counts {
-            let _ =
-                device.pipelines.divided.uncounted.set(if device.role.vertices.counts { NO_ROOM } else { NO_COUNTER });
+            device.pipelines.divided.note_uncounted(if device.role.vertices.counts { NO_ROOM } else { NO_COUNTER });
         }
         Ok(Some(words))
     }

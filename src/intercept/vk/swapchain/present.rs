@@ -364,7 +364,7 @@ pub fn count_again(device: &Device) {
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
     let (counts, lenses) = {
         let frame = device.frame.locked();
-        (frame.counts.clone(), common_statistics::lenses(&frame.cameras).collect())
+        (frame.counts().clone(), common_statistics::lenses(frame.cameras()).collect())
     };
     let divided = &device.pipelines.divided;
     let uncounted = divided

@@ -7,7 +7,7 @@ use crate::intercept::gl::context::gl_context::Context;
 /// Notes that the program cleared the colour of all views by `glClear`, with its present clear
 /// state.
 pub fn note_clear(ctx: &mut Context) {
-    let unconditional = ctx.queries.condition.is_none() && !ctx.app.discard() && ctx.app.draw_buffer() != api::GL_NONE;
+    let unconditional = !ctx.queries.is_conditional() && !ctx.app.discard() && ctx.app.draw_buffer() != api::GL_NONE;
     let (gl, state) = (ctx.driver.gl, &ctx.driver.known_state);
     let srgb = ctx.drawable.target().is_some_and(|t| t.config().srgb);
     // OpenGL ES always converts to sRGB if the window supports it.
@@ -15,7 +15,7 @@ pub fn note_clear(ctx: &mut Context) {
     let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
     let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
     if let Some(target) = ctx.drawable.target_mut() {
-        target.content.clear(if known { stored([red, green, blue]) } else { None });
+        target.note_clear(if known { stored([red, green, blue]) } else { None });
     }
 }
 

@@ -88,7 +88,7 @@ pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
             let program = ctx.shaders.program().cloned().filter(|program| ctx.shaders.used() == program.name)?;
             clip(ctx, &program, program.position.as_ref()?)
         }
-        DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
+        DrawClass::Flat | DrawClass::Behind | DrawClass::Screen => None,
     }
 }
 
@@ -118,7 +118,7 @@ pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -
     match class {
         DrawClass::FixedScene => compat.projection.of_view(index).map(View::of),
         DrawClass::Scene(camera) => frame.cameras().get(camera)?.rows.get(index).map(View::of_rows),
-        DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
+        DrawClass::Flat | DrawClass::Behind | DrawClass::Screen => None,
     }
 }
 
@@ -128,7 +128,7 @@ pub fn of_own_picture(compat: &Compat, class: DrawClass) -> Option<View> {
     match class {
         DrawClass::FixedScene => Some(View::of(compat.projection.matrix())),
         DrawClass::Scene(_) => Some(View::of(&Transform::NONE.matrix)),
-        DrawClass::Flat | DrawClass::Background | DrawClass::Screen => None,
+        DrawClass::Flat | DrawClass::Behind | DrawClass::Screen => None,
     }
 }
 

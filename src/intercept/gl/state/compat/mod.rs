@@ -9,6 +9,7 @@ pub mod raster_position;
 pub mod vertex_commands;
 pub mod vertex_recorder;
 
+use crate::backend::gl::driver::api::Gl;
 use crate::intercept::gl::state::compat::begin_end::Immediate;
 use crate::intercept::gl::state::compat::projection::Projection;
 use crate::intercept::gl::state::compat::raster_position::RasterPosition;
@@ -25,6 +26,26 @@ pub struct Compat {
 }
 
 impl Compat {
+    /// True between `glBegin` and `glEnd` of a draw of Cupola.
+    pub fn under_way(&self) -> bool {
+        self.immediate.under_way()
+    }
+
+    /// True if the driver is to refuse a command that is not allowed between Begin and End.
+    pub fn refuses(&mut self, gl: &Gl) -> bool {
+        self.immediate.refuses(gl)
+    }
+
+    /// Returns the origin of the window in the coordinates of the driver's raster position.
+    pub fn raster_origin(&self) -> [i32; 2] {
+        self.raster.origin()
+    }
+
+    /// Returns the part of the raster position that `glPushAttrib` saves.
+    pub fn saved_raster(&self) -> RasterPosition {
+        self.raster.saved()
+    }
+
     /// `glPopAttrib` restores the raster position.
     pub fn restore_raster(&mut self, raster: RasterPosition) {
         self.raster = raster;

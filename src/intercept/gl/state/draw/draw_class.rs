@@ -24,7 +24,7 @@ pub enum DrawClass {
     /// The flat panel.
     Flat,
     /// Flat, behind the scene.
-    Background,
+    Behind,
     /// A pass over the whole picture whose shader computes positions in the scene from pixels. It
     /// goes into each view unchanged, with the matrices of the view.
     Screen,

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::driver::api::Gl;
 use crate::backend::gl::objects::surface::Surface;
-use crate::backend::gl::{ClearedViews, GlBackend, Target};
+use crate::backend::gl::{ClearedViews, GlBackend, KnownState, Spread, Target};
 use crate::correct::projected::matrices::LensConstants;
 use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::error::Result;
@@ -108,6 +108,29 @@ impl DefaultFramebuffer {
     /// Returns the tile from which the program's reads of its window come.
     pub fn own_picture(&self) -> Option<LowerLeftRect> {
         self.primary().or_else(|| self.own_tile())
+    }
+
+    /// Notes that something is drawn. What was ready to be read is not any more.
+    pub fn note_drawn(&self) {
+        self.ready.set(None);
+    }
+
+    /// Notes a clear of all views to this colour; `None`: the views have different colours.
+    pub fn note_clear(&mut self, color: Option<[f32; 3]>) {
+        self.content.clear(color);
+    }
+
+    /// Gives each view its own part of a background.
+    ///
+    /// # Errors
+    /// As for [`GlBackend::spread`].
+    pub fn spread(&mut self, gl: &Gl, what: &Spread<'_>, known: &KnownState) -> Result<bool> {
+        self.backend.spread(gl, what, known)
+    }
+
+    /// True if the views are drawn in turn and collected in an atlas of their own.
+    pub fn is_collected(&self) -> bool {
+        self.collected.is_some()
     }
 
     /// Notes a draw that went to a view.

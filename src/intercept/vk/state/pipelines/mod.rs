@@ -154,8 +154,8 @@ pub struct Pipelines {
 /// Statistics of division.
 #[derive(Default)]
 pub struct DivisionStatistics {
-    pub(in crate::intercept::vk) uncounted: OnceLock<&'static str>,
-    pub(in crate::intercept::vk) undivided: Mutex<BTreeMap<String, u64>>,
+    uncounted: OnceLock<&'static str>,
+    undivided: Mutex<BTreeMap<String, u64>>,
 }
 
 impl DivisionStatistics {
@@ -169,6 +169,11 @@ impl DivisionStatistics {
     /// Returns the number of pipelines that are not divided, by reason.
     pub fn undivided(&self) -> BTreeMap<String, u64> {
         self.undivided.locked().clone()
+    }
+
+    /// Notes why a pipeline that divides does not count primitives that are not fine enough.
+    pub fn note_uncounted(&self, why: &'static str) {
+        let _ = self.uncounted.set(why);
     }
 
     /// Returns the reason why some pipeline that divides does not count primitives that are not

@@ -232,3 +232,15 @@ pub struct Frame {
     /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,
 }
+
+impl Frame {
+    /// The lenses that the views are drawn with.
+    pub fn cameras(&self) -> &Cameras {
+        &self.cameras
+    }
+
+    /// Counts for the statistics.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+}
