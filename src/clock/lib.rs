@@ -5,8 +5,9 @@
 //! rules. It is a library of its own because it exports names of libc: in `libcupola.so` they would
 //! affect every program that links it.
 //!
-//! [`timeline`] holds the time, [`settings`] the requests of the environment. [`caller`] decides
-//! who gets real time; [`real`] has the functions of libc. [`reads`], [`sleeps`],
+//! [`timeline`] has the time, [`settings`] the requests of the environment. By a [`page`] other
+//! processes hold the time. [`caller`] decides who gets real time; [`real`] has the functions of
+//! libc. [`reads`], [`sleeps`],
 //! [`poll_and_timerfd`], [`threads`] and [`random`] answer the program.
 
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -14,6 +15,7 @@
 #![cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 
 mod caller;
+mod page;
 mod poll_and_timerfd;
 mod random;
 mod reads;

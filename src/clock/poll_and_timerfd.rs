@@ -2,7 +2,7 @@
 
 use super::caller::{interpose, is_served};
 use super::real;
-use super::timeline::{after, moment, nanoseconds, now, start_of, timespec, wait};
+use super::timeline::{after, is_held_before, moment, nanoseconds, now, start_of, timespec, wait};
 use std::ffi::{c_int, c_long};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -37,6 +37,13 @@ fn wait_for_files(deadline: Option<u64>, mut attempt: impl FnMut(Option<Duration
             return count;
         }
         let Some(target) = target else { continue };
+        if is_held_before(target) {
+            // The time is held: timers are not due, and a limit has lasted its real time.
+            if deadline.is_some() {
+                return 0;
+            }
+            continue;
+        }
         fire(target);
         if deadline == Some(target) || timer == Some(target) {
             if let Some(count) = attempt(Some(Duration::ZERO)) {

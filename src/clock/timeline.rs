@@ -4,10 +4,11 @@
 //! second. It advances when a frame ends and when the thread that draws the frames waits, and
 //! stands still otherwise.
 
-use super::settings::settings;
+use super::page::{NEVER, Page};
+use super::settings::{page, settings};
 use super::{poll_and_timerfd, real, threads};
 use std::cell::Cell;
-use std::sync::atomic::{AtomicI32, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 /// Nanoseconds in a second.
@@ -27,6 +28,12 @@ const STALLED: u64 = 5 * SECOND;
 /// Number of swaps of other windows, without one of the leading window, after which another window
 /// leads.
 const GONE: u32 = 30;
+/// Longest real time of a wait of the drawing thread while the time is held.
+const HELD_WAIT: Duration = Duration::from_millis(250);
+/// Longest real time between two frames of a program whose time is held.
+const HELD_FRAME: Duration = Duration::from_millis(100);
+/// Real time that a program gets to wait for whose held time it asks again and again.
+const HELD_READ: Duration = Duration::from_millis(1);
 
 /// Nanoseconds since the start.
 static NOW: AtomicU64 = AtomicU64::new(0);
@@ -44,6 +51,8 @@ static READ: AtomicU32 = AtomicU32::new(0);
 static WINDOW: AtomicU64 = AtomicU64::new(0);
 /// Number of swaps of other windows since its last one.
 static OTHERS: AtomicU32 = AtomicU32::new(0);
+/// True from the first frame on of a process whose time another process may hold.
+static IS_HELD: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     /// Number of this thread.
@@ -88,6 +97,13 @@ pub fn seen() -> u64 {
         return now();
     }
     let real = real::now();
+    if stands() {
+        // The marks move along: time that was held does not count later.
+        GROWN.store(real, Ordering::Release);
+        if is_blocked() {
+            BLOCKED.store(real, Ordering::Release);
+        }
+    }
     let extra = match (BLOCKED.load(Ordering::Acquire), GROWN.load(Ordering::Acquire)) {
         (0, 0) => 0,
         (0, grown) => real.saturating_sub(grown).saturating_sub(STALLED),
@@ -102,9 +118,50 @@ pub fn seen() -> u64 {
 /// Time for a program that reads a clock.
 pub fn read() -> u64 {
     if draws() && READ.fetch_add(1, Ordering::Relaxed) >= READS {
-        NOW.fetch_add(CREEP, Ordering::AcqRel);
+        if now() + CREEP <= limit() {
+            NOW.fetch_add(CREEP, Ordering::AcqRel);
+        } else {
+            nap(HELD_READ);
+        }
     }
     seen()
+}
+
+/// Waits in real time.
+fn nap(time: Duration) {
+    let time = timespec(u64::try_from(time.as_nanos()).unwrap_or(0));
+    // SAFETY: a local structure. A signal may end the wait.
+    unsafe { real::nanosleep(&time, std::ptr::null_mut()) };
+}
+
+/// The page of another process that may hold the time, from the first frame on.
+fn holder() -> Option<Page<'static>> {
+    if IS_HELD.load(Ordering::Acquire) { page() } else { None }
+}
+
+/// Nanoseconds since the start beyond which the time does not go now.
+fn limit() -> u64 {
+    match holder().map(Page::until) {
+        None | Some(NEVER) => u64::MAX,
+        Some(until) => begin_of(until.max(FRAME.load(Ordering::Relaxed))),
+    }
+}
+
+/// True if the time is held and does not reach this moment.
+pub fn is_held_before(moment: u64) -> bool {
+    moment > limit().max(now())
+}
+
+/// True if the time is held and stands.
+pub fn stands() -> bool {
+    now() >= limit()
+}
+
+/// Time at the beginning of a frame of the display.
+fn begin_of(frame: u64) -> u64 {
+    let (frames, seconds) = settings().map_or((1, 1), |settings| settings.rate);
+    let length = u128::from(seconds) * u128::from(SECOND);
+    u64::try_from(u128::from(frame) * length / u128::from(frames)).unwrap_or(u64::MAX)
 }
 
 /// Value of a clock at the program's start; `None` for clocks that are not virtual.
@@ -137,8 +194,9 @@ pub fn timespec(time: u64) -> libc::timespec {
     libc::timespec { tv_sec: (time / SECOND) as libc::time_t, tv_nsec: (time % SECOND) as libc::c_long }
 }
 
-/// Advances the time to `time`.
+/// Advances the time to `time`, or as far as it goes while it is held.
 fn grow(time: u64) {
+    let time = time.min(limit());
     NOW.fetch_max(time, Ordering::AcqRel);
     READ.store(0, Ordering::Relaxed);
     GROWN.store(real::now(), Ordering::Release);
@@ -154,8 +212,8 @@ pub fn advance(time: u64) {
     }
 }
 
-/// Announces that a frame of this window is complete, and advances the time to the next one.
-/// Returns false if another window leads.
+/// Announces that a frame of this window is complete, and advances the time to the next one, unless
+/// it is held. Returns false if another window leads.
 pub fn frame(window: u64) -> bool {
     let Some(settings) = settings() else { return false };
     if !leads(window) {
@@ -167,10 +225,37 @@ pub fn frame(window: u64) -> bool {
     // If a program waited longer than a frame lasts, frames of the display have passed: the nearest
     // frame is the next.
     let nearest = (u128::from(now()) * frames + length / 2) / length;
-    let next = u64::try_from(nearest).unwrap_or(u64::MAX).max(FRAME.load(Ordering::Relaxed) + 1);
+    let nearest = u64::try_from(nearest).unwrap_or(u64::MAX);
+    // Before the first frame the time is not held, and may be that of a later frame.
+    let is_first = holder().is_none();
+    let current = if is_first { nearest } else { FRAME.load(Ordering::Relaxed) };
+    let holder = page().filter(|page| page.claim(process(), is_gone));
+    let until = holder.map_or(NEVER, Page::until);
+    let next = nearest.max(FRAME.load(Ordering::Relaxed) + 1).min(until.max(current));
     FRAME.store(next, Ordering::Relaxed);
-    grow(u64::try_from(u128::from(next) * length / frames).unwrap_or(u64::MAX));
+    if let Some(page) = holder {
+        page.pass(current, next);
+    }
+    IS_HELD.store(holder.is_some(), Ordering::Release);
+    grow(begin_of(next));
+    if next == current {
+        nap(Duration::from_nanos(begin_of(1)).min(HELD_FRAME));
+    }
     true
+}
+
+/// Number of this process.
+fn process() -> u64 {
+    // SAFETY: returns a number.
+    u64::from(unsafe { real::getpid() }.unsigned_abs())
+}
+
+/// True if the process of this number has ended.
+fn is_gone(process: u64) -> bool {
+    // SAFETY: signal 0 is sent to nobody.
+    unsafe {
+        real::syscall(libc::SYS_kill, process as usize, 0, 0, 0, 0, 0) != 0 && *libc::__errno_location() == libc::ESRCH
+    }
 }
 
 /// True if the swaps of this window count. The first window leads until only others are swapped.
@@ -209,7 +294,8 @@ impl Drop for Blocked {
 /// Waits until the time is `deadline` (`None`: without a limit), or until something comes.
 /// `attempt` waits in real time, for no longer than its argument, and returns `None` if nothing
 /// came. The drawing thread makes one attempt, no longer than `patience`, and then advances the
-/// time. Other threads do not advance it.
+/// time. Other threads do not advance it. While the time is held, a wait ends after the real time
+/// that was asked for, of the drawing thread after [`HELD_WAIT`] at the latest.
 pub fn wait<R>(
     deadline: Option<u64>,
     patience: Duration,
@@ -222,16 +308,19 @@ pub fn wait<R>(
     };
     if draws {
         let left = Duration::from_nanos(deadline.saturating_sub(now()));
+        let patience = if is_held_before(deadline) { HELD_WAIT } else { patience };
         let came = attempt(Some(left.min(patience)));
         if came.is_none() {
             grow(deadline);
         }
         return came;
     }
+    let (begin, length) = (real::now(), deadline.saturating_sub(seen()));
     loop {
         let left = Duration::from_nanos(deadline.saturating_sub(seen()));
         let came = attempt(Some(left.min(SLICE)));
-        if came.is_some() || left.is_zero() {
+        let is_over = left.is_zero() || (stands() && real::now().saturating_sub(begin) >= length);
+        if came.is_some() || is_over {
             return came;
         }
     }

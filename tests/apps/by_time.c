@@ -91,7 +91,9 @@ static void draw(app *a)
     double read = now();
     write_down(a, read);
     a->yaw = fmod((read - start) * 50, 360);
-    a->pitch = rand() % 20 - 10;
+    /* Without random numbers, frames of the same time are equal. */
+    bool is_steady = a->mode && strcmp(a->mode, "steady") == 0;
+    a->pitch = is_steady ? 5 : rand() % 20 - 10;
     if (a->mode && strcmp(a->mode, "counter") == 0 && a->frame >= 2)
         a->pitch += counter() % 1000 * 1e-3;
     if (program && a->frame >= 2) {

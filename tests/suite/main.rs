@@ -27,6 +27,7 @@ mod finished;
 mod frag_coord;
 #[path = "../harness/mod.rs"]
 mod harness;
+mod held;
 mod hidden;
 mod in_turn;
 mod injection;
@@ -73,6 +74,7 @@ harness::tests! {
     cache,
     calls,
     clock,
+    held,
     camera_matrices,
     content,
     computed,

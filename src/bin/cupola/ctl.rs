@@ -1,6 +1,8 @@
-//! `cupola ctl`: sends requests to a running `cupola serve`.
+//! `cupola ctl`: sends requests to a running `cupola serve`; the program's time it also holds
+//! without one.
 
 use crate::failure::Failure;
+use crate::launch::held::{self, Request};
 use crate::serve::control::Command;
 use crate::serve::pattern::Choice;
 use crate::serve::socket;
@@ -8,13 +10,17 @@ use serde_json::Value;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Control a running `cupola serve` of the same user: change keys, undo, save, show patterns, start
-/// and stop programs.
+/// Control a running `cupola serve` of the same user: change keys, undo, save, show patterns, start,
+/// stop and hold programs.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Socket of the server, as it printed it [default: the one that was started first]
     #[arg(long, value_name = "FILE")]
     socket: Option<PathBuf>,
+    /// Process number of the `cupola run` without a server whose time is held [default: the only
+    /// one]
+    #[arg(long, value_name = "NUMBER", conflicts_with = "socket")]
+    run: Option<u32>,
     /// Print the answer as JSON
     #[arg(long)]
     json: bool,
@@ -79,12 +85,25 @@ enum Action {
     },
     /// Stop the program
     Stop,
+    /// Hold the time of a program with a virtual clock (--clock)
+    Pause,
+    /// Let its time go on
+    Resume,
+    /// Let its time go on by single frames, and hold it then
+    Step {
+        /// Number of frames
+        #[arg(value_name = "N", default_value_t = 1)]
+        frames: u64,
+    },
     /// End the server and the program
     Quit,
 }
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    if let Some(request) = request(&arguments.action) {
+        return hold(arguments, request);
+    }
     let answer = socket::ask(arguments.socket.as_deref(), &command(&arguments.action)).map_err(Failure::new)?;
     match &arguments.action {
         _ if arguments.json => println!("{answer:#}"),
@@ -94,6 +113,57 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         _ => {}
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Request for the program's time.
+fn request(action: &Action) -> Option<Request> {
+    match action {
+        Action::Pause => Some(Request::Hold),
+        Action::Resume => Some(Request::Release),
+        Action::Step { frames } => Some(Request::Step(*frames)),
+        _ => None,
+    }
+}
+
+/// Holds the time of the server's program, or of a program without a server, and waits until its
+/// picture is complete.
+fn hold(arguments: &Arguments, request: Request) -> Result<ExitCode, Failure> {
+    let state = match page(arguments).map_err(Failure::new)? {
+        Some(page) => held::apply(&page, request).and_then(|_| held::until_it_stands(|| held::state(&page))),
+        None => {
+            let ask =
+                |command| socket::ask(arguments.socket.as_deref(), command).map(|mut state| state["clock"].take());
+            ask(&command(&arguments.action)).and_then(|_| held::until_it_stands(|| ask(&Command::State {})))
+        }
+    };
+    let state = state.map_err(Failure::new)?;
+    if arguments.json {
+        println!("{state:#}");
+    } else {
+        println!("{}", held::words(&state));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Page of the chosen program; `None` if a server is asked.
+fn page(arguments: &Arguments) -> Result<Option<PathBuf>, String> {
+    if arguments.socket.is_some() || (arguments.run.is_none() && socket::is_there()) {
+        return Ok(None);
+    }
+    let pages = held::all();
+    let number = |page: &PathBuf| page.to_string_lossy().rsplit_once('-').and_then(|(_, number)| number.parse().ok());
+    let found = pages.iter().filter(|page| arguments.run.is_none_or(|run| number(page) == Some(run)));
+    match found.collect::<Vec<_>>()[..] {
+        [page] => Ok(Some(page.clone())),
+        [] => Err(match arguments.run {
+            Some(run) => format!("--run {run}: no cupola run with this number runs a program with a virtual clock"),
+            None => "no program with a virtual clock runs; start it with cupola run --clock 60".to_owned(),
+        }),
+        [..] => {
+            let numbers = pages.iter().filter_map(number).map(|number: u32| number.to_string()).collect::<Vec<_>>();
+            Err(format!("several programs have a virtual clock; choose one with --run: {}", numbers.join(", ")))
+        }
+    }
 }
 
 fn command(action: &Action) -> Command {
@@ -114,6 +184,9 @@ fn command(action: &Action) -> Command {
             Command::Start { program: program.clone(), command: (!command.is_empty()).then(|| command.clone()) }
         }
         Action::Stop => Command::Stop {},
+        Action::Pause => Command::Pause {},
+        Action::Resume => Command::Resume {},
+        Action::Step { frames } => Command::Step { frames: *frames },
         Action::Quit => Command::Quit {},
     }
 }
@@ -155,6 +228,9 @@ fn print_state(state: &Value) {
     let frame = state["frame_milliseconds"].as_f64().unwrap_or_default();
     if program["runs"] == true && frame > 0.0 {
         println!("frames   {frame:.1} ms from frame to frame");
+    }
+    if !state["clock"].is_null() {
+        println!("clock    {}", held::words(&state["clock"]));
     }
     let megabytes = |name: &str| state["memory"][name].as_u64().unwrap_or_default() >> 20;
     println!("memory   {} MiB program, {} MiB server", megabytes("program"), megabytes("server"));

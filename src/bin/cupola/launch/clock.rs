@@ -1,8 +1,10 @@
 //! Options of the virtual clock, and its library.
 
+use super::held::Held;
 use super::{Environment, library};
 use crate::failure::Failure;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Options of the virtual clock.
@@ -18,6 +20,12 @@ pub struct Options {
     /// Start of the program's dates with --clock, or now [default: 2000-01-01T12:00:00]
     #[arg(long, value_name = "DATE", value_parser = start)]
     clock_start: Option<Start>,
+    /// Hold the program's time after its first frame, until `cupola ctl step` or `cupola ctl resume`
+    #[arg(long, requires = "clock")]
+    pub pause: bool,
+    /// File by which `cupola serve` holds the program's time.
+    #[arg(long, value_name = "FILE", hide = true)]
+    clock_page: Option<PathBuf>,
 }
 
 /// A frame rate.
@@ -42,6 +50,17 @@ impl Options {
     /// True if the program's dates start at the time of its start.
     pub fn starts_now(&self) -> bool {
         self.clock_start == Some(Start::Now)
+    }
+
+    /// Page by which other processes hold the program's time; `None` without a clock.
+    pub fn held(&self) -> Result<Option<Held>, Failure> {
+        let Some(rate) = self.clock else { return Ok(None) };
+        match Held::new(self.clock_page.as_deref(), rate, self.pause) {
+            Ok(held) => Ok(Some(held)),
+            Err(error) if self.pause => Err(Failure::new(format!("--pause: the page of the clock: {error}"))),
+            // Without it the time goes on as usual.
+            Err(_) => Ok(None),
+        }
     }
 
     /// Environment variables of the clock; empty without a clock.

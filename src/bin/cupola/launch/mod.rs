@@ -1,6 +1,7 @@
 //! Requirements of a program that is started with Cupola: the library and the loaders' files.
 
 pub mod clock;
+pub mod held;
 pub mod library;
 pub mod loader;
 pub mod probe;

@@ -128,6 +128,9 @@ fn prepared(arguments: &Arguments, place: &Place) -> Result<(Rig, Option<(u32, u
             "--clock-start now differs from node to node; give a date, for example 2030-12-24T18:00:00",
         ));
     }
+    if arguments.options.clock.pause && !arguments.mirror {
+        return Err(Failure::usage("--pause: the time of several machines cannot be held; leave this option out"));
+    }
     if let Some(source) = arguments.input.as_deref().filter(|source| place.number == 0 && !input::is_standard(source)) {
         std::fs::metadata(source).map_err(|error| Failure::usage(format!("--input {}: {error}", source.display())))?;
     }

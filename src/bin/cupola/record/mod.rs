@@ -78,6 +78,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     if options.clock.clock.is_some() {
         return Err(Failure::usage("--clock: a recording has the clock of its --fps; leave this option out"));
     }
+    if options.clock.pause {
+        return Err(Failure::usage("--pause: a recording shows each frame once; leave this option out"));
+    }
     if name.as_deref().is_some_and(|name| name.is_empty() || name != file_name(name)) {
         return Err(Failure::usage("--name: expected the beginning of a file's name, without slashes"));
     }

@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "print_environment")]
     serve: bool,
     /// Print the environment as shell commands and do not start a program
-    #[arg(long)]
+    #[arg(long, conflicts_with = "pause")]
     print_environment: bool,
     /// Program and its arguments
     #[arg(trailing_var_arg = true, required_unless_present = "print_environment")]
@@ -134,6 +134,12 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
         environment.extend(loader::Loader::temporary(scratch.path())?.environment(&display)?);
     }
     environment.extend(display.clone());
+    let held = if switched_off || options.node.is_some() || options.waits_for_readers {
+        None
+    } else {
+        options.clock.held()?
+    };
+    environment.extend(held.as_ref().map(|held| ("CUPOLA_CLOCK_PAGE", Some(held.path().into()))));
 
     let mut command = command(program, given, &options, switched_off);
     if let Some(chosen) = profile.filter(|_| !switched_off) {
@@ -154,6 +160,7 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
     let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);
     let ended = process::run_in_foreground(&mut command, limit).map_err(|error| cannot_start(program, &error))?;
     windows.close();
+    drop(held);
     if let Some(file) = &published {
         // A program that was killed leaves the file behind.
         ring::remove_if_ended(Path::new(file));

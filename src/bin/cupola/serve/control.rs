@@ -5,14 +5,14 @@ use super::pattern::{self, Choice};
 use super::picture::{Pictures, Seen};
 use super::program::{self, Launch, Program};
 use super::scene::Scene;
-use super::working::Working;
+use super::working::{Working, keys};
+use crate::launch::held::Request;
 use cupola::lock::Lock;
 use cupola::rig::{self, Rig};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
-use toml_edit::{DocumentMut, Item};
 
 /// A request to change something or to get information.
 #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -79,8 +79,22 @@ pub enum Command {
     },
     /// Stops the program.
     Stop {},
+    /// Holds the program's time.
+    Pause {},
+    /// Lets the program's time go on.
+    Resume {},
+    /// Lets the program's time go on by single frames.
+    Step {
+        /// Number of frames.
+        #[serde(default = "one")]
+        frames: u64,
+    },
     /// Ends the server; only through the Unix socket.
     Quit {},
+}
+
+fn one() -> u64 {
+    1
 }
 
 /// The rig with everything that is computed from it.
@@ -186,6 +200,9 @@ impl Server {
             }
             Command::Start { program, command } => self.start(program, command, is_trusted)?,
             Command::Stop {} => self.program.stop(),
+            Command::Pause {} => self.launch.hold(Request::Hold)?,
+            Command::Resume {} => self.launch.hold(Request::Release)?,
+            Command::Step { frames } => self.launch.hold(Request::Step(frames))?,
             Command::Quit {} if is_trusted => self.program.leave(),
             Command::Quit {} => return Err("only cupola ctl on the same machine ends the server".to_owned()),
         }
@@ -310,6 +327,7 @@ impl Server {
             "frame_milliseconds": self.seen().frame_milliseconds(),
             "memory": { "program": self.program.memory(), "server": program::own_memory() },
             "statistics": statistics.filter(|_| status.runs),
+            "clock": self.launch.time().filter(|_| status.runs),
         })
     }
 }
@@ -334,48 +352,4 @@ impl Desk {
         }
         self.places.0
     }
-}
-
-/// Keys of a rig as `set` takes them, with their values.
-fn keys(working: &Working) -> Vec<Value> {
-    let names: Vec<&str> = working.rig().outputs.iter().map(|output| output.name.as_str()).collect();
-    let document: DocumentMut = working.text().parse().unwrap_or_default();
-    let described = working.keys().into_iter().filter_map(|key| {
-        let path = match key.path.strip_prefix("output[") {
-            Some(rest) => {
-                let (index, rest) = rest.split_once("].")?;
-                format!("output.{}.{rest}", names.get(index.parse::<usize>().ok()?)?)
-            }
-            None => key.path.clone(),
-        };
-        // Elements of lists have no path of their own.
-        let mut described = serde_json::to_value(&key).ok().filter(|_| !path.contains('['))?;
-        described["value"] = value(document.as_item(), &key.path).unwrap_or(Value::Null);
-        described["key"] = path.into();
-        described.as_object_mut()?.remove("path");
-        Some(described)
-    });
-    described.collect()
-}
-
-/// Value at a path such as `output[0].blend.ramp`.
-fn value(item: &Item, path: &str) -> Option<Value> {
-    let mut item = item;
-    for part in path.split('.') {
-        let (name, index) = part.strip_suffix(']').and_then(|part| part.split_once('[')).unwrap_or((part, ""));
-        item = item.get(name)?;
-        if !index.is_empty() {
-            item = item.get(index.parse::<usize>().ok()?)?;
-        }
-    }
-    json_of(item.as_value()?)
-}
-
-fn json_of(value: &toml_edit::Value) -> Option<Value> {
-    if let Some(list) = value.as_array() {
-        return Some(Value::Array(list.iter().filter_map(json_of).collect()));
-    }
-    let float = value.as_float().map(Value::from);
-    let whole = value.as_integer().map(Value::from);
-    float.or(whole).or(value.as_bool().map(Value::from)).or(value.as_str().map(Value::from))
 }

@@ -21,6 +21,7 @@ pub mod socket;
 mod working;
 
 use crate::failure::Failure;
+use crate::launch::clock::{Rate, rate};
 use crate::launch::loader::Scratch;
 use access::Access;
 use control::{Command, Server};
@@ -74,6 +75,12 @@ pub struct Arguments {
     /// File of marks, as `cupola calibrate` reads it: the page adds those that are made on it
     #[arg(long, value_name = "FILE.csv")]
     marks: Option<PathBuf>,
+    /// Let the programs' clocks go on by 1/FPS with each frame, so that their time can be held
+    #[arg(long, value_name = "FPS", value_parser = rate)]
+    clock: Option<Rate>,
+    /// Hold the time of each program after its first frame
+    #[arg(long, requires = "clock")]
+    pause: bool,
     /// Do not start PROGRAM at once
     #[arg(long)]
     idle: bool,
@@ -121,6 +128,10 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         options.extend(["--size".into(), format!("{width}x{height}").into()]);
     }
     options.extend(arguments.headless.then(|| "--headless".into()));
+    if let Some(Rate { frames, seconds }) = arguments.clock {
+        options.extend(["--clock".into(), format!("{frames}/{seconds}").into()]);
+    }
+    options.extend(arguments.pause.then(|| "--pause".into()));
     let mut programs = Vec::new();
     if let Some(name) = arguments.command.first() {
         programs.push((name.to_string_lossy().into_owned(), arguments.command.clone()));
@@ -156,6 +167,7 @@ fn serve(
         working_file: scratch.path().join("rig.toml"),
         ring: ring_file(),
         statistics: scratch.path().join("statistics.json"),
+        clock: scratch.path().join("clock"),
     };
     let (program, supervised) = Program::new();
     let server = Server::new(rigs, programs, launch.clone(), program, marks, scratch.path()).map_err(Failure::usage)?;

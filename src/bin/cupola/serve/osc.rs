@@ -93,6 +93,13 @@ fn command(message: &OscMessage) -> Result<Command, String> {
         ["pattern"] => Command::Pattern(Choice { parts: words, ..Choice::default() }),
         ["start"] => Command::Start { program: first(), command: None },
         ["stop"] => Command::Stop {},
+        ["pause"] => Command::Pause {},
+        ["resume"] => Command::Resume {},
+        ["step"] => {
+            let frames = first().map_or(Ok(1.0), |word| word.parse::<f64>());
+            let frames = frames.ok().filter(|frames| *frames >= 0.0 && frames.fract() == 0.0);
+            Command::Step { frames: frames.ok_or("expected a number of frames")? as u64 }
+        }
         _ => return Err("this address is not known, or lacks its value".to_owned()),
     })
 }

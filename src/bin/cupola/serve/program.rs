@@ -1,7 +1,9 @@
 //! The program on the dome: start, stop, messages, and memory.
 
+use crate::launch::held::{self, Request};
 use cupola::lock::Lock;
 use cupola::system::process;
+use serde_json::Value;
 use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read};
@@ -36,6 +38,26 @@ pub struct Launch {
     pub ring: PathBuf,
     /// File to which the library writes statistics.
     pub statistics: PathBuf,
+    /// File by which the program's time is held, if it has a virtual clock.
+    pub clock: PathBuf,
+}
+
+impl Launch {
+    /// Executes a request for the program's time.
+    ///
+    /// # Errors
+    /// The program has no virtual clock.
+    pub fn hold(&self, request: Request) -> Result<(), String> {
+        held::apply(&self.clock, request).map(drop).map_err(|_| {
+            "no program with a virtual clock runs: its time can be held if the server was started with --clock FPS"
+                .to_owned()
+        })
+    }
+
+    /// State of the program's time; `None` without a virtual clock.
+    pub fn time(&self) -> Option<Value> {
+        held::state(&self.clock).ok()
+    }
 }
 
 /// State of the program.
@@ -153,12 +175,13 @@ pub fn supervise(supervised: &Supervised, launch: &Launch, is_once: bool) {
 
 impl Supervised {
     fn start(&self, name: String, command: &[OsString], launch: &Launch) -> Option<Child> {
-        for file in [&launch.statistics, &launch.ring] {
+        for file in [&launch.statistics, &launch.ring, &launch.clock] {
             // An earlier program may have left the file behind.
             let _ = std::fs::remove_file(file);
         }
         let mut run = Command::new(std::env::current_exe().unwrap_or_else(|_| "cupola".into()));
-        run.arg("run").args(&launch.options).arg("--rig").arg(&launch.working_file).arg("--").args(command);
+        run.arg("run").args(&launch.options).arg("--rig").arg(&launch.working_file);
+        run.arg("--clock-page").arg(&launch.clock).arg("--").args(command);
         run.env("CUPOLA_PUBLISH", &launch.ring)
             .env("CUPOLA_PUBLISH_RATE", RATE)
             .env("CUPOLA_STATS", &launch.statistics)

@@ -98,6 +98,11 @@ fn answer(line: &str, server: &Server) -> Value {
     }
 }
 
+/// True if a server answers at the usual path.
+pub fn is_there() -> bool {
+    folder().is_ok_and(|folder| UnixStream::connect(folder.join("serve.sock")).is_ok())
+}
+
 /// Sends one request to a server.
 ///
 /// # Errors

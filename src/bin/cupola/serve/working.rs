@@ -5,6 +5,7 @@
 
 use crate::tune;
 use cupola::rig::{self, Rig};
+use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use toml_edit::{DocumentMut, Item, Value};
@@ -238,6 +239,50 @@ fn with_usual_tables(text: &str) -> Option<String> {
         output.entry("blend").or_insert_with(empty);
     }
     Some(document.to_string())
+}
+
+/// Keys of a rig as `set` takes them, with their values.
+pub fn keys(working: &Working) -> Vec<Json> {
+    let names: Vec<&str> = working.rig().outputs.iter().map(|output| output.name.as_str()).collect();
+    let document: DocumentMut = working.text().parse().unwrap_or_default();
+    let described = working.keys().into_iter().filter_map(|key| {
+        let path = match key.path.strip_prefix("output[") {
+            Some(rest) => {
+                let (index, rest) = rest.split_once("].")?;
+                format!("output.{}.{rest}", names.get(index.parse::<usize>().ok()?)?)
+            }
+            None => key.path.clone(),
+        };
+        // Elements of lists have no path of their own.
+        let mut described = serde_json::to_value(&key).ok().filter(|_| !path.contains('['))?;
+        described["value"] = value(document.as_item(), &key.path).unwrap_or(Json::Null);
+        described["key"] = path.into();
+        described.as_object_mut()?.remove("path");
+        Some(described)
+    });
+    described.collect()
+}
+
+/// Value at a path such as `output[0].blend.ramp`.
+fn value(item: &Item, path: &str) -> Option<Json> {
+    let mut item = item;
+    for part in path.split('.') {
+        let (name, index) = part.strip_suffix(']').and_then(|part| part.split_once('[')).unwrap_or((part, ""));
+        item = item.get(name)?;
+        if !index.is_empty() {
+            item = item.get(index.parse::<usize>().ok()?)?;
+        }
+    }
+    json_of(item.as_value()?)
+}
+
+fn json_of(value: &Value) -> Option<Json> {
+    if let Some(list) = value.as_array() {
+        return Some(Json::Array(list.iter().filter_map(json_of).collect()));
+    }
+    let float = value.as_float().map(Json::from);
+    let whole = value.as_integer().map(Json::from);
+    float.or(whole).or(value.as_bool().map(Json::from)).or(value.as_str().map(Json::from))
 }
 
 #[cfg(test)]

@@ -63,6 +63,8 @@ function take(state) {
   $('save').disabled = !rig.changed;
   $('save').classList.toggle('bright', rig.changed);
   $('stop').disabled = !program.runs;
+  $('time').hidden = !state.clock;
+  $('hold').textContent = state.clock && state.clock.held ? '▶ Go on' : '⏸ Hold';
   document.title = `${rig.changed ? '• ' : ''}${rig.title} – Cupola`;
   options($('only'), ['all outputs', ...rig.outputs], state.pattern.only || 'all outputs');
   for (const button of $('parts').children) button.classList.toggle('on', state.pattern.parts.includes(button.dataset.part));
@@ -90,6 +92,7 @@ function showHealth(state) {
   const s = state.statistics, rows = [['Rig', state.rig.name], ['Program', program.name ? `${program.name}${program.runs ? '' : ' (not running)'}` : 'none']];
   if (program.ended) rows.push(['It ended', program.ended]);
   if (milliseconds && program.runs) rows.push(['From frame to frame', `${milliseconds.toFixed(2)} ms`]);
+  if (state.clock && state.clock.frame !== null) rows.push(['Time', `frame ${state.clock.frame}, ${state.clock.seconds.toFixed(4)} s${state.clock.held ? ', held' : ''}`]);
   rows.push(['Memory', `${megabytes(state.memory.program)} program, ${megabytes(state.memory.server)} this page's server`]);
   if (s) {
     rows.push(['Graphics driver', s.driver], ['Frames', s.frames], ['Draws of a frame', `${s.draws_seen}, of which ${s.panel_draws} flat`]);
@@ -485,6 +488,8 @@ $('rigs').onchange = async () => {
 };
 $('start').onclick = () => act({ do: 'start', program: $('programs').value });
 $('stop').onclick = () => act({ do: 'stop' });
+$('hold').onclick = () => act({ do: page.state.clock && page.state.clock.held ? 'resume' : 'pause' });
+$('one').onclick = () => act({ do: 'step' });
 document.addEventListener('keydown', event => {
   if (!(event.ctrlKey || event.metaKey)) return;
   const what = { z: event.shiftKey ? 'redo' : 'undo', y: 'redo', s: 'save' }[event.key.toLowerCase()];
