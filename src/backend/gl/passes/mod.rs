@@ -1,6 +1,7 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for the pixels
 //! that are always black. `prepare` makes shaders, rectangles and textures, `present` draws.
 
+mod ahead;
 mod backdrop;
 mod cleared_views;
 mod full_clear;
@@ -70,6 +71,8 @@ pub struct GlBackend {
     binaries: Binaries,
     names: Names,
     outputs: Vec<Output>,
+    /// Programs that the next plan needs and that do not exist yet.
+    ahead: Vec<Specialised>,
     full_clear: Option<FullClear>,
     unsampled: Option<UnsampledAreas>,
     backdrop: Option<Backdrop>,
@@ -107,6 +110,7 @@ impl GlBackend {
             binaries: Binaries::default(),
             names: Names::default(),
             outputs: Vec::new(),
+            ahead: Vec::new(),
             full_clear: None,
             unsampled: None,
             backdrop: None,

@@ -178,14 +178,19 @@ impl GlBackend {
         Ok((outputs, list))
     }
 
+    /// Returns the texts of the program for these constants.
+    pub(super) fn text(&self, constants: &Constants) -> Specialised {
+        let language = if self.caps.gles { Language::Essl300 } else { Language::Glsl330 };
+        specialise(constants, language, self.stage)
+    }
+
     pub(super) fn program(
         &mut self,
         gl: &Gl,
         constants: &Constants,
         old: &mut HashMap<Specialised, u32>,
     ) -> Result<u32> {
-        let language = if self.caps.gles { Language::Essl300 } else { Language::Glsl330 };
-        let text = specialise(constants, language, self.stage);
+        let text = self.text(constants);
         let known = self.names.programs.get(&text).copied().or_else(|| old.remove(&text));
         let program = match known {
             Some(program) => program,

@@ -359,3 +359,40 @@ fn programs_are_inherited_and_given_back_where_preparing_fails() {
     assert!(programs.iter().all(|program| unsafe { gl.is_program(*program) } != 0));
     new.destroy(gl);
 }
+
+/// Programs of the next plan are made while the present one is in use.
+#[test]
+fn programs_of_the_next_plan_are_made_ahead() {
+    for api in [Api::Core, Api::Compatibility, Api::Es3] {
+        let context = headless(api);
+        let gl = &context.gl;
+        let plan = fisheye_plan((256, 256), 3.0, DVec3::ZERO);
+        let mut next = plan.clone();
+        next.passes[0].black_level = 0.1;
+        let mut old = GlBackend::new(gl, context.is_gles).expect("a backend");
+        old.prepare(gl, &plan, false).expect("shaders");
+        let programs = old.programs();
+        let before = snapshot(&context, api);
+        old.look_ahead(&next, false).expect("texts");
+        let mut made = 0;
+        while old.make_ahead(gl).expect("a shader") {
+            made += 1;
+        }
+        assert!(made > 0 && old.programs().len() == programs.len() + made, "{made}");
+        assert_eq!(snapshot(&context, api), before);
+        let mut new = GlBackend::new(gl, context.is_gles).expect("a backend");
+        new.inherit(&mut old);
+        new.prepare(gl, &next, false).expect("shaders");
+        assert_eq!(new.linked(), 0);
+        assert_eq!(new.programs().len(), programs.len(), "programs of the old plan are kept");
+        // Control: a backend that inherits nothing links as many programs as were made, and those
+        // that both plans need.
+        let mut other = GlBackend::new(gl, context.is_gles).expect("a backend");
+        other.prepare(gl, &next, false).expect("shaders");
+        assert!(other.linked() >= made as u64);
+        for mut backend in [old, new, other] {
+            backend.destroy(gl);
+            assert_eq!(backend.errors(), 0);
+        }
+    }
+}

@@ -30,7 +30,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
 
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
     ctx.driver.take_errors();
-    match DefaultFramebuffer::new(ctx, window, settings, extras, None) {
+    match DefaultFramebuffer::new(ctx, window, settings, extras) {
         Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
     }
@@ -77,34 +77,46 @@ fn start_again(ctx: &mut Context) {
     }
 }
 
-/// Uses the present content of the rig file. Must be called between frames. If the rig cannot be
-/// planned, or its images cannot be made, nothing changes.
+/// Uses the present content of the rig file. Must be called between frames. The new rig is planned
+/// in one frame, and its shaders are made in the following ones, so that the program goes on
+/// meanwhile with the old rig. A rig that was begun is finished before a newer one. If the rig
+/// cannot be planned, or its images cannot be made, nothing changes.
 pub fn follow_rig(ctx: &mut Context) {
     let version = live::version();
-    if ctx.drawable.target().is_none_or(|target| target.version == version) {
+    if ctx.drawable.target().is_none_or(|target| target.version == version && target.next.is_none()) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window().cloned()) else { return };
     let Some(mut old) = ctx.drawable.take_target() else { return };
     ctx.driver.take_errors();
-    if live::rig().is_some_and(|live| follows_camera(ctx, &mut old, live)) {
+    if old.next.is_none() && live::rig().is_some_and(|live| follows_camera(ctx, &mut old, live)) {
         view_copies::clear(ctx);
         ctx.drawable.put_target(old);
         start_again(ctx);
         take_own_errors(&mut ctx.driver);
         return;
     }
-    let extras = ctx.frame.draw_count().extras(old.extras());
-    match DefaultFramebuffer::new(ctx, &window, settings, extras, Some(&mut old)) {
-        Ok(new) => {
+    let linked = old.backend.linked();
+    let planned = match (live::rig(), &old.next) {
+        (Some(live), None) => {
+            let extras = ctx.frame.draw_count().extras(old.extras());
+            old.look_ahead(ctx, &window, settings, live, extras)
+        }
+        _ => Ok(()),
+    };
+    let next = planned.and_then(|()| old.next(ctx, &window));
+    ctx.frame.note_linked(old.backend.linked() - linked);
+    match next {
+        Ok(Some(new)) => {
             view_copies::clear(ctx);
             old.destroy(ctx.driver.gl);
             put(ctx, new);
         }
+        Ok(None) => ctx.drawable.put_target(old),
         Err(error) => {
             log::once(&format!("the rig stays as it was: {error}"));
-            old.version = version;
+            (old.version, old.next) = (version, None);
             ctx.drawable.put_target(old);
         }
     }

@@ -14,11 +14,12 @@ use crate::intercept::gl::state::drawable::window_config::Config;
 use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::process::live::{self, Live};
 use crate::intercept::process::settings;
-use crate::rig::Duplicate;
+use crate::rig::{Duplicate, Rig};
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
 use std::cell::Cell;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// Surfaces that replace a window.
 struct Surfaces {
@@ -64,34 +65,66 @@ impl Surfaces {
     }
 }
 
+/// Time in each frame for the shaders of the next rig. A shader that was begun is finished.
+const STEP: Duration = Duration::from_millis(20);
+
+/// Plans `rig` for a window.
+fn plan(ctx: &Context, rig: &Rig, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Session> {
+    let planner = methods::planner(ctx, rig);
+    let mut session = planner(rig, window.size(), settings.offscreen, greatest_texture(ctx.driver.gl), extras)?;
+    let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
+    if rig.views.duplicate == Duplicate::InTurn && perspective {
+        // The panel exists from the start. If it were added later, views that were collected in
+        // the old atlas would be lost.
+        session = session.with(Extras { panel: true, ..extras })?.in_turn();
+    }
+    Ok(session)
+}
+
 impl DefaultFramebuffer {
-    /// Makes a stand-in for a window of the program, with the present rig. It takes over the
-    /// shaders of `old` that are still valid. After an error `old` keeps them.
-    pub fn new(
-        ctx: &Context,
-        window: &Window,
-        settings: &settings::Settings,
-        extras: Extras,
-        old: Option<&mut Self>,
-    ) -> Result<Self> {
-        let gl = ctx.driver.gl;
+    /// Makes a stand-in for a window of the program, with the present rig.
+    pub fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let profile = &ctx.driver.profile;
-        if let Some(name) = gl.missing_command(profile.es, profile.version) {
+        if let Some(name) = ctx.driver.gl.missing_command(profile.es, profile.version) {
             let (major, minor) = (profile.version / 10, profile.version % 10);
             let message = format!("the driver reports OpenGL {major}.{minor}, but does not have {name}");
             return Err(Error::new(ErrorKind::Graphics, message));
         }
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
-        let plan = methods::planner(ctx, &live.rig);
-        let mut session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
-        let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
-        if live.rig.views.duplicate == Duplicate::InTurn && perspective {
-            // The panel exists from the start. If it were added later, views that were collected in
-            // the old atlas would be lost.
-            session = session.with(Extras { panel: true, ..extras })?.in_turn();
+        let session = plan(ctx, &live.rig, window, settings, extras)?;
+        let config = Config::of_window(ctx.driver.gl, &ctx.driver.profile, window);
+        Self::with_session(&ctx.driver, session, config, live, None)
+    }
+
+    /// Plans another rig for the same window, and notes the shaders that it needs. The stand-in
+    /// stays as it is.
+    pub fn look_ahead(
+        &mut self,
+        ctx: &Context,
+        window: &Window,
+        settings: &settings::Settings,
+        live: Live,
+        extras: Extras,
+    ) -> Result<()> {
+        let session = plan(ctx, &live.rig, window, settings, extras)?;
+        self.backend.look_ahead(session.plan(), session.panel().is_some())?;
+        self.next = Some((session, live));
+        Ok(())
+    }
+
+    /// Makes shaders of the next rig for a while. Returns the stand-in with that rig once all of
+    /// them exist; `None`: they are not finished. It takes over the shaders of this stand-in that
+    /// are still valid. After an error this stand-in keeps them.
+    pub fn next(&mut self, ctx: &Context, window: &Window) -> Result<Option<Self>> {
+        let start = Instant::now();
+        while self.backend.make_ahead(ctx.driver.gl)? {
+            if start.elapsed() >= STEP {
+                return Ok(None);
+            }
         }
-        let config = Config::of_window(gl, &ctx.driver.profile, window);
-        Self::with_session(&ctx.driver, session, config, live, old)
+        let Some((session, live)) = self.next.take() else { return Ok(None) };
+        let config = Config::of_window(ctx.driver.gl, &ctx.driver.profile, window);
+        Self::with_session(&ctx.driver, session, config, live, Some(self)).map(Some)
     }
 
     fn with_session(
@@ -132,6 +165,7 @@ impl DefaultFramebuffer {
             session,
             rig,
             version,
+            next: None,
             lenses,
             config,
             surface: drawn,

@@ -8,6 +8,7 @@ use crate::correct::{LowerLeftRect, TexelSpan};
 use crate::error::Result;
 use crate::intercept::gl::state::drawable::cleared_views::Content;
 use crate::intercept::gl::state::drawable::window_config::Config;
+use crate::intercept::process::live::Live;
 use crate::intercept::process::settings;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
@@ -30,6 +31,8 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) rig: Arc<Rig>,
     /// Version of the rig file that the plan follows.
     pub(in crate::intercept::gl) version: u64,
+    /// The rig that follows, and its plan, while its shaders are being made.
+    pub(in crate::intercept::gl) next: Option<(Session, Live)>,
     pub(in crate::intercept::gl) config: Config,
     pub(in crate::intercept::gl) surface: Surface,
     /// Picture of the surface with one sample per pixel, if the surface has several.
