@@ -3,8 +3,8 @@
 use super::patterns::Patterns;
 use super::{Arguments, photographs};
 use crate::failure::Failure;
-use crate::presenter::{Filled, Presenter};
 use crate::terminal;
+use crate::window::presenter::{Filled, Presenter};
 use cupola::rig::{OwnWindow, Rig};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

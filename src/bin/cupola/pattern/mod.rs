@@ -4,7 +4,7 @@ pub mod draw;
 
 use crate::canvas::Canvas;
 use crate::failure::Failure;
-use crate::player::{self, PLAYER};
+use crate::play::player::{self, PLAYER};
 use crate::terminal;
 use cupola::rig::Rig;
 use draw::{Part, Pattern};

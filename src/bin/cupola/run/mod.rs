@@ -7,7 +7,7 @@ mod options;
 use crate::display;
 use crate::failure::Failure;
 use crate::launch::{apply, loader};
-use crate::own_windows;
+use crate::window::opening;
 use cupola::ring;
 use cupola::system::process::{self, Ended};
 use environment::{print_environment, variables};
@@ -153,8 +153,8 @@ pub fn start(mut options: Options, program: &[OsString], inspection: Option<Insp
         eprintln!("cupola: finished pictures are published in {}", file.display());
     }
     let windows = match published.as_deref().filter(|_| !options.waits_for_readers && !switched_off) {
-        Some(file) => own_windows::Windows::open(&options.on_this_node(rig)?, Path::new(file), &display),
-        None => own_windows::Windows::default(),
+        Some(file) => opening::Windows::open(&options.on_this_node(rig)?, Path::new(file), &display),
+        None => opening::Windows::default(),
     };
     // The library ends the program in a frame; only a program that draws none has to be stopped.
     let limit = options.seconds.map(|seconds| seconds + FOR_THE_LAST_FRAME);

@@ -1,8 +1,10 @@
 //! `cupola play`: shows already projected pictures and films, with a player.
 
+pub mod player;
+
 use crate::failure::Failure;
 use crate::launch::loader::Scratch;
-use crate::player::{self, PLAYER};
+use crate::play::player::PLAYER;
 use crate::run::{self, Options};
 use std::ffi::OsString;
 use std::os::unix::ffi::{OsStrExt, OsStringExt};

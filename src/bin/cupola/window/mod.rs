@@ -2,10 +2,16 @@
 //!
 //! It is a process of its own, which reads published frames. If its screen goes away, nothing else
 //! ends.
+//!
+//! [`presenter`] shows pictures on a screen. [`opening`] starts such processes for the outputs of a
+//! rig.
+
+pub mod opening;
+pub mod presenter;
 
 use crate::failure::Failure;
 use crate::pipe::nut;
-use crate::presenter::{Filled, Presenter};
+use crate::window::presenter::{Filled, Presenter};
 use cupola::ring::{self, Frame, Next, Picture, Reader};
 use std::path::PathBuf;
 use std::process::ExitCode;
