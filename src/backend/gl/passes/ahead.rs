@@ -5,9 +5,8 @@ use crate::backend::gl::driver::api::*;
 use crate::backend::gl::objects::program;
 use crate::backend::gl::passes::GlBackend;
 use crate::backend::gl::state;
-use crate::backend::gl::state::known_state::KnownState;
+use crate::correct::Plan;
 use crate::correct::shaders::draws::{Rows, draws};
-use crate::correct::{LowerLeftRect, Plan};
 use crate::error::Result;
 use std::collections::HashSet;
 
@@ -38,31 +37,8 @@ impl GlBackend {
         if let Ok(program) = made {
             self.linked += 1;
             self.names.programs.insert(text, program);
-            self.use_once(gl, program);
         }
         self.count_errors(gl);
         made.map(|_| true)
-    }
-
-    /// Draws nothing to the window with a program. Drivers compile a part of a program when it is
-    /// used first.
-    fn use_once(&self, gl: &Gl, program: u32) {
-        if self.names.vertex_array == 0 || !state::can_draw(gl, &self.caps) {
-            return;
-        }
-        let saved = state::save_and_set(gl, &self.caps, 1, &KnownState::default());
-        state::set_viewport(gl, &self.caps, LowerLeftRect::default());
-        // SAFETY: a context is current; the names are its own, and the buffer has at least one
-        // triangle.
-        unsafe {
-            gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, 0);
-            gl.bind_vertex_array(self.names.vertex_array);
-            gl.use_program(program);
-            // A context may have no window.
-            if gl.check_framebuffer_status(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE {
-                gl.draw_elements(GL_TRIANGLES, 3, GL_UNSIGNED_INT, std::ptr::null());
-            }
-        }
-        state::restore(gl, &self.caps, &saved);
     }
 }
