@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::framebuffer::target::unsampled_areas;
-use crate::intercept::gl::state::drawable::cleared_views::Content;
+use crate::intercept::gl::state::drawable::cleared_views::ViewContents;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::state::drawable::window_config::Config;
@@ -82,7 +82,7 @@ impl DefaultFramebuffer {
             return Err(Error::new(ErrorKind::Graphics, message));
         }
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
-        let plan = methods::planner(ctx, &live.rig);
+        let plan = methods::planner(&ctx.projected, &live.rig);
         let mut session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let perspective = session.views().iter().all(|view| !view.program_lens && view.curved.is_none());
         if live.rig.views.duplicate == Duplicate::InTurn && perspective {
@@ -138,7 +138,7 @@ impl DefaultFramebuffer {
             resolved,
             collected,
             backend,
-            content: Content::default(),
+            content: ViewContents::default(),
             ready: Cell::new(None),
             issued,
             culled,
